@@ -1,0 +1,103 @@
+"""Visual navigation as a dataflow graph: plugin stages, LCM channels, a simulated robot to close the loop."""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from graphnav.errors import DeclarationError, GraphnavError, ParamError, Place, Problem, UserError
+    from graphnav.hooks import hookimpl
+    from graphnav.messages import (
+        About,
+        Flow,
+        Goal,
+        Image,
+        Map,
+        Message,
+        Motion,
+        Planar,
+        PlanarModel,
+        Plane,
+        Potential,
+        State,
+        Status,
+        Steering,
+        Truth,
+        Twist,
+    )
+    from graphnav.record import Recording
+    from graphnav.stage import Finished, Latest, Source, Stage, Stamp, param
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "graphnav.errors": ("DeclarationError", "GraphnavError", "ParamError", "Place", "Problem", "UserError"),
+    "graphnav.hooks": ("hookimpl",),
+    "graphnav.messages": (
+        "About",
+        "Flow",
+        "Goal",
+        "Image",
+        "Map",
+        "Message",
+        "Motion",
+        "Planar",
+        "PlanarModel",
+        "Plane",
+        "Potential",
+        "State",
+        "Status",
+        "Steering",
+        "Truth",
+        "Twist",
+    ),
+    "graphnav.record": ("Recording",),
+    "graphnav.stage": ("Finished", "Latest", "Source", "Stage", "Stamp", "param"),
+}
+_HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "About",
+    "DeclarationError",
+    "Finished",
+    "Flow",
+    "Goal",
+    "GraphnavError",
+    "Image",
+    "Latest",
+    "Map",
+    "Message",
+    "Motion",
+    "ParamError",
+    "Place",
+    "Planar",
+    "PlanarModel",
+    "Plane",
+    "Potential",
+    "Problem",
+    "Recording",
+    "Source",
+    "Stage",
+    "Stamp",
+    "State",
+    "Status",
+    "Steering",
+    "Truth",
+    "Twist",
+    "UserError",
+    "__version__",
+    "hookimpl",
+    "param",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used, so that ``graphnav --help`` loads no numpy."""
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'graphnav' has no attribute '{name}'")
+    value = getattr(importlib.import_module(_HOME_OF[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,74 @@
+"""The command line: ``graphnav COMMAND``."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+COMMANDS = {
+    "run": "run a graph and leave a run folder: log, summary, pictures",
+    "check": "say everything that is wrong with a graph, with line and column",
+    "draw": "draw a graph: boxes in the terminal, svg, mermaid or dot",
+    "stages": "list what can be plugged in, or tell all about one stage",
+    "new-stage": "write a working one-file plugin and its test",
+    "schema": "print the JSON Schema of graphs, for completion in editors",
+    "teach": "run an obstacle-free graph and save the planar model that it learns",
+    "figure": "draw the pictures of a recorded run again",
+    "spy": "show the live channels of a run, or those of a log",
+    "echo": "print the messages of one channel, arrays summarised",
+    "hz": "measure the rate of a channel",
+    "doctor": "say what this machine lacks, with the command that mends it",
+}
+"""Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
+
+USER_ERROR = 2
+FAILED = 1
+INTERRUPTED = 130
+
+
+def build_parser(chosen: str | None) -> argparse.ArgumentParser:
+    """Return the parser; only the ``chosen`` command's module is imported and its options added."""
+    from graphnav import __version__  # noqa: PLC0415
+
+    parser = argparse.ArgumentParser(
+        prog="graphnav", description="Visual navigation as a dataflow graph of plugin stages on LCM channels."
+    )
+    parser.add_argument("--version", action="version", version=f"graphnav {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
+    for name, text in COMMANDS.items():
+        sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        if name == chosen:
+            module = importlib.import_module(f"graphnav.cli.{name.replace('-', '_')}")
+            module.add_arguments(sub)
+            sub.set_defaults(main=module.main)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit status: 0 fine, 1 failed, 2 a user's error, 130 Ctrl-C."""
+    from graphnav.errors import GraphnavError, ParamError, UserError  # noqa: PLC0415
+
+    words = list(sys.argv[1:] if argv is None else argv)
+    chosen = next((word for word in words if not word.startswith("-")), None)
+    args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
+    try:
+        return int(args.main(args))
+    except UserError as error:
+        print(error, file=sys.stderr)
+        if len(error.problems) > 1:
+            print(f"{len(error.problems)} errors", file=sys.stderr)
+        return USER_ERROR
+    except ParamError as error:
+        print(error, file=sys.stderr)
+        return USER_ERROR
+    except GraphnavError as error:
+        print(error, file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        sys.stderr.close()
+        return FAILED

@@ -1,0 +1,85 @@
+"""What can be wrong, said in one shape: where, what, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, order=True)
+class Place:
+    """Where something was written: a file (or the command line), line and column from 1, 0 if unknown."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        if not self.line:
+            return self.file
+        return f"{self.file}:{self.line}:{self.column}" if self.column else f"{self.file}:{self.line}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong: where, what, and an imperative that mends it (empty if there is none)."""
+
+    place: Place | None
+    what: str
+    hint: str = ""
+
+    def __str__(self) -> str:
+        where = f"{self.place}: " if self.place else ""
+        return f"{where}{self.what}" + "".join(f"\n  {line}" for line in self.hint.splitlines())
+
+
+class GraphnavError(Exception):
+    """Base of every error that graphnav raises on purpose."""
+
+
+class UserError(GraphnavError):
+    """Something that a user wrote or asked for is wrong; exit status 2.
+
+    Carries all problems found, sorted by place.
+    """
+
+    def __init__(self, problems: Problem | Iterable[Problem]) -> None:
+        found = [problems] if isinstance(problems, Problem) else list(problems)
+        self.problems = sorted(found, key=lambda p: (p.place or Place(""),))
+        super().__init__("\n".join(map(str, self.problems)))
+
+    @classmethod
+    def of(cls, what: str, hint: str = "", place: Place | None = None) -> UserError:
+        """Return an error with a single problem."""
+        return cls(Problem(place, what, hint))
+
+
+class ParamError(GraphnavError):
+    """A stage's parameter cannot be used; shown at the parameter's place in the graph.
+
+    Raised by ``Stage.check`` and by a stage's construction.
+    """
+
+    def __init__(self, param: str, what: str, hint: str = "") -> None:
+        self.param, self.what, self.hint = param, what, hint
+        super().__init__(f"{param}: {what}" + (f"\n  {hint}" if hint else ""))
+
+
+class DeclarationError(GraphnavError):
+    """A stage or message class is declared in a way that graphnav cannot read."""
+
+
+class StageError(GraphnavError):
+    """A stage raised, or returned what it may not; the run stops, its log is whole; exit status 1."""
+
+    def __init__(self, stage: str, use: str, at_s: float, what: str) -> None:
+        self.stage, self.use, self.at_s, self.what = stage, use, at_s, what
+        super().__init__(f"stage '{stage}' ({use}) failed at {at_s:.2f} s: {what}")
+
+
+class BusError(GraphnavError):
+    """LCM could not be opened or used."""
+
+
+class LogError(GraphnavError):
+    """A log could not be written or read."""

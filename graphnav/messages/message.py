@@ -1,0 +1,86 @@
+"""The base of all messages: frozen dataclasses that name their LCM type."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, ClassVar, Self, dataclass_transform
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav.errors import DeclarationError
+
+Floats = npt.NDArray[np.float32]
+Doubles = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.int32]
+Longs = npt.NDArray[np.int64]
+
+
+def snake_case(name: str) -> str:
+    """Return ``name`` as stages and ports are written: ``PlanarModel`` is ``planar_model``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
+
+
+def may_be_infinite() -> Any:
+    """Return a dataclass field whose floats need not be finite."""
+    return field(metadata={"finite": False})
+
+
+@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field, may_be_infinite))
+class Message:
+    """A value on a channel.
+
+    A subclass is a frozen dataclass of numpy arrays and scalars whose names are fields of its LCM type::
+
+        class Flow(Message, lcm=graphnav_lcm.flow_t): ...
+
+    The LCM type also has ``utime`` and ``seq``, which the runner fills, and the sizes of the arrays, which the codec
+    derives. Received arrays are read-only: copy before writing.
+    """
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+    lcm_class: ClassVar[type]
+    grid: ClassVar[tuple[str, ...]] = ()
+    _floats: ClassVar[tuple[str, ...]]
+
+    def __init_subclass__(cls, lcm: type | None = None, grid: tuple[str, ...] = (), **kwargs: Any) -> None:
+        """Make ``cls`` a frozen dataclass; ``grid`` names the fields that have rows and columns first."""
+        super().__init_subclass__(**kwargs)
+        dataclass(frozen=True, eq=False)(cls)
+        if lcm is None and not hasattr(cls, "lcm_class"):
+            raise DeclarationError(
+                f"message {cls.__name__} names no LCM type: write class {cls.__name__}(Message, lcm=...)"
+            )
+        if lcm is not None:
+            cls.lcm_class = lcm
+        cls.grid = grid or cls.grid
+        cls._floats = tuple(f.name for f in fields(cls) if f.metadata.get("finite", True))
+
+    def lcm_fields(self) -> Mapping[str, Any]:
+        """Return the fields of the LCM type, but for ``utime``, ``seq`` and what array shapes tell."""
+        return self.__dict__
+
+    @classmethod
+    def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
+        """Return the message whose LCM type holds ``values`` (all of its fields)."""
+        return cls(**{f.name: values[f.name] for f in fields(cls)})
+
+    def thin(self, step: int) -> Self:
+        """Return the message with every ``step``-th row and column of its grids, ``step_px`` saying so."""
+        grids = {name: getattr(self, name)[::step, ::step] for name in self.grid}
+        return replace(self, step_px=getattr(self, "step_px") * step, **grids)  # noqa: B009
+
+    def not_finite(self) -> str | None:
+        """Return the name of the first field with a NaN or an infinity where none is allowed."""
+        for name in self._floats:
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray):
+                if value.dtype.kind == "f" and not math.isfinite(value.sum(dtype=np.float64)):
+                    return name
+            elif isinstance(value, float) and not math.isfinite(value):
+                return name
+        return None

@@ -1,0 +1,35 @@
+"""What a run says of itself, on the reserved channels ``graphnav.*``."""
+
+from __future__ import annotations
+
+import graphnav_lcm
+
+from graphnav.messages.message import Doubles, Longs, Message
+
+
+class About(Message, lcm=graphnav_lcm.about_t):
+    """What a log or a live run holds: the resolved graph, the types' text, the type of each channel.
+
+    ``types``: ``package.type_t`` for each of ``channels``. ``run_id`` is empty in a log.
+    """
+
+    graph_yaml: str
+    lcm_text: str
+    run_id: str
+    seed: int
+    channels: tuple[str, ...]
+    types: tuple[str, ...]
+
+
+class Status(Message, lcm=graphnav_lcm.status_t):
+    """The health of a run, live on the tap: one entry a stage.
+
+    ``dropped``: sets of inputs discarded because they stayed incomplete or were overtaken.
+    """
+
+    run_id: str
+    stages: tuple[str, ...]
+    steps: Longs
+    dropped: Longs
+    p50_ms: Doubles
+    tap_dropped: int

@@ -1,0 +1,19 @@
+"""Stages: what people write to plug into a graph."""
+
+from graphnav.stage.param import Param, param, params_of
+from graphnav.stage.port import Latest, Port, Ports, Stamp, ports_of
+from graphnav.stage.stage import Finished, Source, Stage
+
+__all__ = [
+    "Finished",
+    "Latest",
+    "Param",
+    "Port",
+    "Ports",
+    "Source",
+    "Stage",
+    "Stamp",
+    "param",
+    "params_of",
+    "ports_of",
+]

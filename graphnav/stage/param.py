@@ -1,0 +1,200 @@
+"""Parameters of stages: class fields with a default, bounds, a type and help."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import types
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from graphnav.errors import DeclarationError, ParamError
+
+REQUIRED = dataclasses.MISSING
+_SCALARS = (bool, int, float, str, Path)
+_WORDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", Path: "a path"}
+
+
+@dataclass(frozen=True)
+class Param:
+    """What the declaration of a parameter says."""
+
+    name: str
+    type: Any
+    default: Any
+    doc: str
+    ge: float | None = None
+    gt: float | None = None
+    le: float | None = None
+    lt: float | None = None
+
+    @property
+    def required(self) -> bool:
+        """Whether a graph has to give the parameter."""
+        return self.default is REQUIRED
+
+    @property
+    def type_text(self) -> str:
+        """The type as people say it."""
+        return type_text(self.type)
+
+    @property
+    def bounds_text(self) -> str:
+        """The bounds as people write them, empty without any."""
+        signs = ((">=", self.ge), (">", self.gt), ("<=", self.le), ("<", self.lt))
+        return " and ".join(f"{sign} {bound:g}" for sign, bound in signs if bound is not None)
+
+    def parse(self, value: Any) -> Any:
+        """Return ``value`` (from YAML, a command line or Python) as the declared type.
+
+        Raises
+        ------
+        ParamError
+            Another type, not finite, or out of bounds.
+        """
+        parsed = _convert(self.name, self.type, value)
+        for number in parsed if isinstance(parsed, tuple) else (parsed,):
+            if isinstance(number, int | float) and not isinstance(number, bool):
+                self._check_bounds(number)
+        return parsed
+
+    def _check_bounds(self, number: float) -> None:
+        fits = (
+            (self.ge is None or number >= self.ge)
+            and (self.gt is None or number > self.gt)
+            and (self.le is None or number <= self.le)
+            and (self.lt is None or number < self.lt)
+        )
+        if not fits:
+            raise ParamError(self.name, f"'{self.name}' is {number:g}, but must be {self.bounds_text}")
+
+
+def param(
+    default: Any = REQUIRED,
+    *,
+    doc: str,
+    ge: float | None = None,
+    gt: float | None = None,
+    le: float | None = None,
+    lt: float | None = None,
+) -> Any:
+    """Declare a parameter of a stage.
+
+    Parameters
+    ----------
+    default
+        Its value where a graph says nothing; without one the graph has to give it.
+    doc
+        What it means, and what more and less of it does. The unit stands in the name (``_px``, ``_s``, …).
+    ge, gt, le, lt
+        Bounds: at least, above, at most, below. For tuples they hold for every number.
+    """
+    bounds = {"ge": ge, "gt": gt, "le": le, "lt": lt}
+    return dataclasses.field(default=default, kw_only=True, metadata={"doc": doc, "bounds": bounds})
+
+
+def params_of(cls: type) -> dict[str, Param]:
+    """Return the declared parameters of a stage class, in order.
+
+    Raises
+    ------
+    DeclarationError
+        A field without `param`, or of a type that a graph cannot give.
+    """
+    hints = get_type_hints(cls)
+    found = {}
+    for f in dataclasses.fields(cls):
+        if "doc" not in f.metadata:
+            raise DeclarationError(
+                f"field '{f.name}' of {cls.__qualname__} is no parameter: write {f.name}: ... = param(..., doc=...), "
+                f"or make it in reset() if it is state"
+            )
+        if not _is_supported(hints[f.name]):
+            raise DeclarationError(
+                f"parameter '{f.name}' of {cls.__qualname__} has type {hints[f.name]}: "
+                "use bool, int, float, str, Path, Literal, a tuple of them, or one of these | None"
+            )
+        found[f.name] = Param(f.name, hints[f.name], f.default, f.metadata["doc"], **f.metadata["bounds"])
+    return found
+
+
+def type_text(kind: Any) -> str:
+    """Return a parameter's type as people say it: ``"mad" or "otsu"``, ``a number``."""
+    origin, args = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        return _any_of([f'"{a}"' if isinstance(a, str) else str(a) for a in args])
+    if origin is tuple:
+        if args[-1] is Ellipsis:
+            return f"a list, each {type_text(args[0])}"
+        return "[" + ", ".join(type_text(a) for a in args) + "]"
+    if origin in (Union, types.UnionType):
+        return _any_of([type_text(a) for a in args if a is not type(None)] + ["null"])
+    return _WORDS.get(kind, str(kind))
+
+
+def _any_of(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " or " + words[-1]
+
+
+def _is_supported(kind: Any) -> bool:
+    origin, args = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        return True
+    if origin is tuple:
+        return all(a is Ellipsis or _is_supported(a) for a in args)
+    if origin in (Union, types.UnionType):
+        return all(a is type(None) or _is_supported(a) for a in args)
+    return kind in _SCALARS
+
+
+def _convert(name: str, kind: Any, value: Any) -> Any:
+    origin, args = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        if any(value == a and type(value) is type(a) for a in args):
+            return value
+    elif origin is tuple:
+        if isinstance(value, list | tuple):
+            each = [args[0]] * len(value) if args[-1] is Ellipsis else list(args)
+            if len(each) == len(value):
+                return tuple(_convert(name, k, v) for k, v in zip(each, value, strict=True))
+    elif origin in (Union, types.UnionType):
+        return _convert_union(name, kind, value)
+    elif kind is float:
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            if not math.isfinite(value):
+                raise ParamError(name, f"'{name}' is {value}, but must be finite")
+            return float(value)
+    elif kind is Path:
+        if isinstance(value, str | Path) and str(value):
+            return Path(value)
+    elif type(value) is kind:
+        return value
+    raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}")
+
+
+def _convert_union(name: str, kind: Any, value: Any) -> Any:
+    if value is None and type(None) in get_args(kind):
+        return None
+    for member in get_args(kind):
+        if member is type(None):
+            continue
+        try:
+            return _convert(name, member, value)
+        except ParamError:
+            continue
+    raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}")
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f"the text '{value}'" if len(value) <= 60 else f"a text of {len(value)} characters"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)}"
+    return str(value)

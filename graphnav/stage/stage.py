@@ -1,0 +1,89 @@
+"""The stage: parameters, state and ``step``."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, dataclass_transform
+
+from graphnav.errors import ParamError
+from graphnav.stage.param import param, params_of
+
+
+@dataclass_transform(kw_only_default=True, eq_default=False, field_specifiers=(param,))
+class Stage:
+    """A part of a graph that turns messages into messages.
+
+    Parameters are class fields declared with `param`; ports are the annotations of ``step``, which a subclass
+    defines; state lives in ``_underscored`` attributes made in `reset`. A stage knows no bus, clock or network: a test
+    calls it directly::
+
+        smooth = Smooth(alpha=0.3)
+        smooth.reset(seed=0)
+        mean = smooth.step(flow)
+    """
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Make the annotated fields of ``cls`` parameters of its constructor."""
+        super().__init_subclass__(**kwargs)
+        dataclasses.dataclass(kw_only=True, eq=False)(cls)
+
+    def __post_init__(self) -> None:
+        """Convert and check the parameters.
+
+        Raises
+        ------
+        ParamError
+            A value of the wrong type or out of bounds.
+        """
+        for name, declared in params_of(type(self)).items():
+            value = getattr(self, name)
+            try:
+                setattr(self, name, declared.parse(value))
+            except ParamError:
+                if value is not declared.default:
+                    raise
+
+    def reset(self, seed: int) -> None:
+        """Make the state anew; all randomness derives from ``seed``."""
+
+    def check(self) -> None:
+        """Look at what the parameters name (files, devices) before anything runs.
+
+        Raises
+        ------
+        ParamError
+            It cannot be used; shown at the parameter's place in the graph.
+        """
+
+    def summary(self) -> Mapping[str, float]:
+        """Return figures for the run's summary; they become the columns of every table."""
+        return {}
+
+    def close(self) -> None:
+        """Release what `reset` or `step` opened; called once after the last step, also after a failure."""
+
+
+class Source(Stage):
+    """A stage that the clock fires, not a message: a world, a video, a camera.
+
+    Its ``step`` may take `Latest` inputs and a `Stamp`, nothing else. It ends the run with `Finished`.
+    """
+
+    rate_hz: float = param(10.0, gt=0.0, le=10_000.0, doc="firings per second")
+
+    def rate(self) -> float:
+        """Return firings per second; asked once, after `reset`."""
+        return self.rate_hz
+
+
+class Finished(Exception):  # noqa: N818 - it is no error
+    """Raised by a source's ``step`` to end the run; ``outputs`` are published first.
+
+    ``outcome`` is one word: "goal", "contact" or "end".
+    """
+
+    def __init__(self, outcome: str, outputs: Any = None) -> None:
+        super().__init__(outcome)
+        self.outcome = outcome
+        self.outputs = outputs

@@ -1,0 +1,1 @@
+"""Graphs, maps and planar models that ship."""
