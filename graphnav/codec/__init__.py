@@ -1,0 +1,8 @@
+"""LCM bytes and numpy arrays: what lcm-gen's Python does, fast."""
+
+from graphnav.codec.compiled import Codec, codec_of
+from graphnav.codec.envelope import decode, encode
+from graphnav.codec.errors import DecodeError, EncodeError
+from graphnav.codec.layout import fingerprint, lcm_name
+
+__all__ = ["Codec", "DecodeError", "EncodeError", "codec_of", "decode", "encode", "fingerprint", "lcm_name"]

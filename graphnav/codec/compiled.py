@@ -1,0 +1,140 @@
+"""LCM types compiled to codecs."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import struct
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from graphnav.codec.errors import DecodeError, EncodeError
+from graphnav.codec.layout import Field, fields_of, fingerprint, lcm_name
+from graphnav.codec.nested import Shape
+from graphnav.codec.parts import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, Text, Values
+
+
+class Codec:
+    """Moves the fields of one LCM type to bytes and back.
+
+    The bytes are those of lcm-gen's own encoder. Arrays of numbers are numpy arrays, received native-endian and
+    read-only; arrays of strings and of structs are tuples (arrays of objects if they have several axes); a struct is
+    a dict.
+    """
+
+    def __init__(self, lcm_class: type, under_way: Mapping[type, Codec] | None = None) -> None:
+        self.name = lcm_name(lcm_class)
+        self.fingerprint = fingerprint(lcm_class)
+        fields = fields_of(lcm_class)
+        self.fields = tuple(field.name for field in fields)
+        self._known = frozenset(self.fields)
+        self._sizes = tuple({dim for field in fields for dim in field.dims if isinstance(dim, str)})
+        self.least_bytes = 0
+        self._parts: list[Part] = []
+        self._arrays: list[ArrayPart] = []
+        for part in self._compile(fields, {**(under_way or {}), lcm_class: self}):
+            self._parts.append(part)
+            self.least_bytes += part.least_bytes
+
+    def encode(self, fields: Mapping[str, Any]) -> bytes:
+        """Return the message. Fields that hold array sizes may be left out; where they are given, they must agree.
+
+        Raises EncodeError, naming the field.
+        """
+        out: list[Any] = [self.fingerprint]
+        self.encode_into(fields, out)
+        return b"".join(out)
+
+    def decode(self, data: bytes) -> Values:
+        """Return all fields of a message; raises DecodeError for anything that is none of this type."""
+        if data[:8] != self.fingerprint:
+            raise DecodeError(f"no {self.name}: it begins with {data[:8].hex()}, not {self.fingerprint.hex()}")
+        try:
+            values, end = self.decode_from(data, 8)
+        except (DecodeError, struct.error) as error:
+            raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: {error}") from error
+        except RecursionError as error:
+            raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: nested too deep") from error
+        if end != len(data):
+            raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: it ends at {end}")
+        return values
+
+    def encode_into(self, fields: Mapping[str, Any], out: list[Any]) -> None:
+        """Append the bytes of a struct without its fingerprint."""
+        try:
+            self._check_names(fields)
+            values = self._take_arrays(fields) if self._arrays else fields
+            for part in self._parts:
+                part.encode(values, out)
+        except KeyError as error:
+            raise EncodeError(f"{self.name}.{error.args[0]} is missing") from error
+        except EncodeError as error:
+            if str(error).startswith(self.name):
+                raise
+            raise EncodeError(f"{self.name}.{error}") from error
+
+    def decode_from(self, data: bytes, at: int) -> tuple[Values, int]:
+        """Return the struct at an offset and the offset behind it."""
+        values: Values = {}
+        for part in self._parts:
+            at = part.decode(data, at, values)
+        return values, at
+
+    def _check_names(self, fields: Mapping[str, Any]) -> None:
+        if not isinstance(fields, Mapping):
+            raise EncodeError(f"{self.name}: expected a mapping, found {fields!r}")
+        if not self._known.issuperset(fields):
+            raise EncodeError(f"{self.name} has no field {', '.join(sorted(set(fields) - self._known))}")
+
+    def _take_arrays(self, fields: Mapping[str, Any]) -> Values:
+        """Return the fields with arrays as their parts want them and with every size."""
+        values = dict(fields)
+        sizes: dict[str, int] = {name: fields[name] for name in self._sizes if name in fields}
+        for array in self._arrays:
+            try:
+                shape, values[array.name] = array.take(fields[array.name])
+            except EncodeError as error:
+                raise EncodeError(f"{array.name}: {error}") from error
+            _agree(array, shape, sizes)
+        for name in self._sizes:
+            values[name] = sizes.get(name, 0)
+        return values
+
+    def _compile(self, fields: list[Field], under_way: Mapping[type, Codec]) -> Iterator[Part]:
+        """Yield the parts; a type inside itself finds its own codec among those ``under_way``."""
+
+        def is_scalar(field: Field) -> bool:
+            return not field.dims and field.struct is None and field.primitive != "string"
+
+        for scalar, group in itertools.groupby(fields, is_scalar):
+            if scalar:
+                yield Scalars(list(group))
+                continue
+            for field in group:
+                codec = None
+                if field.struct is not None:
+                    codec = under_way.get(field.struct) or Codec(field.struct, under_way)
+                if field.dims:
+                    number = codec is None and field.primitive != "string"
+                    array: ArrayPart = NumberArray(field) if number else ElementArray(field, codec)
+                    self._arrays.append(array)
+                    yield array
+                else:
+                    yield Text(field.name) if codec is None else Nested(field.name, codec)
+
+
+@functools.cache
+def codec_of(lcm_class: type) -> Codec:
+    """Return the codec of an lcm-gen class."""
+    return Codec(lcm_class)
+
+
+def _agree(array: ArrayPart, shape: Shape, sizes: dict[str, int]) -> None:
+    """Check a shape against the sizes known so far and add those that it tells."""
+    for dim, size in zip(array.dims, shape, strict=True):
+        if size is None:
+            continue
+        expected = dim if isinstance(dim, int) else sizes.setdefault(dim, size)
+        if expected != size:
+            wanted = ", ".join(str(d) if isinstance(d, int) else f"{d}={sizes.get(d, '?')}" for d in array.dims)
+            raise EncodeError(f"{array.name}: expected shape ({wanted}), found {shape}")

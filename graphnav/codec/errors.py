@@ -1,0 +1,13 @@
+"""What can go wrong between fields and bytes."""
+
+from __future__ import annotations
+
+from graphnav.errors import GraphnavError
+
+
+class EncodeError(GraphnavError):
+    """The fields do not fit their LCM type."""
+
+
+class DecodeError(GraphnavError):
+    """The bytes are no message of the expected LCM type."""

@@ -1,0 +1,60 @@
+"""What an lcm-gen class says of its own layout."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from typing import Any, NamedTuple
+
+Dim = int | str
+"""The size of an array's axis: a number, or the name of the field that holds it."""
+
+
+class Field(NamedTuple):
+    """A field of an LCM type; ``dims`` is empty for a scalar, ``struct`` is None for a primitive."""
+
+    name: str
+    primitive: str
+    dims: tuple[Dim, ...]
+    struct: type | None
+
+
+PRIMITIVES = {
+    "int8_t": "b",
+    "int16_t": "h",
+    "int32_t": "i",
+    "int64_t": "q",
+    "byte": "B",
+    "float": "f",
+    "double": "d",
+    "boolean": "?",
+    "string": "",
+}
+"""The `struct` codes of LCM's primitives; a string has a length of its own."""
+
+
+def lcm_name(lcm_class: type) -> str:
+    """Return the name that the type has in LCM: ``graphnav_lcm.flow_t``."""
+    return ".".join([*lcm_class.__module__.split(".")[:-1], lcm_class.__name__])
+
+
+def fingerprint(lcm_class: Any) -> bytes:
+    """Return the 8 bytes that every message of the type begins with."""
+    packed: bytes = lcm_class._get_packed_fingerprint()  # noqa: SLF001, lcm-gen's only name for it
+    return packed
+
+
+def fields_of(lcm_class: Any) -> list[Field]:
+    """Return the fields of an lcm-gen class in the order of the wire."""
+    columns = zip(lcm_class.__slots__, lcm_class.__typenames__, lcm_class.__dimensions__, strict=True)
+    return [
+        Field(name, typename, tuple(dims or ()), None if typename in PRIMITIVES else _struct(lcm_class, typename))
+        for name, typename, dims in columns
+    ]
+
+
+def _struct(lcm_class: type, typename: str) -> type:
+    """Return the class of a nested type, as the generated module itself would find it."""
+    package, *path = typename.split(".")
+    found: type = functools.reduce(getattr, path, vars(sys.modules[lcm_class.__module__])[package])
+    return found
