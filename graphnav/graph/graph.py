@@ -1,0 +1,72 @@
+"""A checked graph: wiring, firing order, options."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from graphnav.graph.node import Channel, Node
+
+Record = Literal["all", "small"]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What ``run:`` says."""
+
+    until_s: float | None = None
+    """When to stop, in seconds of the graph's clock; None runs until a source finishes."""
+    seed: int = 0
+    """All randomness of a run derives from it."""
+    record: Record = "all"
+    """``small`` keeps only messages below 4 kB in the log."""
+    url: str = "memq://"
+    """Where the channels are: ``memq://`` inside the process, ``udpm://...`` between processes."""
+
+
+@dataclass(frozen=True)
+class Graph:
+    """What is left of a graph when nothing is wrong with it."""
+
+    path: Path
+    about: str
+    nodes: tuple[Node, ...]
+    """All stages, in the file's order."""
+    order: tuple[Node, ...]
+    """Stages that are no sources, in firing order: writers before readers, ties in the file's order."""
+    channels: Mapping[str, Channel]
+    """By reference (``stage.port``), in the file's order."""
+    run: RunOptions
+    notices: tuple[str, ...] = ()
+    """What swaps rewired, pruned and set to defaults, and what is accepted but not used."""
+    deploy: Mapping[str, Any] = field(default_factory=dict)
+    """Which processes the stages would run in; lockstep does not use it."""
+    inputs: Mapping[str, Any] = field(default_factory=dict)
+    """How joins would hold messages in real time; lockstep does not use it."""
+
+    @property
+    def sources(self) -> tuple[Node, ...]:
+        """The stages that the clock fires, in the file's order."""
+        return tuple(node for node in self.nodes if node.is_source)
+
+    @property
+    def url(self) -> str:
+        """The bus."""
+        return self.run.url
+
+    def node(self, name: str) -> Node:
+        """Return the stage called ``name``."""
+        return next(node for node in self.nodes if node.name == name)
+
+    def to_yaml(self, *, absolute_paths: bool = False) -> str:
+        """Return the graph as YAML with every parameter's value; it loads again.
+
+        The text is the same on every machine: paths stand as they were written. With ``absolute_paths`` those that were
+        found beside the graph or in the working folder are made absolute, so that the text can be loaded from another
+        folder.
+        """
+        from graphnav.graph.resolved import resolved_yaml  # noqa: PLC0415 - it needs this module
+
+        return resolved_yaml(self, absolute_paths=absolute_paths)

@@ -1,0 +1,104 @@
+"""The parts of a checked graph: channels, inputs, settings, nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+from graphnav.errors import ParamError, Place, Problem, UserError
+from graphnav.messages import Message
+from graphnav.stage import Port, Source, Stage
+
+
+@dataclass(frozen=True)
+class Channel:
+    """The LCM channel of one output port."""
+
+    ref: str
+    """``stage.port``, as graphs refer to it."""
+    name: str
+    """The name on the bus: the same, unless ``channels`` renames it."""
+    message: type[Message]
+
+    @property
+    def stage(self) -> str:
+        """The stage that writes it."""
+        return self.ref.partition(".")[0]
+
+    @property
+    def port(self) -> str:
+        """The output port that writes it."""
+        return self.ref.partition(".")[2]
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input port and the channel that feeds it, None for an unconnected `Latest`."""
+
+    port: Port
+    channel: Channel | None
+    note: str = ""
+    """How a swap came to this wire, empty if the graph says it."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A parameter's value and where it came from."""
+
+    value: Any
+    """What the stage gets: the declared type, paths resolved."""
+    written: Any
+    """What was written, for graphs that are written again: paths as the user gave them."""
+    origin: str
+    """``graph``, ``default`` or ``--set``."""
+    place: Place
+    """The value's place; that of the stage, for a default."""
+
+
+@dataclass(frozen=True)
+class Node:
+    """A stage of a graph."""
+
+    name: str
+    use: str
+    stage_class: type[Stage]
+    settings: Mapping[str, Setting]
+    """Every parameter, in the order of declaration."""
+    inputs: tuple[Input, ...]
+    outputs: Mapping[str, Channel]
+    """By the name of the port, in the order of declaration."""
+    place: Place
+    use_note: str = ""
+    """The ``--set`` that put this stage here, empty if the graph says it."""
+
+    @cached_property
+    def params(self) -> Mapping[str, Any]:
+        """Every parameter and the value that the stage gets."""
+        return MappingProxyType({name: setting.value for name, setting in self.settings.items()})
+
+    @property
+    def is_source(self) -> bool:
+        """Whether the clock fires it."""
+        return issubclass(self.stage_class, Source)
+
+    def make(self) -> Stage:
+        """Return a new stage with these parameters.
+
+        Raises
+        ------
+        UserError
+            The stage refuses a parameter, shown at its place.
+        """
+        try:
+            return self.stage_class(**self.params)
+        except ParamError as error:
+            raise UserError(self.problem(error)) from error
+
+    def problem(self, error: ParamError) -> Problem:
+        """Return a parameter's error as a problem at the parameter's place."""
+        setting = self.settings.get(error.param)
+        what = error.what if f"'{error.param}'" in error.what else f"'{error.param}': {error.what}"
+        return Problem(setting.place if setting else self.place, f"{self.use}: {what}", error.hint)
