@@ -1,0 +1,71 @@
+"""A pinhole camera on a mast at the robot's centre, looking forward and down."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Doubles = npt.NDArray[np.float64]
+
+FARTHEST_FLOOR_M = 20.0
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where the camera sits and how it maps rays to pixels.
+
+    C has x right, y down, z along the optical axis. The centre of pixel (r, c) has coordinates x = c, y = r; the
+    optical axis meets the middle of the picture. ``tilt_deg`` is measured from the horizontal, down.
+    """
+
+    height_m: float = 1.0
+    tilt_deg: float = 75.0
+    fov_deg: float = 70.0
+    cols: int = 160
+    rows: int = 120
+
+    @property
+    def focal_px(self) -> float:
+        """Focal length, from the horizontal field of view."""
+        return self.cols / 2 / math.tan(math.radians(self.fov_deg) / 2)
+
+    @property
+    def center_px(self) -> tuple[float, float]:
+        """Where the optical axis meets the picture: x, y."""
+        return (self.cols - 1) / 2, (self.rows - 1) / 2
+
+    @property
+    def R_RC(self) -> Doubles:  # noqa: N802  # the robotics notation for a rotation from C to R
+        """Return the rotation from C to R; its columns are the camera's axes in the robot's frame."""
+        c, s = math.cos(math.radians(self.tilt_deg)), math.sin(math.radians(self.tilt_deg))
+        return np.array([[0.0, -s, c], [-1.0, 0.0, 0.0], [0.0, -c, -s]])
+
+    def rays(self) -> Doubles:
+        """Return the ray of every pixel in C, (rows, cols, 3), scaled to a depth (z) of one."""
+        cx, cy = self.center_px
+        x, y = np.meshgrid(np.arange(self.cols) - cx, np.arange(self.rows) - cy)
+        return np.stack([x / self.focal_px, y / self.focal_px, np.ones_like(x)], axis=-1)
+
+    def pose(self, x_m: float, y_m: float, yaw_rad: float) -> tuple[Doubles, Doubles]:
+        """Return (R_WC, position in W) of the camera of a robot at this pose."""
+        c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+        R_WR = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return R_WR @ self.R_RC, np.array([x_m, y_m, self.height_m])
+
+    def project(self, points_C: Doubles) -> Doubles:
+        """Return the pixel coordinates (x, y), float64 (..., 2), of points in front of the camera, (..., 3)."""
+        return points_C[..., :2] / points_C[..., 2:] * self.focal_px + np.array(self.center_px)
+
+    def footprint_m(self) -> Doubles:
+        """Return the outline on the floor of what the camera sees, (4, 2) in R.
+
+        Cut at 20 m: a camera that sees the horizon sees without end.
+        """
+        cx, cy = (self.cols / 2) / self.focal_px, (self.rows / 2) / self.focal_px
+        corners = np.array([[-cx, cy, 1.0], [cx, cy, 1.0], [cx, -cy, 1.0], [-cx, -cy, 1.0]]) @ self.R_RC.T
+        reach = self.height_m / np.maximum(-corners[:, 2], self.height_m / FARTHEST_FLOOR_M)
+        outline: Doubles = corners[:, :2] * reach[:, None]
+        return outline

@@ -1,0 +1,150 @@
+"""Outlines from above: what shapes on the floor look like as polygons, and their convex parts.
+
+Outlines are float64 (n, 2) in metres, counterclockwise, without repeating the first vertex.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Doubles = npt.NDArray[np.float64]
+
+CIRCLE_SIDES = 16
+SHARPEST_MITRE = 4.0
+"""How far, in half thicknesses, the corner of a wall may reach out."""
+
+
+def circle(x_m: float, y_m: float, radius_m: float, sides: int = CIRCLE_SIDES) -> Doubles:
+    """Return a regular polygon with the area of the circle."""
+    turn = 2 * math.pi / sides
+    angles = (np.arange(sides) + 0.5) * turn
+    radius = radius_m * math.sqrt(turn / math.sin(turn))
+    return np.stack([x_m + radius * np.cos(angles), y_m + radius * np.sin(angles)], axis=1)
+
+
+def box(x_m: float, y_m: float, length_m: float, width_m: float, turn_rad: float) -> Doubles:
+    """Return a rectangle around a centre; ``length_m`` lies along ``turn_rad``."""
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.array([length_m, width_m]) / 2
+    c, s = math.cos(turn_rad), math.sin(turn_rad)
+    turned: Doubles = corners @ np.array([[c, s], [-s, c]]) + np.array([x_m, y_m])
+    return turned
+
+
+def arc(center_m: Sequence[float], radius_m: float, from_rad: float, to_rad: float) -> Doubles:
+    """Return points on an arc, ends included; a chord leaves the arc by at most 2 mm."""
+    step = 2 * math.acos(max(1 - 0.002 / radius_m, 0.5))
+    angles = np.linspace(from_rad, to_rad, max(2, math.ceil(abs(to_rad - from_rad) / step) + 1))
+    return np.asarray(center_m) + radius_m * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def signed_area(outline: Doubles) -> float:
+    """Return the area of a polygon, positive if it runs counterclockwise."""
+    x, y = outline[:, 0], outline[:, 1]
+    return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def counterclockwise(outline: Doubles) -> Doubles:
+    """Return the outline running counterclockwise."""
+    return outline if signed_area(outline) >= 0 else outline[::-1].copy()
+
+
+def crosses_itself(outline: Doubles) -> bool:
+    """Whether two sides of a closed outline that are no neighbours touch."""
+    n = len(outline)
+    sides = [(outline[i], outline[(i + 1) % n]) for i in range(n)]
+    pairs = ((i, j) for i in range(n) for j in range(i + 2, n) if (i, j) != (0, n - 1))
+    return any(_segments_touch(*sides[i], *sides[j]) for i, j in pairs)
+
+
+def contains(outline: Doubles, x_m: float, y_m: float) -> bool:
+    """Whether a point lies inside an outline (even-odd rule)."""
+    a, b = outline, np.roll(outline, -1, axis=0)
+    above = (a[:, 1] > y_m) != (b[:, 1] > y_m)
+    rise = np.where(above, b[:, 1] - a[:, 1], 1.0)
+    at = a[:, 0] + (y_m - a[:, 1]) * (b[:, 0] - a[:, 0]) / rise
+    return bool(np.count_nonzero(above & (x_m < at)) % 2)
+
+
+def distance(outline: Doubles, x_m: float, y_m: float) -> float:
+    """Return how far a point is from an outline's area, zero inside."""
+    if contains(outline, x_m, y_m):
+        return 0.0
+    a, b = outline, np.roll(outline, -1, axis=0)
+    p, along = np.array([x_m, y_m]), b - a
+    share = np.clip(((p - a) * along).sum(1) / np.maximum((along * along).sum(1), 1e-12), 0, 1)
+    return float(np.min(np.linalg.norm(a + share[:, None] * along - p, axis=1)))
+
+
+def convex_parts(outline: Doubles) -> list[Doubles]:
+    """Return convex polygons that tile a simple counterclockwise outline (triangles if it is not convex)."""
+    if all(_turn(*outline.take([i - 1, i, i + 1], axis=0, mode="wrap")) >= 0 for i in range(len(outline))):
+        return [outline]
+    left = list(range(len(outline)))
+    parts = []
+    while len(left) > 3:
+        ear = next((i for i in range(len(left)) if _is_ear(outline, left, i)), 0)
+        parts.append(outline[[left[ear - 1], left[ear], left[(ear + 1) % len(left)]]])
+        del left[ear]
+    return [*parts, outline[left]]
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A wall from above: the two rims of a thick polyline, vertex by vertex, both (n, 2)."""
+
+    left: Doubles
+    right: Doubles
+    closed: bool
+
+    @property
+    def pieces(self) -> list[Doubles]:
+        """The convex quads between consecutive vertices, (4, 2): right, right next, left next, left."""
+        n = len(self.left)
+        ends = [(i, (i + 1) % n) for i in range(n if self.closed else n - 1)]
+        return [np.array([self.right[i], self.right[j], self.left[j], self.left[i]]) for i, j in ends]
+
+    @property
+    def outline(self) -> Doubles:
+        """One outline; that of a closed strip has a seam of no width."""
+        if not self.closed:
+            return np.concatenate([self.right, self.left[::-1]])
+        left, right = self.left[::-1], self.right
+        return np.concatenate([right, right[:1], left[-1:], left])
+
+
+def strip(points_m: Doubles, thickness_m: float, *, closed: bool) -> Strip:
+    """Return the strip of a polyline with mitred corners (very sharp ones are cut)."""
+    along = (np.roll(points_m, -1, axis=0) if closed else points_m[1:]) - (points_m if closed else points_m[:-1])
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    normals = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    before = np.roll(normals, 1, axis=0) if closed else np.concatenate([normals[:1], normals])
+    after = normals if closed else np.concatenate([normals, normals[-1:]])
+    mitre = before + after
+    reach = 2.0 / np.maximum((mitre * mitre).sum(1, keepdims=True), 4 / SHARPEST_MITRE**2)
+    offset = mitre * reach * (thickness_m / 2)
+    return Strip(points_m + offset, points_m - offset, closed)
+
+
+def _turn(a: Doubles, b: Doubles, c: Doubles) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def _segments_touch(a: Doubles, b: Doubles, c: Doubles, d: Doubles) -> bool:
+    sides = _turn(a, b, c), _turn(a, b, d), _turn(c, d, a), _turn(c, d, b)
+    if sides == (0.0, 0.0, 0.0, 0.0):
+        return bool(np.all(np.minimum(a, b) <= np.maximum(c, d)) and np.all(np.minimum(c, d) <= np.maximum(a, b)))
+    return sides[0] * sides[1] <= 0 and sides[2] * sides[3] <= 0
+
+
+def _is_ear(outline: Doubles, left: list[int], i: int) -> bool:
+    a, b, c = (outline[left[k % len(left)]] for k in (i - 1, i, i + 1))
+    if _turn(a, b, c) <= 0:
+        return False
+    corners = {left[i - 1], left[i], left[(i + 1) % len(left)]}
+    others = (outline[k] for k in left if k not in corners)
+    return not any(min(_turn(a, b, p), _turn(b, c, p), _turn(c, a, p)) >= 0 for p in others)
