@@ -1,1 +1,16 @@
-"""Stages of the family ``flow``."""
+"""Stages of the family ``flow``: dense optical flow, by several methods and from the truth."""
+
+from __future__ import annotations
+
+from graphnav import Stage, hookimpl
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    """Return the stages; their modules are imported only now."""
+    from graphnav_flow.dis import Dis  # noqa: PLC0415
+    from graphnav_flow.farneback import Farneback  # noqa: PLC0415
+    from graphnav_flow.lucas_kanade import LucasKanade  # noqa: PLC0415
+    from graphnav_flow.truth import Truth  # noqa: PLC0415
+
+    return [LucasKanade, Dis, Farneback, Truth]

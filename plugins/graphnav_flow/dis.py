@@ -1,0 +1,52 @@
+"""Dense optical flow by dense inverse search, through OpenCV."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import cv2
+
+from graphnav import Flow, Image, Stage, Stamp, param
+from graphnav_flow.frames import Frames, Gray
+from graphnav_flow.validity import texture, trusted
+
+_PRESETS = {
+    "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
+    "fast": cv2.DISOPTICAL_FLOW_PRESET_FAST,
+    "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
+}
+
+
+class Dis(Stage):
+    """Dense optical flow by dense inverse search [K], OpenCV's implementation.
+
+    The first image gives no flow.
+
+    References
+    ----------
+    .. [K] T. Kroeger, R. Timofte, D. Dai, L. Van Gool, Fast Optical Flow using Dense Inverse Search, ECCV 2016.
+    """
+
+    preset: Literal["ultrafast", "fast", "medium"] = param(
+        "medium", doc="ultrafast and fast leave out the finest layers; medium refines on half the resolution"
+    )
+    margin_px: float = param(4.0, ge=0.0, doc="vectors from or at places nearer to the border than this are not valid")
+    least_texture: float = param(
+        4.0, ge=0.0, doc="squared gray per pixel: least eigenvalue of the structure tensor of a valid vector"
+    )
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget the last image."""
+        self._frames = Frames()
+        self._last: Gray | None = None
+        self._search = cv2.DISOpticalFlow.create(_PRESETS[self.preset])
+
+    def step(self, image: Image, stamp: Stamp) -> Flow | None:
+        """Return the flow since the last image, None for the first."""
+        gray, interval_us = self._frames.next(image, stamp)
+        last, self._last = self._last, gray
+        if last is None:
+            return None
+        uv_px = -self._search.calc(gray, last, None)
+        valid = trusted(uv_px, self.margin_px, texture(gray), self.least_texture)
+        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)

@@ -1,0 +1,60 @@
+"""Dense optical flow by Farneback's polynomial expansion, through OpenCV."""
+
+from __future__ import annotations
+
+import cv2
+
+from graphnav import Flow, Image, Stage, Stamp, param
+from graphnav_flow.frames import Frames, Gray
+from graphnav_flow.validity import texture, trusted
+
+
+class Farneback(Stage):
+    """Dense optical flow by polynomial expansion [F], OpenCV's implementation.
+
+    The first image gives no flow.
+
+    References
+    ----------
+    .. [F] G. Farneback, Two-Frame Motion Estimation Based on Polynomial Expansion, SCIA 2003.
+    """
+
+    layers: int = param(
+        3, ge=0, le=8, doc="layers above the base: each doubles the displacement that can be followed; OpenCV makes none "
+        "with a side below 32 pixels"
+    )
+    window_px: int = param(15, ge=3, le=63, doc="side of the averaging window: more is smoother and blurs edges")
+    iterations: int = param(3, ge=1, le=20, doc="iterations on each layer")
+    expansion_px: int = param(5, ge=3, le=9, doc="side of the neighbourhood of the polynomial expansion")
+    expansion_sigma_px: float = param(1.2, gt=0.0, le=3.0, doc="its Gaussian weight; 1.1 to 1.5 go with 5 to 7 px")
+    margin_px: float = param(4.0, ge=0.0, doc="vectors from or at places nearer to the border than this are not valid")
+    least_texture: float = param(
+        4.0, ge=0.0, doc="squared gray per pixel: least eigenvalue of the structure tensor of a valid vector"
+    )
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget the last image."""
+        self._frames = Frames()
+        self._last: Gray | None = None
+
+    def step(self, image: Image, stamp: Stamp) -> Flow | None:
+        """Return the flow since the last image, None for the first."""
+        gray, interval_us = self._frames.next(image, stamp)
+        last, self._last = self._last, gray
+        if last is None:
+            return None
+        back_px = cv2.calcOpticalFlowFarneback(
+            gray,
+            last,
+            None,
+            pyr_scale=0.5,
+            levels=self.layers,
+            winsize=self.window_px,
+            iterations=self.iterations,
+            poly_n=self.expansion_px,
+            poly_sigma=self.expansion_sigma_px,
+            flags=0,
+        )
+        uv_px = -back_px
+        valid = trusted(uv_px, self.margin_px, texture(gray), self.least_texture)
+        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)

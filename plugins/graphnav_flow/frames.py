@@ -1,0 +1,49 @@
+"""The images that an estimator sees, one after the other: gray, of one size, with the time between them."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Image, Stamp
+
+Gray = npt.NDArray[np.uint8]
+
+
+class Frames:
+    """Turns a sequence of images into gray ones and measures the intervals.
+
+    The first image fixes the size of all others.
+    """
+
+    def __init__(self) -> None:
+        self._shape: tuple[int, ...] | None = None
+        self._last: Stamp | None = None
+
+    def next(self, image: Image, stamp: Stamp) -> tuple[Gray, int]:
+        """Return ``image`` as uint8 (rows, cols) and the microseconds since the one before, 0 for the first.
+
+        Raises
+        ------
+        ValueError
+            The size differs from that of the first image.
+        """
+        shape = image.pixels.shape[:2]
+        if self._shape is None:
+            self._shape = shape
+        elif shape != self._shape:
+            raise ValueError(
+                f"the image is {shape[1]}x{shape[0]}, but the ones before were {self._shape[1]}x{self._shape[0]}"
+            )
+        interval_us = 0 if self._last is None else stamp - self._last
+        self._last = stamp
+        return to_gray(image), interval_us
+
+
+def to_gray(image: Image) -> Gray:
+    """Return the brightness of ``image``, uint8 (rows, cols), which is its pixels themselves if it is gray."""
+    if image.pixels.ndim == 2:
+        return image.pixels
+    gray: Gray = cv2.cvtColor(image.pixels, cv2.COLOR_RGB2GRAY)
+    return gray

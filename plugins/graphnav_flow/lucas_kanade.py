@@ -1,0 +1,106 @@
+"""Dense optical flow by pyramidal Lucas-Kanade."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from graphnav import Flow, Image, Stage, Stamp, param
+from graphnav_flow.frames import Frames
+from graphnav_flow.pyramid import Plane32, Pyramid, build_pyramid
+from graphnav_flow.refinement import Refinement
+from graphnav_flow.validity import Uv, trusted
+
+_ITERATIONS = 2
+_OUTLIER_MEDIAN_PX = 3
+_EDGE_MEDIAN_PX = 5
+
+
+class LucasKanade(Stage):
+    """Dense optical flow by pyramidal Lucas-Kanade.
+
+    From the coarsest layer down: warp the last image by the flow found so far, solve, upsample [OI, Algorithm 1]. A
+    vector for every pixel. It solves for the flow itself instead of for a correction, with the mean of both images'
+    gradients, and continues the flow where the last image does not reach (`Refinement`); each layer ends with a median
+    that removes outliers and keeps edges.
+
+    The first image gives no flow. Where neither image has texture the flow is finite, small and not valid.
+
+    References
+    ----------
+    .. [OI] N. Ohnishi, A. Imiya, Combination of Supervised and Unsupervised Methods for Navigation Path Mining,
+       Algorithm 1.
+    .. [LK] B. D. Lucas, T. Kanade, An Iterative Image Registration Technique with an Application to Stereo Vision,
+       IJCAI 1981.
+    """
+
+    layers: int = param(
+        3,
+        ge=0,
+        le=8,
+        doc="K, layers above the base: each doubles the displacement that can be followed; an image too small for "
+        "them gets fewer",
+    )
+    window_radius_px: int = param(
+        4, ge=1, le=30, doc="the window reaches so far to each side: more is smoother and blurs obstacles' edges"
+    )
+    regularization: float = param(
+        1.0,
+        gt=0.0,
+        doc="squared gray per pixel: texture that it takes to move the flow off the layer above's",
+    )
+    smooth_px: int = param(5, ge=1, le=31, doc="side of the box that averages the result; 1 leaves it as it is")
+    margin_px: float = param(4.0, ge=0.0, doc="vectors from or at places nearer to the border than this are not valid")
+    least_texture: float = param(
+        4.0, ge=0.0, doc="squared gray per pixel: least eigenvalue of the structure tensor of a valid vector"
+    )
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget the last image."""
+        self._frames = Frames()
+        self._last: Pyramid | None = None
+        self._refinements: list[Refinement] = []
+
+    def step(self, image: Image, stamp: Stamp) -> Flow | None:
+        """Return the flow since the last image, None for the first."""
+        gray, interval_us = self._frames.next(image, stamp)
+        last, self._last = self._last, build_pyramid(gray, self.layers)
+        if last is None:
+            self._refinements = self._buffers(self._last)
+            return None
+        uv_px = self._solve(self._last, last)
+        texture = self._refinements[0].texture()
+        valid = trusted(uv_px, self.margin_px, texture, self.least_texture)
+        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
+
+    def _buffers(self, pyramid: Pyramid) -> list[Refinement]:
+        window_px = 2 * self.window_radius_px + 1
+        return [
+            Refinement(rows, cols, window_px, self.regularization, zoom=1 if layer else 2)
+            for layer, (rows, cols) in enumerate(plane.shape for plane in pyramid.layers)
+        ]
+
+    def _solve(self, now: Pyramid, last: Pyramid) -> Uv:
+        """Return the displacement since the last frame: the one back to it, negated."""
+        u = np.zeros_like(now.layers[-1])
+        v = np.zeros_like(now.layers[-1])
+        for layer in reversed(range(len(now.layers))):
+            target = now.layers[layer]
+            source = last.layers[layer] if layer else last.doubled
+            if u.shape != target.shape:
+                u, v = _upsample(u, target.shape), _upsample(v, target.shape)
+            for _ in range(_ITERATIONS):
+                self._refinements[layer].improve(target, source, u, v)
+            median_px = _OUTLIER_MEDIAN_PX if layer else _EDGE_MEDIAN_PX
+            u, v = cv2.medianBlur(u, median_px), cv2.medianBlur(v, median_px)
+        box = (self.smooth_px, self.smooth_px)
+        uv_px: Uv = cv2.merge([cv2.blur(u, box), cv2.blur(v, box)])
+        np.negative(uv_px, out=uv_px)
+        return uv_px
+
+
+def _upsample(field: Plane32, shape: tuple[int, ...]) -> Plane32:
+    """Return ``field``, a displacement, on the layer below, whose pixels are half as large."""
+    larger: Plane32 = cv2.resize(field, (shape[1], shape[0]))
+    larger *= 2
+    return larger

@@ -1,0 +1,59 @@
+"""Which flow vectors can be trusted: the one rule of all estimators.
+
+A vector is valid where
+
+- the pixel and the place that it came from lie inside the image by a margin: nearer to the border windows reach out
+  of the picture, and what entered the picture since the last frame is extrapolated;
+- the image has texture there in two directions: the smaller eigenvalue of the windowed mean of the gradient's outer
+  product [Shi, Tomasi: Good Features to Track, CVPR 1994] reaches a threshold. Image noise of standard deviation s
+  alone gives about s^2 / 2.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Valid = npt.NDArray[np.uint8]
+Uv = npt.NDArray[np.float32]
+
+
+def came_from_inside(uv_px: Uv, margin_px: float) -> Valid:
+    """Return 1 where a pixel and its source lie inside the image by ``margin_px``, uint8 (rows, cols).
+
+    ``uv_px``: float32 (rows, cols, 2), displacement since the last frame of what is now at the pixel.
+    """
+    rows, cols = uv_px.shape[:2]
+    u, v = cv2.split(uv_px)
+    x = np.arange(cols, dtype=np.float32) - u
+    y = np.arange(rows, dtype=np.float32)[:, None] - v
+    valid: Valid = cv2.inRange(x, margin_px, cols - 1 - margin_px)
+    valid &= cv2.inRange(y, margin_px, rows - 1 - margin_px)
+    valid &= 1
+    border = int(np.ceil(margin_px))
+    if border:
+        valid[:border] = valid[-border:] = valid[:, :border] = valid[:, -border:] = 0
+    return valid
+
+
+def least_eigenvalue(uu: Uv, uv: Uv, vv: Uv) -> Uv:
+    """Return the smaller eigenvalue of the symmetric matrices [[uu, uv], [uv, vv]], float32 (rows, cols)."""
+    least: Uv = (uu + vv - cv2.magnitude(uu - vv, 2 * uv)) / 2
+    return least
+
+
+def texture(gray: npt.NDArray[np.uint8], window_px: int = 9) -> Uv:
+    """Return the smaller eigenvalue of the structure tensor of ``gray``, (gray / px)^2, float32 (rows, cols)."""
+    gu = cv2.Sobel(gray, cv2.CV_32F, 1, 0, ksize=1, scale=0.5)
+    gv = cv2.Sobel(gray, cv2.CV_32F, 0, 1, ksize=1, scale=0.5)
+    window = (window_px, window_px)
+    uu, uv, vv = (cv2.blur(one * other, window) for one, other in ((gu, gu), (gu, gv), (gv, gv)))
+    return least_eigenvalue(uu, uv, vv)
+
+
+def trusted(uv_px: Uv, margin_px: float, eigenvalue: Uv, least_texture: float) -> Valid:
+    """Return 1 where a vector is valid by both parts of the rule, uint8 (rows, cols)."""
+    inside = came_from_inside(uv_px, margin_px)
+    inside &= eigenvalue >= least_texture
+    return inside
