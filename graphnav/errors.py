@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -69,12 +70,26 @@ class DeclarationError(GraphnavError):
     """A stage or message class is declared in a way that graphnav cannot read."""
 
 
+class CatalogError(UserError):
+    """A stage is not in the catalog, or its plugin cannot be used; shown at the ``use`` that asked for it."""
+
+    def __init__(self, what: str, hint: str = "") -> None:
+        self.what, self.hint = what, hint
+        super().__init__(Problem(None, what, hint))
+
+
 class StageError(GraphnavError):
     """A stage raised, or returned what it may not; the run stops, its log is whole; exit status 1."""
 
     def __init__(self, stage: str, use: str, at_s: float, what: str) -> None:
         self.stage, self.use, self.at_s, self.what = stage, use, at_s, what
         super().__init__(f"stage '{stage}' ({use}) failed at {at_s:.2f} s: {what}")
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return the hint that proposes the known word nearest to ``word``, empty if none is near."""
+    near = difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.6)
+    return f"did you mean '{near[0]}'?" if near else ""
 
 
 class BusError(GraphnavError):

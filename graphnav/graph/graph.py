@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from graphnav.errors import ParamError, Problem, UserError
 from graphnav.graph.node import Channel, Node
+from graphnav.stage import Stage
 
 Record = Literal["all", "small"]
 
@@ -60,13 +62,34 @@ class Graph:
         """Return the stage called ``name``."""
         return next(node for node in self.nodes if node.name == name)
 
-    def to_yaml(self, *, absolute_paths: bool = False) -> str:
+    def make_stages(self) -> dict[str, Stage]:
+        """Return new stages by name, after each has looked at what its parameters name (`Stage.check`).
+
+        Raises
+        ------
+        UserError
+            All parameters that cannot be used, each at its place.
+        """
+        stages: dict[str, Stage] = {}
+        problems: list[Problem] = []
+        for node in self.nodes:
+            try:
+                stages[node.name] = node.stage_class(**node.params)
+                stages[node.name].check()
+            except ParamError as error:
+                problems.append(node.problem(error))
+            except UserError as error:
+                problems.extend(error.problems)
+        if problems:
+            raise UserError(problems)
+        return stages
+
+    def to_yaml(self, *, portable_paths: bool = True) -> str:
         """Return the graph as YAML with every parameter's value; it loads again.
 
-        The text is the same on every machine: paths stand as they were written. With ``absolute_paths`` those that were
-        found beside the graph or in the working folder are made absolute, so that the text can be loaded from another
-        folder.
+        The text is the same on every machine: paths stand as they were written. Without ``portable_paths`` those that
+        were found beside the graph or in the working folder are made absolute, so that the text loads from any folder.
         """
         from graphnav.graph.resolved import resolved_yaml  # noqa: PLC0415 - it needs this module
 
-        return resolved_yaml(self, absolute_paths=absolute_paths)
+        return resolved_yaml(self, portable_paths=portable_paths)

@@ -8,7 +8,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from graphnav.errors import ParamError, Place, Problem, UserError
+from graphnav.errors import ParamError, Place, Problem
 from graphnav.messages import Message
 from graphnav.stage import Port, Source, Stage
 
@@ -51,7 +51,9 @@ class Setting:
     value: Any
     """What the stage gets: the declared type, paths resolved."""
     written: Any
-    """What was written, for graphs that are written again: paths as the user gave them."""
+    """What was written: paths as the user gave them."""
+    anywhere: Any
+    """The same with paths that hold in any folder."""
     origin: str
     """``graph``, ``default`` or ``--set``."""
     place: Place
@@ -83,19 +85,6 @@ class Node:
     def is_source(self) -> bool:
         """Whether the clock fires it."""
         return issubclass(self.stage_class, Source)
-
-    def make(self) -> Stage:
-        """Return a new stage with these parameters.
-
-        Raises
-        ------
-        UserError
-            The stage refuses a parameter, shown at its place.
-        """
-        try:
-            return self.stage_class(**self.params)
-        except ParamError as error:
-            raise UserError(self.problem(error)) from error
 
     def problem(self, error: ParamError) -> Problem:
         """Return a parameter's error as a problem at the parameter's place."""

@@ -1,0 +1,209 @@
+"""The catalog: the installed stage classes, by ``family.stage``."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+import traceback
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pluggy
+
+import graphnav.hooks
+from graphnav.errors import CatalogError, DeclarationError, did_you_mean
+from graphnav.messages import snake_case
+from graphnav.stage import Source, Stage, params_of, ports_of
+
+GROUP = "graphnav"
+"""The group of entry points; an entry point's name is a family, its value a module with hooks."""
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+
+
+class Catalog:
+    """Finds stage classes; imports only the families that are asked for."""
+
+    def __init__(self) -> None:
+        self._plugins = pluggy.PluginManager(graphnav.hooks.PROJECT)
+        self._plugins.add_hookspecs(graphnav.hooks)
+        self._entry_points: dict[str, list[EntryPoint]] = {}
+        self._stages: dict[str, dict[str, type[Stage]]] = {}
+        self._origins: dict[str, str] = {}
+        self._files: dict[str, list[str]] = {}
+        self._loaded: set[str] = set()
+        for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
+            self._entry_points.setdefault(point.name, []).append(point)
+
+    @property
+    def hook(self) -> pluggy.HookRelay:
+        """The hooks of every family and file that is loaded."""
+        return self._plugins.hook
+
+    def families(self) -> tuple[str, ...]:
+        """Return the names of all families, imported or not, sorted."""
+        return tuple(sorted({*self._entry_points, *self._files}))
+
+    def names(self, family: str) -> tuple[str, ...]:
+        """Return the names of a family's stages, sorted.
+
+        Raises
+        ------
+        CatalogError
+            There is no such family, or one of its packages cannot be used.
+        """
+        self.load(family)
+        return tuple(sorted(self._stages.get(family, {})))
+
+    def stage(self, use: str) -> type[Stage]:
+        """Return the class that ``family.stage`` names.
+
+        Raises
+        ------
+        CatalogError
+            There is none, it is declared wrongly, or a package of its family cannot be used.
+        """
+        family, dot, name = use.partition(".")
+        if not dot:
+            raise CatalogError(f"'{use}' names no stage", self._hint_without_family(use))
+        if family not in self.families():
+            hint = did_you_mean(family, self.families()) or f"families are {', '.join(self.families())}"
+            raise CatalogError(f"there is no family '{family}'", hint)
+        names = self.names(family)
+        if name not in names:
+            hint = did_you_mean(name, names) or (f"it has {', '.join(names)}" if names else "it has no stages")
+            raise CatalogError(f"family '{family}' has no stage '{name}'", hint)
+        cls = self._stages[family][name]
+        try:
+            _check_declaration(cls)
+        except DeclarationError as error:
+            raise CatalogError(f"{self._origins[use]}: {error}") from error
+        return cls
+
+    def origin(self, use: str) -> str:
+        """Return the package or file that a loaded stage comes from."""
+        return self._origins[use]
+
+    def load(self, family: str) -> None:
+        """Import the packages of a family.
+
+        Raises
+        ------
+        CatalogError
+            There is no such family, or one of its packages cannot be used.
+        """
+        if family in self._loaded:
+            return
+        if family not in self.families():
+            raise CatalogError(f"there is no family '{family}'", did_you_mean(family, self.families()))
+        for point in self._entry_points.get(family, []):
+            origin = f"package {point.dist.name}" if point.dist else f"module {point.value}"
+            try:
+                module = point.load()
+            except Exception as error:
+                raise CatalogError(
+                    f"family '{family}' cannot be imported from {origin}: {type(error).__name__}: {error}"
+                ) from error
+            self._register(family, module, origin)
+        self._loaded.add(family)
+
+    def add_file(self, path: Path) -> str:
+        """Add the stages of a one-file plugin; return its family: its constant ``FAMILY``, else the file's stem.
+
+        Raises
+        ------
+        CatalogError
+            It cannot be read, imported or used.
+        """
+        module = _import_file(path)
+        family = getattr(module, "FAMILY", path.stem)
+        if not isinstance(family, str) or not _NAME.fullmatch(family):
+            raise CatalogError(
+                f"plugin {path}: {family!r} cannot be a family: it must match {_NAME.pattern}",
+                "write FAMILY = '...' in the file",
+            )
+        if family in self._entry_points:
+            self.load(family)
+        self._files.setdefault(family, []).append(str(path))
+        self._register(family, module, str(path))
+        self._loaded.add(family)
+        return family
+
+    def _register(self, family: str, module: ModuleType, origin: str) -> None:
+        if self._plugins.is_registered(module):
+            return
+        try:
+            self._plugins.register(module, name=f"{family}: {origin}")
+            self._plugins.check_pending()
+        except pluggy.PluginValidationError as error:
+            raise CatalogError(f"{origin}: {' '.join(str(error).split())}") from error
+        for cls in self._stages_of(module, origin):
+            name = snake_case(cls.__name__)
+            use = f"{family}.{name}"
+            if use in self._origins:
+                raise CatalogError(f"'{use}' comes from {self._origins[use]} and from {origin}", "remove or rename one")
+            self._stages.setdefault(family, {})[name] = cls
+            self._origins[use] = origin
+
+    def _stages_of(self, module: ModuleType, origin: str) -> list[type[Stage]]:
+        others: list[Any] = [plugin for plugin in self._plugins.get_plugins() if plugin is not module]
+        found = self._plugins.subset_hook_caller("graphnav_stages", others)()
+        stages = [cls for classes in found for cls in classes]
+        for cls in stages:
+            if not (isinstance(cls, type) and issubclass(cls, Stage)):
+                raise CatalogError(f"{origin}: graphnav_stages() returns {cls!r}, which is no Stage class")
+        return stages
+
+    def _hint_without_family(self, word: str) -> str:
+        if word in self.families():
+            names = ", ".join(f"{word}.{name}" for name in self.names(word))
+            return f"write one of {names}" if names else f"family '{word}' has no stages"
+        for family in self.families():
+            try:
+                if word in self.names(family):
+                    return f"write '{family}.{word}'"
+            except CatalogError:
+                continue
+        return "write family.stage, as 'graphnav stages' lists them"
+
+
+def _check_declaration(cls: type[Stage]) -> None:
+    ports = ports_of(cls)
+    params_of(cls)
+    plain = [port.name for port in ports.inputs if not port.latest]
+    if issubclass(cls, Source) and plain:
+        raise DeclarationError(
+            f"{cls.__qualname__} is a Source, but its input '{plain[0]}' is not sampled: use Latest[...], or Stage"
+        )
+    if not issubclass(cls, Source) and not plain:
+        raise DeclarationError(
+            f"nothing fires {cls.__qualname__}: it is no Source and has no plain input; derive it from Source"
+        )
+
+
+def _import_file(path: Path) -> ModuleType:
+    if not path.is_file():
+        near = did_you_mean(path.name, (p.name for p in path.parent.glob("*.py")))
+        raise CatalogError(f"plugin {path}: there is no such file", near)
+    name = f"graphnav_plugin_{path.stem}_{len(sys.modules)}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise CatalogError(f"plugin {path}: it is no Python file", "give it the suffix .py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except SyntaxError as error:
+        raise CatalogError(f"plugin {path}:{error.lineno}: {error.msg}") from error
+    except Exception as error:
+        lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+        where = f"{path}:{lines[-1]}" if lines else str(path)
+        raise CatalogError(f"plugin {where}: {type(error).__name__}: {error}") from error
+    if not any(hasattr(module, name) for name in ("graphnav_stages", "graphnav_draw")):
+        raise CatalogError(
+            f"plugin {path}: it has no hook", "write @hookimpl above def graphnav_stages() -> list[type[Stage]]"
+        )
+    return module

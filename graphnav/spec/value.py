@@ -1,0 +1,50 @@
+"""What a YAML file holds, every value with its place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from graphnav.errors import Place
+from graphnav.spec.scalar import Scalar
+
+
+@dataclass(frozen=True)
+class Value:
+    """A scalar, a list of values, or a mapping of text to entries."""
+
+    data: Scalar | list[Value] | dict[str, Entry]
+    place: Place
+
+    def plain(self) -> Any:
+        """Return the value without places."""
+        if isinstance(self.data, list):
+            return [item.plain() for item in self.data]
+        if isinstance(self.data, dict):
+            return {key: entry.value.plain() for key, entry in self.data.items()}
+        return self.data
+
+    @property
+    def kind(self) -> str:
+        """What it is, as people say it."""
+        match self.data:
+            case dict():
+                return "a mapping"
+            case list():
+                return "a list"
+            case None:
+                return "empty"
+            case bool():
+                return "true" if self.data else "false"
+            case str():
+                return f"the text '{self.data}'" if len(self.data) <= 60 else f"a text of {len(self.data)} characters"
+            case _:
+                return f"the number {self.data}"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What stands under a key, and where the key stands."""
+
+    place: Place
+    value: Value
