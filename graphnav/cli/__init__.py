@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
+
+from graphnav.cli.status import FAILED, INTERRUPTED, USER_ERROR
 
 COMMANDS = {
     "run": "run a graph and leave a run folder: log, summary, pictures",
@@ -23,9 +26,8 @@ COMMANDS = {
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
 
-USER_ERROR = 2
-FAILED = 1
-INTERRUPTED = 130
+_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")
+"""Set before numpy and OpenCV load: thread counts change results and times, parallel work is many processes."""
 
 
 def build_parser(chosen: str | None) -> argparse.ArgumentParser:
@@ -50,6 +52,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status: 0 fine, 1 failed, 2 a user's error, 130 Ctrl-C."""
     from graphnav.errors import GraphnavError, ParamError, UserError  # noqa: PLC0415
 
+    for variable in _ONE_THREAD:
+        os.environ.setdefault(variable, "1")
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
     args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)

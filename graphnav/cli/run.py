@@ -1,0 +1,118 @@
+"""``graphnav run``: run a graph and leave a run folder."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import traceback
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.cli.options import add_graph_options, load
+from graphnav.cli.status import FAILED, INTERRUPTED, OK
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from graphnav.errors import GraphnavError
+    from graphnav.graph import Graph
+    from graphnav.runner.recorded import LiveSink
+    from graphnav.runner.summary import Summary
+    from graphnav.stage import Stage
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_graph_options(parser)
+    parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
+    parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds of simulated time")
+    parser.add_argument(
+        "--pace", type=float, default=0.0, metavar="X", help="X times wall time; 1 to watch (default: as fast as it goes)"
+    )
+    parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="run folder, new or empty (default: runs/…)")
+    parser.add_argument(
+        "--tap",
+        choices=("thin", "full", "none"),
+        default="thin",
+        help="what goes out for spies and loggers on this machine: thinned to one packet, everything, or nothing",
+    )
+    parser.add_argument("--no-tap", dest="tap", action="store_const", const="none", help="the same as --tap none")
+    parser.add_argument("--video", action="store_true", help="also draw video.mp4")
+    parser.add_argument("--no-pictures", action="store_true", help="leave the pictures to 'graphnav figure'")
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON instead of tables")
+    parser.add_argument("-v", "--verbose", action="store_true", help="show the cause of a failure with its traceback")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.report.folder import make_run_folder  # noqa: PLC0415
+    from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
+    from graphnav.report.table import print_summary  # noqa: PLC0415
+    from graphnav.runner.recorded import LOG, new_run_id  # noqa: PLC0415
+    from graphnav.runner.stages import make_stages  # noqa: PLC0415
+
+    catalog, graph = load(args)
+    stages = make_stages(graph)
+    folder = make_run_folder(args.folder, graph.path.stem)
+    console = Console(stderr=args.json, highlight=False, soft_wrap=True)
+    for notice in graph.notices:
+        console.print(notice, markup=False)
+    run_id = new_run_id()
+    tap = _open_tap(args.tap, run_id, console)
+    summary = _run_with_progress(graph, stages, folder, args, tap, run_id)
+    pictures = []
+    if not args.no_pictures and summary.frames:
+        pictures = draw_pictures(catalog, folder / LOG, folder, video=args.video)
+    if args.json:
+        print(json.dumps(asdict(summary) | {"folder": str(folder)}))
+    else:
+        print_summary(console, summary)
+        console.print(f"{folder}: " + ", ".join([LOG, "graph.yaml", "summary.json", *(p.name for p in pictures)]))
+    if summary.failure:
+        print(summary.failure, file=sys.stderr)
+    return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
+
+
+def _open_tap(mode: str, run_id: str, console: Console) -> LiveSink | None:
+    """Return the tap, or None where it is off or there is no multicast, which is said once."""
+    from graphnav.errors import BusError  # noqa: PLC0415
+    from graphnav.tap import TAP_URL, Tap  # noqa: PLC0415
+
+    if mode == "none":
+        return None
+    try:
+        tap = Tap(mode, run_id)
+    except BusError as error:
+        console.print(f"no tap: {error}", markup=False)
+        return None
+    console.print(f"run {run_id} on {TAP_URL}: watch it with 'graphnav spy'", markup=False)
+    return tap
+
+
+def _run_with_progress(
+    graph: Graph, stages: dict[str, Stage], folder: Path, args: argparse.Namespace, tap: LiveSink | None, run_id: str
+) -> Summary:
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
+    from graphnav.runner.recorded import Pace, run_recorded  # noqa: PLC0415
+
+    def show_cause(error: GraphnavError) -> None:
+        if args.verbose:
+            traceback.print_exception(error)
+
+    with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
+        return run_recorded(
+            graph,
+            stages,
+            folder,
+            pace=Pace(args.pace),
+            tap=tap,
+            run_id=run_id,
+            on_tick=on_tick,
+            on_failure=show_cause,
+        )

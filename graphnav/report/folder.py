@@ -1,0 +1,37 @@
+"""Choose and make the folder of a run."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from graphnav.errors import UserError
+
+
+def make_run_folder(wanted: Path | None, graph_name: str) -> Path:
+    """Return a new or empty folder: ``wanted``, else ``runs/<graph>-<time>``.
+
+    Raises
+    ------
+    UserError
+        ``wanted`` is not empty, is no folder, or cannot be made.
+    """
+    folder = wanted or _unused(Path("runs") / f"{graph_name}-{time.strftime('%Y%m%d-%H%M%S')}")
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise UserError.of(f"{folder} is a file", "choose another folder with -o")
+        folder.mkdir(parents=True, exist_ok=True)
+        if any(folder.iterdir()):
+            raise UserError.of(f"{folder} is not empty", "choose another folder with -o, or remove this one")
+    except OSError as error:
+        raise UserError.of(f"cannot make {folder}: {error.strerror}", "choose another folder with -o") from error
+    return folder
+
+
+def _unused(folder: Path) -> Path:
+    """Return ``folder``, with a number behind it if runs of the same second took it."""
+    number, candidate = 1, folder
+    while candidate.exists():
+        number += 1
+        candidate = folder.with_name(f"{folder.name}-{number}")
+    return candidate

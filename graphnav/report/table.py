@@ -1,0 +1,51 @@
+"""What happened in a run, as a table for the terminal."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.console import Console, Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from graphnav.runner.summary import Summary
+
+_COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
+
+
+def print_summary(console: Console, summary: Summary) -> None:
+    """Print how the run ended, what each stage did and what was scored."""
+    console.print(_headline(summary))
+    tables: list[RenderableType] = [_stages(summary)]
+    if any(summary.scores.values()):
+        tables.append(_scores(summary))
+    console.print(Group(*tables))
+
+
+def _headline(summary: Summary) -> Text:
+    rate = summary.frames / summary.wall_s if summary.wall_s else 0.0
+    text = Text(summary.outcome, style=f"bold {_COLOURS.get(summary.outcome, 'default')}")
+    text.append(f" after {summary.sim_s:.1f} s: {summary.frames} ticks, seed {summary.seed}", style="default not bold")
+    text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} ticks/s)", style="default not bold")
+    return text
+
+
+def _stages(summary: Summary) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("stage")
+    table.add_column("use")
+    for name in ("steps", "p50 ms", "p99 ms", "dropped"):
+        table.add_column(name, justify="right")
+    for name, did in summary.stages.items():
+        table.add_row(name, did.use, str(did.steps), f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", str(did.dropped))
+    return table
+
+
+def _scores(summary: Summary) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("score")
+    table.add_column("figure")
+    table.add_column("value", justify="right")
+    for stage, figures in summary.scores.items():
+        for place, (figure, value) in enumerate(figures.items()):
+            table.add_row("" if place else stage, figure, f"{value:.4g}")
+    return table

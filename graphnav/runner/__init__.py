@@ -1,0 +1,6 @@
+"""The runner: owns stages, bus and clock, and fires stages by the firing rule."""
+
+from graphnav.runner.lockstep import Outcome, Runner
+from graphnav.runner.seeds import seed_of
+
+__all__ = ["Outcome", "Runner", "seed_of"]

@@ -1,0 +1,54 @@
+"""Ctrl-C: ends a run between two ticks, and a step that hangs soon after."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+_PATIENCE_S = 0.5
+
+
+class Interrupt:
+    """While entered, SIGINT and SIGTERM ask the run to stop.
+
+    A tick that does not end within half a second is broken off by `KeyboardInterrupt`, and so is one at the second
+    Ctrl-C. Outside the main thread, where Python delivers no signals, it does nothing.
+    """
+
+    def __init__(self) -> None:
+        self._asked = threading.Event()
+        self._old: dict[int, Any] = {}
+
+    @property
+    def asked(self) -> bool:
+        """Whether the user asked the run to stop."""
+        return self._asked.is_set()
+
+    def wait(self, seconds: float) -> None:
+        """Sleep, but no longer than until the user asks to stop."""
+        self._asked.wait(seconds)
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            self._old = {s: signal.signal(s, self._ask) for s in (signal.SIGINT, signal.SIGTERM)}
+            self._old[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._break_off)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._old:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+        for number, handler in self._old.items():
+            signal.signal(number, handler)
+
+    def _ask(self, number: int, frame: FrameType | None) -> None:
+        if self.asked:
+            self._break_off(number, frame)
+        self._asked.set()
+        signal.setitimer(signal.ITIMER_REAL, _PATIENCE_S)
+
+    def _break_off(self, _number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt

@@ -1,0 +1,162 @@
+"""A run that leaves a run folder: the log, the resolved graph, the summary."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from graphnav.bus import Bus
+from graphnav.codec import encode
+from graphnav.errors import GraphnavError, UserError
+from graphnav.graph import Graph
+from graphnav.record import ABOUT, LogWriter, lcm_text_of
+from graphnav.runner.interrupt import Interrupt
+from graphnav.runner.lockstep import Outcome, Runner, Sink
+from graphnav.runner.small import SmallOnly
+from graphnav.runner.summary import Summary, figures_of, scores_of, versions
+from graphnav.messages import About
+from graphnav.stage import Stage
+
+LOG = "run.lcmlog"
+GRAPH = "graph.yaml"
+SUMMARY = "summary.json"
+
+
+class LiveSink(Sink, Protocol):
+    """A sink that others watch while the run goes on: the tap."""
+
+    dropped: int
+
+    def announce(self, about: About) -> None:
+        """Say on ``graphnav.about``, again and again, what runs."""
+
+    def close(self) -> None:
+        """Send what is left and stop."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How a run meets wall time: ``factor`` 1 is real time, 2 twice as fast, 0 as fast as the machine allows."""
+
+    factor: float = 0.0
+
+    def wait(self, utime: int, started_s: float, interrupt: Interrupt) -> None:
+        """Sleep until the tick stamped ``utime`` is due."""
+        if self.factor:
+            due = started_s + utime / 1e6 / self.factor
+            while not interrupt.asked and (left := due - time.monotonic()) > 0:
+                interrupt.wait(left)
+
+
+def new_run_id() -> str:
+    """Return a name for a run that nobody else has."""
+    return uuid.uuid4().hex[:8]
+
+
+def about_of(graph: Graph, run_id: str = "") -> About:
+    """Return what a log or the tap says of a graph."""
+    channels = sorted(graph.channels.values(), key=lambda channel: channel.name)
+    types = [channel.message.lcm_class for channel in channels]
+    return About(
+        graph_yaml=graph.to_yaml(),
+        lcm_text=lcm_text_of(types),
+        run_id=run_id,
+        seed=graph.run.seed,
+        channels=tuple(channel.name for channel in channels),
+        types=tuple(f"{t.__module__.rpartition('.')[0]}.{t.__name__}" for t in types),
+    )
+
+
+def run_recorded(
+    graph: Graph,
+    stages: dict[str, Stage],
+    folder: Path,
+    *,
+    pace: Pace,
+    tap: LiveSink | None = None,
+    run_id: str = "",
+    on_tick: Callable[[int], None] = lambda _: None,
+    on_failure: Callable[[GraphnavError], None] = lambda _: None,
+) -> Summary:
+    """Run ``graph`` once into ``folder``, which must exist, and return what ``summary.json`` there says.
+
+    A failing stage, a full disk and Ctrl-C end the run, not the record of it: the log holds every whole message up to
+    there and the summary says how it ended. ``on_tick`` gets the stamp of each tick to come, ``on_failure`` the error
+    that ended the run.
+
+    Raises
+    ------
+    UserError
+        The folder cannot be written at all.
+    """
+    try:
+        (folder / GRAPH).write_text(graph.to_yaml(absolute_paths=True), encoding="utf-8")
+        writer = LogWriter(folder / LOG)
+    except OSError as error:
+        raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
+    started = time.monotonic()
+    failures: list[str] = []
+    outcome: str = Outcome.FAILED
+    with ExitStack() as cleanup, Interrupt() as interrupt:
+        cleanup.callback(_note_failure, failures, writer.close)
+        sinks: dict[str, Sink] = {"log": SmallOnly(writer) if graph.run.record == "small" else writer}
+        if tap is not None:
+            cleanup.callback(tap.close)
+            tap.announce(about_of(graph, run_id))
+            sinks["tap"] = tap
+        bus = Bus("memq://")
+        cleanup.callback(bus.close)
+        runner = Runner(graph, stages, bus, sinks)
+        cleanup.callback(_note_failure, failures, runner.close)
+
+        def before_tick(utime: int) -> bool:
+            on_tick(utime)
+            pace.wait(utime, started, interrupt)
+            return not interrupt.asked
+
+        try:
+            writer.write(ABOUT, 0, encode(about_of(graph), 0, 0))
+            runner.reset(graph.run.seed)
+            started = time.monotonic()
+            outcome = runner.run(graph.run.until_s, before_tick)
+        except KeyboardInterrupt:
+            outcome = Outcome.STOPPED
+        except GraphnavError as error:
+            failures.append(str(error))
+            on_failure(error)
+        wall_s = time.monotonic() - started
+    summary = Summary(
+        outcome=str(Outcome.FAILED if failures else outcome),
+        failure="\n".join(failures),
+        graph=graph.path.stem,
+        seed=graph.run.seed,
+        until_s=graph.run.until_s,
+        frames=runner.ticks,
+        sim_s=runner.utime / 1e6,
+        wall_s=round(wall_s, 4),
+        stages=figures_of(runner.units),
+        scores=scores_of(runner.units),
+        notices=list(graph.notices),
+        tap_dropped=tap.dropped if tap is not None else 0,
+        run_id=run_id,
+        versions=versions(),
+    )
+    try:
+        summary.write(folder / SUMMARY)
+    except OSError as error:
+        raise GraphnavError(f"cannot write {folder / SUMMARY}: {error.strerror}; the log up to here is whole") from error
+    return summary
+
+
+def _note_failure(failures: list[str], close: Callable[[], None]) -> None:
+    """Close something; what goes wrong is kept for the summary."""
+    try:
+        close()
+    except GraphnavError as error:
+        if str(error) not in failures:
+            failures.append(str(error))

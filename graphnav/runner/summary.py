@@ -1,0 +1,95 @@
+"""The durable record of a run: what happened, what it cost, what it scored."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import math
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from graphnav.runner.unit import Unit
+from graphnav.stage import Stage
+
+_RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm", "pymunk", "pluggy", "pyyaml")
+
+
+@dataclass(frozen=True)
+class StageFigures:
+    """What one stage did: ``dropped`` counts sets of inputs that stayed incomplete."""
+
+    use: str
+    steps: int
+    p50_ms: float
+    p99_ms: float
+    dropped: int
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What ``summary.json`` holds; ``failure`` says what ended a failed run, ``scores`` are the stages' own figures."""
+
+    outcome: str
+    failure: str
+    graph: str
+    seed: int
+    until_s: float | None
+    frames: int
+    sim_s: float
+    wall_s: float
+    stages: dict[str, StageFigures]
+    scores: dict[str, dict[str, float]]
+    notices: list[str]
+    tap_dropped: int
+    run_id: str
+    versions: dict[str, str]
+
+    def write(self, path: Path) -> None:
+        """Write it as JSON; a figure that is not finite becomes null."""
+        path.write_text(json.dumps(_finite(asdict(self)), indent=1) + "\n", encoding="utf-8")
+
+
+def figures_of(units: Mapping[str, Unit]) -> dict[str, StageFigures]:
+    """Return what each stage did."""
+    return {
+        name: StageFigures(
+            unit.node.use,
+            unit.durations.count,
+            round(unit.durations.quantile_s(0.5) * 1e3, 4),
+            round(unit.durations.quantile_s(0.99) * 1e3, 4),
+            unit.dropped,
+        )
+        for name, unit in units.items()
+    }
+
+
+def scores_of(units: Mapping[str, Unit]) -> dict[str, dict[str, float]]:
+    """Return the figures of every stage that has a ``summary`` of its own."""
+    return {
+        name: {figure: float(value) for figure, value in unit.stage.summary().items()}
+        for name, unit in units.items()
+        if type(unit.stage).summary is not Stage.summary
+    }
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that could make two machines differ."""
+    found = {"python": platform.python_version(), "machine": platform.machine()}
+    for name in _RECORDED:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _finite(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_finite(inner) for inner in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
