@@ -1,0 +1,62 @@
+"""What the stages that use a taught planar model share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Flow, ParamError, Planar, PlanarModel, Stage, param
+from graphnav_planar.model_file import TEACH, read_model
+
+
+class Taught(Stage):
+    """A stage with a taught planar model."""
+
+    model: Path = param(doc="planar model, as graphnav teach saves it")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Read the model."""
+        self._use(read_model(self.model))
+
+    def check(self) -> None:
+        """See that the model can be read and was taught what this stage needs."""
+        self.reset(0)
+
+    def _use(self, model: PlanarModel) -> None:
+        """Keep what `step` needs of the model.
+
+        Raises
+        ------
+        ParamError
+            It was not taught that.
+        """
+        raise NotImplementedError
+
+    def _not_taught(self, what: str, model: PlanarModel) -> ParamError:
+        return ParamError("model", f"{self.model} was not taught {what}: its terms are {', '.join(model.terms)}", TEACH)
+
+
+def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], flow: Flow) -> Planar:
+    """Return the planar flow ``uv_px`` (rows, cols, 2) on the model's grid, to be compared with ``flow``.
+
+    Raises
+    ------
+    ValueError
+        The flow is of another image size than the model.
+    """
+    rows, cols = model.valid.shape
+    flow_rows, flow_cols = flow.valid.shape
+    if (rows, cols) != tuple(-(-size * flow.step_px // model.step_px) for size in (flow_rows, flow_cols)):
+        raise ValueError(
+            f"the planar model is {cols}x{rows} cells of {model.step_px} px, "
+            f"but the flow is {flow_cols}x{flow_rows} cells of {flow.step_px} px"
+        )
+    return Planar(
+        planar_uv_px=uv_px.astype(np.float32),
+        planar_valid=model.valid,
+        residual_px=model.residual_px,
+        interval_us=flow.interval_us,
+        step_px=model.step_px,
+    )
