@@ -1,8 +1,23 @@
 """LCM bytes and numpy arrays: what lcm-gen's Python does, fast."""
 
 from graphnav.codec.compiled import Codec, codec_of
+from graphnav.codec.definition import definitions
 from graphnav.codec.envelope import decode, encode
 from graphnav.codec.errors import DecodeError, EncodeError
+from graphnav.codec.known import message_class_of, type_named, type_of
 from graphnav.codec.layout import fingerprint, lcm_name
 
-__all__ = ["Codec", "DecodeError", "EncodeError", "codec_of", "decode", "encode", "fingerprint", "lcm_name"]
+__all__ = [
+    "Codec",
+    "DecodeError",
+    "EncodeError",
+    "codec_of",
+    "decode",
+    "definitions",
+    "encode",
+    "fingerprint",
+    "lcm_name",
+    "message_class_of",
+    "type_named",
+    "type_of",
+]

@@ -183,7 +183,7 @@ class ElementArray:
 
 def shape_of(dims: tuple[Dim, ...], values: Mapping[str, Any]) -> tuple[int, ...]:
     """Return the shape that ``dims`` have in a struct's values."""
-    return tuple([values.get(dim, dim) for dim in dims])
+    return tuple([dim if isinstance(dim, int) else values[dim] for dim in dims])
 
 
 def _least_count(dims: tuple[Dim, ...]) -> int:

@@ -1,0 +1,98 @@
+"""LCM: `memq://` inside a process, `udpm://` between processes."""
+
+from __future__ import annotations
+
+import re
+import socket
+from collections.abc import Callable
+from urllib.parse import parse_qsl, urlencode, urlsplit
+
+from graphnav.errors import BusError
+
+Handler = Callable[[str, bytes], None]
+
+GROUP = "udpm://239.255.76.67:7667?ttl=0"
+"""The multicast group where LCM's own tools listen by default; it does not leave the machine."""
+
+MAKE_ROUTE = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
+"""What a machine without a network needs, as root, before multicast works on it."""
+
+_DEFAULTS = {"ttl": "0", "recv_buf_size": "2097152"}
+
+
+class Bus:
+    """One `lcm.LCM` object; a single thread owns it.
+
+    On `memq://` what is published reaches the handlers of this object, in order, when `drain` is called, and is
+    dropped where nobody has subscribed. On `udpm://` it reaches every process in the group, this one included.
+
+    Raises BusError where LCM cannot be opened; without a multicast route the error says the command that makes one.
+    """
+
+    def __init__(self, url: str = "memq://") -> None:
+        import lcm  # noqa: PLC0415, importing graphnav must not load it
+
+        self.url = with_defaults(url)
+        if self.url.startswith("udpm:"):
+            require_route(self.url)
+        try:
+            self._lcm = lcm.LCM(self.url)
+        except RuntimeError as error:
+            raise BusError(f"LCM does not open {self.url}") from error
+        self._subscriptions: list[object] = []
+
+    def publish(self, channel: str, data: bytes) -> None:
+        """Send a message; raises BusError where the network refuses it."""
+        try:
+            self._lcm.publish(channel, data)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise BusError(f"cannot publish {len(data)} bytes on '{channel}': {error}") from error
+
+    def subscribe(self, channel: str, handler: Handler) -> None:
+        """Call ``handler(channel, data)`` for each message of exactly this channel."""
+        self._subscribe(re.escape(channel), handler)
+
+    def subscribe_all(self, handler: Handler) -> None:
+        """Call ``handler(channel, data)`` for each message of every channel."""
+        self._subscribe(".*", handler)
+
+    def drain(self) -> int:
+        """Deliver until nothing waits, what handlers publish included; return the number of messages.
+
+        An exception of a handler comes out of here; what is still waiting then stays.
+        """
+        count = 0
+        handle = self._lcm.handle_timeout
+        while handle(0):
+            count += 1
+        return count
+
+    def handle(self, timeout_s: float) -> bool:
+        """Wait for one message and deliver it; return whether one came."""
+        return bool(self._lcm.handle_timeout(max(0, round(timeout_s * 1000))))
+
+    def _subscribe(self, pattern: str, handler: Handler) -> None:
+        subscription = self._lcm.subscribe(pattern, handler)
+        subscription.set_queue_capacity(0)
+        self._subscriptions.append(subscription)
+
+
+def with_defaults(url: str) -> str:
+    """Return a URL that keeps `udpm` traffic on this machine and asks for a large receive buffer, unless it says so."""
+    parts = urlsplit(url)
+    if parts.scheme != "udpm":
+        return url
+    options = _DEFAULTS | dict(parse_qsl(parts.query))
+    return f"udpm://{parts.netloc or urlsplit(GROUP).netloc}?{urlencode(options)}"
+
+
+def require_route(url: str) -> None:
+    """Raise BusError, with the command that mends it, where no multicast route leads to the URL's group."""
+    parts = urlsplit(url)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((parts.hostname or "", parts.port or 7667))
+        except OSError as error:
+            raise BusError(f"no multicast route to {parts.hostname}\n  run as root: {MAKE_ROUTE}") from error
+        except ValueError as error:
+            raise BusError(f"LCM does not open {url}: {error}") from error

@@ -1,0 +1,45 @@
+"""The LCM types that are within reach, by name and by fingerprint."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+
+import graphnav_lcm
+
+from graphnav.codec.layout import fingerprint, lcm_name
+from graphnav.messages import Message
+
+
+def message_classes() -> Iterator[type[Message]]:
+    """Yield every message class that has been imported, those that ship first."""
+    waiting: list[type[Message]] = Message.__subclasses__()
+    while waiting:
+        found = waiting.pop(0)
+        yield found
+        waiting += found.__subclasses__()
+
+
+def message_class_of(lcm_class: type) -> type[Message] | None:
+    """Return the message class that wraps an LCM type, or None where none has been imported."""
+    return next((found for found in message_classes() if found.lcm_class is lcm_class), None)
+
+
+def type_named(name: str) -> type | None:
+    """Return the lcm-gen class of ``package.type_t``, or None where it is not installed."""
+    for found in message_classes():
+        if lcm_name(found.lcm_class) == name:
+            return found.lcm_class
+    package, _, short = name.rpartition(".")
+    try:
+        lcm_class = getattr(importlib.import_module(package), short, None)
+    except (ImportError, ValueError):
+        return None
+    return lcm_class if isinstance(lcm_class, type) and hasattr(lcm_class, "__typenames__") else None
+
+
+def type_of(data: bytes) -> type | None:
+    """Return the known lcm-gen class whose fingerprint the bytes begin with, or None."""
+    shipped = [found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__")]
+    wrapped = [found.lcm_class for found in message_classes()]
+    return next((found for found in (*shipped, *wrapped) if fingerprint(found) == data[:8]), None)

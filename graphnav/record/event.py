@@ -1,0 +1,70 @@
+"""The events of an LCM log and how they lie in the file.
+
+Sync word 0xEDA1DA01, int64 number, int64 microseconds, int32 length of the channel, int32 length of the data, channel,
+data; big-endian, nothing before, between or behind them.
+"""
+
+from __future__ import annotations
+
+import mmap
+import struct
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from graphnav.errors import LogError
+
+SYNC = 0xEDA1DA01
+HEADER = struct.Struct(">Iqqii")
+_MOST_CHANNEL_BYTES = 1000
+
+
+class Event(NamedTuple):
+    """What was published when, on which channel."""
+
+    channel: str
+    utime: int
+    data: bytes
+
+
+class Entry(NamedTuple):
+    """Where an event's data lie in the file."""
+
+    channel: str
+    utime: int
+    start: int
+    stop: int
+
+
+class Torn(NamedTuple):
+    """The end of a log whose last event is not whole: where that begins and how many bytes there are."""
+
+    at: int
+    n_bytes: int
+
+    def __str__(self) -> str:
+        return f"the last event, {self.n_bytes} bytes from byte {self.at}, is not whole"
+
+
+def scan(path: str, file: mmap.mmap | bytes) -> Iterator[Entry | Torn]:
+    """Yield the events of a log; the last thing is a `Torn` if the log ends within an event.
+
+    Raises LogError, saying the offset, at anything that is no event.
+    """
+    at, size = 0, len(file)
+    while at < size:
+        if at + HEADER.size > size and SYNC.to_bytes(4, "big").startswith(file[at : at + 4]):
+            yield Torn(at, size - at)
+            return
+        sync, _, utime, channel_bytes, data_bytes = (
+            HEADER.unpack_from(file, at) if at + HEADER.size <= size else (0, 0, 0, 0, 0)
+        )
+        if sync != SYNC or not 0 < channel_bytes <= _MOST_CHANNEL_BYTES or data_bytes < 0:
+            what = "is no LCM log" if not at else f"has no LCM event at byte {at} of {size}"
+            raise LogError(f"{path} {what}")
+        start = at + HEADER.size + channel_bytes
+        if start + data_bytes > size:
+            yield Torn(at, size - at)
+            return
+        channel = bytes(file[at + HEADER.size : start]).decode("utf-8", "replace")
+        at = start + data_bytes
+        yield Entry(channel, utime, start, at)

@@ -1,0 +1,145 @@
+"""Reading LCM logs: every channel's messages, in any order, from one scan of the file."""
+
+from __future__ import annotations
+
+import mmap
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import yaml
+
+from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
+from graphnav.errors import LogError
+from graphnav.messages import About, Message
+from graphnav.record.event import Entry, Event, Torn, scan
+
+M = TypeVar("M", bound=Message)
+
+ABOUT = "graphnav.about"
+"""The channel of the first event, which describes the log."""
+
+
+class Recording:
+    """A log, of graphnav or of any other LCM program.
+
+    ``channels`` maps each channel to its lcm-gen class, or to None where the type is not installed. ``torn`` says
+    what was lost at the end of a log that was cut short, else it is None.
+
+    Raises LogError where the file cannot be read or holds something that is no event.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        self.torn: Torn | None = None
+        self._file = _mapped(self.path)
+        self._entries: list[Entry] = []
+        self._of: dict[str, list[Entry]] = {}
+        for entry in scan(str(self.path), self._file):
+            if isinstance(entry, Torn):
+                self.torn = entry
+            else:
+                self._entries.append(entry)
+                self._of.setdefault(entry.channel, []).append(entry)
+
+    @cached_property
+    def about(self) -> About | None:
+        """What the log says of itself in its first event, or None."""
+        if not self._entries or self._entries[0].channel != ABOUT:
+            return None
+        return self._decoded(ABOUT, 0, About)[2]
+
+    @cached_property
+    def graph(self) -> dict[str, Any]:
+        """The resolved graph that made the log; raises LogError where the log does not say."""
+        if self.about is None:
+            raise LogError(f"{self.path} does not say which graph made it: its first event is not on '{ABOUT}'")
+        graph = yaml.safe_load(self.about.graph_yaml)
+        if not isinstance(graph, dict):
+            raise LogError(f"{self.path}: its '{ABOUT}' holds no graph")
+        return graph
+
+    @cached_property
+    def channels(self) -> Mapping[str, type | None]:
+        """The type of each channel, in the order of their first events."""
+        told = dict(zip(self.about.channels, self.about.types, strict=False)) if self.about else {}
+        return {
+            channel: (type_named(told[channel]) if channel in told else None) or type_of(self._data(entries[0]))
+            for channel, entries in self._of.items()
+        }
+
+    @property
+    def n_events(self) -> int:
+        """The number of events on all channels."""
+        return len(self._entries)
+
+    def count(self, channel: str) -> int:
+        """Return the number of events on a channel; 0 if there is no such channel."""
+        return len(self._of.get(channel, ()))
+
+    def utimes(self, channel: str) -> list[int]:
+        """Return the stamps of a channel's events, in microseconds."""
+        return [entry.utime for entry in self._of.get(channel, ())]
+
+    def events(self) -> Iterator[Event]:
+        """Yield all events in the order of the file."""
+        return (Event(entry.channel, entry.utime, self._data(entry)) for entry in self._entries)
+
+    def event(self, channel: str, index: int) -> Event:
+        """Return one event; ``index`` counts within the channel, from the end if negative."""
+        entry = self._of[channel][index]
+        return Event(channel, entry.utime, self._data(entry))
+
+    def message(self, channel: str, index: int) -> tuple[int, int, Message]:
+        """Return ``(utime, seq, message)`` of one event; raises LogError where it cannot be decoded."""
+        lcm_class = self.channels[channel]
+        wrapper = lcm_class and message_class_of(lcm_class)
+        if wrapper is None:
+            raise LogError(f"{self.path}: the type of channel '{channel}' is not installed")
+        return self._decoded(channel, index, wrapper)
+
+    def messages(self, channel: str) -> Iterator[tuple[int, int, Message]]:
+        """Yield ``(utime, seq, message)`` of a channel's events; none if there is no such channel."""
+        return (self.message(channel, index) for index in range(self.count(channel)))
+
+    def fields(self, channel: str, index: int) -> dict[str, Any]:
+        """Return all LCM fields of one event, also of types that no message class wraps."""
+        lcm_class = self.channels[channel]
+        if lcm_class is None:
+            raise LogError(f"{self.path}: the type of channel '{channel}' is not installed")
+        try:
+            return codec_of(lcm_class).decode(self.event(channel, index).data)
+        except DecodeError as error:
+            raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
+
+    def close(self) -> None:
+        """Let go of the file."""
+        if isinstance(self._file, mmap.mmap):
+            self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _data(self, entry: Entry) -> bytes:
+        return self._file[entry.start : entry.stop]
+
+    def _decoded(self, channel: str, index: int, wrapper: type[M]) -> tuple[int, int, M]:
+        try:
+            return decode(wrapper, self.event(channel, index).data)
+        except DecodeError as error:
+            raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
+
+
+def _mapped(path: Path) -> mmap.mmap | bytes:
+    try:
+        with path.open("rb") as file:
+            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if path.stat().st_size else b""
+    except (OSError, ValueError) as error:
+        raise LogError(f"{path}: {getattr(error, 'strerror', None) or error}") from error

@@ -1,0 +1,112 @@
+"""Writing LCM logs that stay readable whatever happens."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from graphnav.errors import LogError
+from graphnav.record.event import HEADER, SYNC
+
+_FLUSH_BYTES = 1 << 18
+_FLUSH_EVENTS = 400
+"""Two buffers an event; the kernel takes 1024 at once."""
+_FLUSH_S = 0.5
+
+
+class LogWriter:
+    """An LCM event log with the stamps that the events are given.
+
+    Events are written through in one call once 256 kB or half a second have gathered, so that a killed process loses
+    no more than that. If the disk refuses (it is full, or gone), the event that did not fit is cut away again,
+    LogError says so, and the log up to there is whole.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        self.n_events = 0
+        try:
+            self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
+        except OSError as error:
+            raise LogError(f"{self.path}: {error.strerror}") from error
+        self._channels: dict[str, bytes] = {}
+        self._waiting: list[bytes] = []
+        self._waiting_bytes = 0
+        self._whole_bytes = 0
+        self._flushed_s = time.monotonic()
+        self._failure: LogError | None = None
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Append an event; raises LogError, once and for all, where the disk refuses it."""
+        name = self._channels.get(channel)
+        if name is None:
+            name = self._channels[channel] = channel.encode()
+        header = HEADER.pack(SYNC, self.n_events, utime, len(name), len(data)) + name
+        self._waiting += (header, data)
+        self._waiting_bytes += len(header) + len(data)
+        self.n_events += 1
+        if (
+            self._waiting_bytes >= _FLUSH_BYTES
+            or len(self._waiting) >= 2 * _FLUSH_EVENTS
+            or time.monotonic() - self._flushed_s >= _FLUSH_S
+        ):
+            self.flush()
+
+    def flush(self) -> None:
+        """Hand all events to the kernel; from then on they survive this process."""
+        if self._failure is not None:
+            raise self._failure
+        waiting, self._waiting, self._waiting_bytes = self._waiting, [], 0
+        self._flushed_s = time.monotonic()
+        try:
+            self._write_through(waiting)
+        except OSError as error:
+            self._failure = self._cut(waiting, error)
+            raise self._failure from error
+
+    def close(self) -> None:
+        """Flush and close; does nothing the second time."""
+        if self._fd < 0:
+            return
+        try:
+            if self._failure is None:
+                self.flush()
+        finally:
+            os.close(self._fd)
+            self._fd = -1
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _write_through(self, buffers: list[bytes]) -> None:
+        if not buffers:
+            return
+        total = sum(map(len, buffers))
+        written = os.writev(self._fd, buffers)
+        if written < total:
+            rest = memoryview(b"".join(buffers))[written:]
+            while rest:
+                rest = rest[os.write(self._fd, rest) :]
+        self._whole_bytes += total
+
+    def _cut(self, buffers: list[bytes], error: OSError) -> LogError:
+        """Cut the file behind the last whole event and return what is to be said."""
+        end, kept = self._whole_bytes, self.n_events - len(buffers) // 2
+        size = os.fstat(self._fd).st_size
+        for header, data in zip(buffers[::2], buffers[1::2], strict=True):
+            if end + len(header) + len(data) > size:
+                break
+            end += len(header) + len(data)
+            kept += 1
+        self.n_events = kept
+        os.ftruncate(self._fd, end)
+        os.lseek(self._fd, end, os.SEEK_SET)
+        return LogError(f"{self.path}: {error.strerror}; the log ends whole after {kept} events")
