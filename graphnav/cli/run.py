@@ -29,9 +29,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
     parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds of simulated time")
     parser.add_argument(
-        "--pace", type=float, default=0.0, metavar="X", help="X times wall time; 1 to watch (default: as fast as it goes)"
+        "--pace",
+        type=float,
+        default=0.0,
+        metavar="X",
+        help="X times wall time; 1 to watch (default: as fast as it goes)",
     )
-    parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="run folder, new or empty (default: runs/…)")
+    parser.add_argument(
+        "-o", dest="folder", type=Path, metavar="DIR", help="run folder, new or empty (default: runs/…)"
+    )
     parser.add_argument(
         "--tap",
         choices=("thin", "full", "none"),
@@ -53,10 +59,9 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
     from graphnav.runner.recorded import LOG, new_run_id  # noqa: PLC0415
-    from graphnav.runner.stages import make_stages  # noqa: PLC0415
 
     catalog, graph = load(args)
-    stages = make_stages(graph)
+    stages = graph.make_stages()
     folder = make_run_folder(args.folder, graph.path.stem)
     console = Console(stderr=args.json, highlight=False, soft_wrap=True)
     for notice in graph.notices:
@@ -99,7 +104,7 @@ def _run_with_progress(
     from rich.console import Console  # noqa: PLC0415
 
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
-    from graphnav.runner.recorded import Pace, run_recorded  # noqa: PLC0415
+    from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
 
     def show_cause(error: GraphnavError) -> None:
         if args.verbose:
@@ -110,7 +115,7 @@ def _run_with_progress(
             graph,
             stages,
             folder,
-            pace=Pace(args.pace),
+            pace_ratio=args.pace or None,
             tap=tap,
             run_id=run_id,
             on_tick=on_tick,

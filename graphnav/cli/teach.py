@@ -18,7 +18,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_graph_options(parser)
     parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
     parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds of simulated time")
-    parser.add_argument("-o", dest="model", type=Path, required=True, metavar="FILE", help="where the model goes (.lcmlog)")
+    parser.add_argument(
+        "-o", dest="model", type=Path, required=True, metavar="FILE", help="where the model goes (.lcmlog)"
+    )
     parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
 
 
@@ -30,8 +32,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.codec import encode  # noqa: PLC0415
     from graphnav.messages import PlanarModel  # noqa: PLC0415
     from graphnav.record import LogWriter, Recording  # noqa: PLC0415
-    from graphnav.runner.recorded import LOG, Pace, run_recorded  # noqa: PLC0415
-    from graphnav.runner.stages import make_stages  # noqa: PLC0415
+    from graphnav.runner.recorded import LOG, run_recorded  # noqa: PLC0415
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} is there already", "choose another file, or replace it with --force")
@@ -44,7 +45,7 @@ def main(args: argparse.Namespace) -> int:
         )
     with tempfile.TemporaryDirectory() as scratch:
         with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-            summary = run_recorded(graph, make_stages(graph), Path(scratch), pace=Pace(), on_tick=on_tick)
+            summary = run_recorded(graph, graph.make_stages(), Path(scratch), on_tick=on_tick)
         if summary.failure:
             print(summary.failure, file=sys.stderr)
             return FAILED

@@ -6,20 +6,20 @@ import time
 import uuid
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from graphnav.bus import Bus
-from graphnav.codec import encode
+from graphnav.clock import SimulatedClock
+from graphnav.codec import definitions, encode, lcm_name
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph
-from graphnav.record import ABOUT, LogWriter, lcm_text_of
+from graphnav.messages import About
+from graphnav.record import ABOUT, LogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.lockstep import Outcome, Runner, Sink
 from graphnav.runner.small import SmallOnly
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
-from graphnav.messages import About
 from graphnav.stage import Stage
 
 LOG = "run.lcmlog"
@@ -39,20 +39,6 @@ class LiveSink(Sink, Protocol):
         """Send what is left and stop."""
 
 
-@dataclass(frozen=True)
-class Pace:
-    """How a run meets wall time: ``factor`` 1 is real time, 2 twice as fast, 0 as fast as the machine allows."""
-
-    factor: float = 0.0
-
-    def wait(self, utime: int, started_s: float, interrupt: Interrupt) -> None:
-        """Sleep until the tick stamped ``utime`` is due."""
-        if self.factor:
-            due = started_s + utime / 1e6 / self.factor
-            while not interrupt.asked and (left := due - time.monotonic()) > 0:
-                interrupt.wait(left)
-
-
 def new_run_id() -> str:
     """Return a name for a run that nobody else has."""
     return uuid.uuid4().hex[:8]
@@ -64,11 +50,11 @@ def about_of(graph: Graph, run_id: str = "") -> About:
     types = [channel.message.lcm_class for channel in channels]
     return About(
         graph_yaml=graph.to_yaml(),
-        lcm_text=lcm_text_of(types),
+        lcm_text=definitions(types),
         run_id=run_id,
         seed=graph.run.seed,
         channels=tuple(channel.name for channel in channels),
-        types=tuple(f"{t.__module__.rpartition('.')[0]}.{t.__name__}" for t in types),
+        types=tuple(map(lcm_name, types)),
     )
 
 
@@ -77,7 +63,7 @@ def run_recorded(
     stages: dict[str, Stage],
     folder: Path,
     *,
-    pace: Pace,
+    pace_ratio: float | None = None,
     tap: LiveSink | None = None,
     run_id: str = "",
     on_tick: Callable[[int], None] = lambda _: None,
@@ -86,7 +72,8 @@ def run_recorded(
     """Run ``graph`` once into ``folder``, which must exist, and return what ``summary.json`` there says.
 
     A failing stage, a full disk and Ctrl-C end the run, not the record of it: the log holds every whole message up to
-    there and the summary says how it ended. ``on_tick`` gets the stamp of each tick to come, ``on_failure`` the error
+    there and the summary says how it ended. ``pace_ratio``: simulated seconds per wall second, None for as fast as
+    the machine allows. ``on_tick`` gets the stamp of each tick to come, ``on_failure`` the error
     that ended the run.
 
     Raises
@@ -95,7 +82,7 @@ def run_recorded(
         The folder cannot be written at all.
     """
     try:
-        (folder / GRAPH).write_text(graph.to_yaml(absolute_paths=True), encoding="utf-8")
+        (folder / GRAPH).write_text(graph.to_yaml(portable_paths=False), encoding="utf-8")
         writer = LogWriter(folder / LOG)
     except OSError as error:
         raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
@@ -114,9 +101,11 @@ def run_recorded(
         runner = Runner(graph, stages, bus, sinks)
         cleanup.callback(_note_failure, failures, runner.close)
 
+        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait)
+
         def before_tick(utime: int) -> bool:
             on_tick(utime)
-            pace.wait(utime, started, interrupt)
+            clock.advance(utime)
             return not interrupt.asked
 
         try:
@@ -149,7 +138,9 @@ def run_recorded(
     try:
         summary.write(folder / SUMMARY)
     except OSError as error:
-        raise GraphnavError(f"cannot write {folder / SUMMARY}: {error.strerror}; the log up to here is whole") from error
+        raise GraphnavError(
+            f"cannot write {folder / SUMMARY}: {error.strerror}; the log up to here is whole"
+        ) from error
     return summary
 
 

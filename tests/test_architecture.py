@@ -1,0 +1,60 @@
+"""The architecture holds, and every contract is seen to fail when it is broken on purpose."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+BREAKS = {
+    "layers": ("graphnav/messages/message.py", "import graphnav.graph", "Imports in graphnav point down"),
+    "exhaustive": ("graphnav/stray.py", "", "Imports in graphnav point down"),
+    "core": ("graphnav/runner/unit.py", "import cv2", "The core knows no algorithm and no plugin"),
+    "core-plugin": ("graphnav/report/table.py", "import graphnav_plane", "The core knows no algorithm and no plugin"),
+    "plugins": ("plugins/graphnav_plane/__init__.py", "import graphnav_flow", "Plugins do not import each other"),
+    "authoring": (
+        "plugins/graphnav_steer/__init__.py",
+        "import graphnav.runner",
+        "Plugins use only the authoring API",
+    ),
+    "lcm": ("graphnav/runner/unit.py", "import lcm", "LCM is imported by bus, record, tap and spy only"),
+}
+
+
+def lint(root: Path) -> subprocess.CompletedProcess[str]:
+    """Run the contracts of the tree at ``root``."""
+    paths = os.pathsep.join(str(root / part) for part in (".", "plugins", "lcmtypes", "graphs"))
+    command = [str(Path(sysconfig.get_path("scripts")) / "lint-imports"), "--no-cache"]
+    environment = {**os.environ, "PYTHONPATH": paths, "COLUMNS": "200"}
+    return subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """Return a copy of the source tree."""
+    for part in ("graphnav", "plugins", "lcmtypes"):
+        shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def test_contracts_hold(tree: Path) -> None:
+    done = lint(tree)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("name", BREAKS)
+def test_a_broken_contract_is_seen(tree: Path, name: str) -> None:
+    path, line, contract = BREAKS[name]
+    broken = tree / path
+    text = broken.read_text() if broken.exists() else '"""A module outside of the layers."""\n'
+    broken.write_text(f"{text}\n{line}\n")
+    done = lint(tree)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert f"{contract} BROKEN" in " ".join(done.stdout.split())

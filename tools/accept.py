@@ -1,0 +1,34 @@
+"""The long and the machine-dependent proofs: ``python tools/accept.py [ITEM ...]``; each prints its figure."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from acceptance.driving import drives_item, sign_item
+
+ITEMS = {"drives": drives_item, "sign": sign_item}
+
+
+def main() -> int:
+    """Run the items named, else all; return 1 if one misses its target."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("items", nargs="*", metavar="ITEM", help=f"of {', '.join(ITEMS)} (default: all)")
+    parser.add_argument("--seeds", default="1000:1020", help="FIRST:END, the end not included (default 1000:1020)")
+    parser.add_argument("-j", dest="jobs", type=int, default=2, help="processes at once (default 2)")
+    args = parser.parse_args()
+    if unknown := set(args.items) - set(ITEMS):
+        parser.error(f"no item {', '.join(sorted(unknown))}: items are {', '.join(ITEMS)}")
+    first, end = map(int, args.seeds.split(":"))
+    missed = []
+    for name in args.items or ITEMS:
+        sys.stdout.write(f"== {name}\n")
+        sys.stdout.flush()
+        if not ITEMS[name](range(first, end), args.jobs):
+            missed.append(name)
+    sys.stdout.write(f"missed: {', '.join(missed)}\n" if missed else "all items met\n")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

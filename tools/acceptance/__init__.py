@@ -1,0 +1,1 @@
+"""The long proofs and those that depend on the machine, one module an item."""

@@ -1,0 +1,86 @@
+"""Drive a graph over many seeds, each in a process of its own, and count how the drives end."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
+Summary = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Drives:
+    """The summaries of one graph with one set of swaps, in the order of the seeds."""
+
+    graph: str
+    sets: tuple[str, ...]
+    seeds: tuple[int, ...]
+    summaries: tuple[Summary, ...]
+
+    def ended(self, outcome: str) -> int:
+        """Return how many drives ended so."""
+        return sum(summary["outcome"] == outcome for summary in self.summaries)
+
+    def outcomes(self) -> str:
+        """Return the outcomes and, for those that are not the most frequent, their seeds."""
+        counts = Counter(summary["outcome"] for summary in self.summaries)
+        words = []
+        for place, (outcome, count) in enumerate(counts.most_common()):
+            seeds = [str(seed) for seed, s in zip(self.seeds, self.summaries, strict=True) if s["outcome"] == outcome]
+            words.append(f"{outcome} {count}" + (f" (seeds {' '.join(seeds)})" if place else ""))
+        return ", ".join(words)
+
+    def figures(self, stage: str, figure: str) -> list[float]:
+        """Return a score's figure of every drive that has it."""
+        found = (summary["scores"].get(stage, {}).get(figure) for summary in self.summaries)
+        return [value for value in found if value is not None]
+
+
+def drive(graph: str, seed: int, sets: Sequence[str] = (), folder: Path | None = None) -> Summary:
+    """Run one drive and return its summary; raise RuntimeError where the command itself failed."""
+    with tempfile.TemporaryDirectory() as scratch:
+        command = [str(GRAPHNAV), "run", graph, "--seed", str(seed), "--no-tap", "--json", "--no-pictures"]
+        command += ["-o", str(folder or Path(scratch) / "run")]
+        if folder is None:
+            command += ["--set", "run.record=small"]
+        for swap in sets:
+            command += ["--set", swap]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if not done.stdout:
+        raise RuntimeError(f"{' '.join(command)}: {done.stderr}")
+    summary: Summary = json.loads(done.stdout)
+    return summary
+
+
+def drive_all(graph: str, seeds: Sequence[int], sets: Sequence[str] = (), jobs: int = 2) -> Drives:
+    """Run a drive for every seed, ``jobs`` at a time."""
+    with ThreadPoolExecutor(jobs) as pool:
+        summaries = tuple(pool.map(lambda seed: drive(graph, seed, sets), seeds))
+    return Drives(graph, tuple(sets), tuple(seeds), summaries)
+
+
+def wilson(successes: int, count: int, z: float = 1.96) -> tuple[float, float]:
+    """Return the 95 % interval of a share (Wilson's score interval)."""
+    if not count:
+        return 0.0, 1.0
+    share = successes / count
+    centre = (share + z * z / (2 * count)) / (1 + z * z / count)
+    half = z / (1 + z * z / count) * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
+    return centre - half, centre + half
+
+
+def say(text: str) -> None:
+    """Print a line at once, so that a long proof can be watched."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()

@@ -1,0 +1,61 @@
+"""It drives: every graph with every detector, the truth and the control, over the reporting seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from acceptance.drives import Drives, drive_all, say, wilson
+
+CORRIDORS = ("corridor_ccw", "corridor_cw")
+ROWS: list[tuple[str, tuple[str, ...], str, float]] = [
+    *(
+        (graph, (f"plane=plane.{plane}",), "goal", least)
+        for graph in CORRIDORS
+        for plane, least in (("ica", 0.95), ("affine", 0.95), ("truth", 1.0))
+    ),
+    ("pillars", ("plane=plane.ica",), "goal", 0.85),
+    ("pillars", ("plane=plane.truth",), "goal", 1.0),
+    ("approach", (), "no contact", 1.0),
+    *((graph, ("steer=steer.forward",), "failure", 0.95) for graph in (*CORRIDORS, "pillars", "approach")),
+]
+
+
+def drives_item(seeds: Sequence[int], jobs: int) -> bool:
+    """Drive every row; print counts with 95 % intervals, failures by seed, and the sign of the steering."""
+    passed = True
+    for graph, sets, wanted, least in ROWS:
+        drives = drive_all(graph, seeds, sets, jobs)
+        count = succeeded(drives, wanted)
+        low, high = wilson(count, len(seeds))
+        good = count >= round(least * len(seeds))
+        passed &= good
+        say(
+            f"{'ok  ' if good else 'MISS'} {graph:13} {' '.join(sets) or 'as it ships':20} {wanted}: {count} of "
+            f"{len(seeds)} [{low:.2f}, {high:.2f}], at least {least:g}; {drives.outcomes()}"
+        )
+    return passed
+
+
+def succeeded(drives: Drives, wanted: str) -> int:
+    """Return how many drives did what the row asks for."""
+    if wanted == "goal":
+        return drives.ended("goal")
+    if wanted == "no contact":
+        return len(drives.seeds) - drives.ended("contact") - drives.ended("failed")
+    return drives.ended("contact") + drives.ended("timeout")
+
+
+def sign_item(seeds: Sequence[int], jobs: int) -> bool:
+    """Pool the frames of the corridors whose obstacle is plainly on one side; print the share of right signs."""
+    right = frames = 0.0
+    for graph in CORRIDORS:
+        drives = drive_all(graph, seeds, (), jobs)
+        for figures in (summary["scores"].get("heading", {}) for summary in drives.summaries):
+            if figures.get("sided_frames"):
+                frames += figures["sided_frames"]
+                right += figures["sided_frames"] * figures["right_sign_ratio"]
+    low, high = wilson(round(right), round(frames))
+    good = frames > 0 and right / frames >= 0.95
+    share = right / frames if frames else 0.0
+    say(f"{'ok  ' if good else 'MISS'} right sign in {share:.3f} [{low:.3f}, {high:.3f}] of {frames:.0f} sided frames")
+    return good
