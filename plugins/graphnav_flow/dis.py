@@ -16,6 +16,9 @@ _PRESETS = {
     "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
 }
 
+_LEAST_SIDE_PX = 32
+"""Below this OpenCV refuses some images, returns NaN for some and crashes on some, by their proportions."""
+
 
 class Dis(Stage):
     """Dense optical flow by dense inverse search [K], OpenCV's implementation.
@@ -42,8 +45,17 @@ class Dis(Stage):
         self._search = cv2.DISOpticalFlow.create(_PRESETS[self.preset])
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
-        """Return the flow since the last image, None for the first."""
+        """Return the flow since the last image, None for the first.
+
+        Raises
+        ------
+        ValueError
+            The size of the images changes or is too small.
+        """
         gray, interval_us = self._frames.next(image, stamp)
+        if min(gray.shape) < _LEAST_SIDE_PX:
+            rows, cols = gray.shape
+            raise ValueError(f"the image is {cols}x{rows}, but each side must have at least {_LEAST_SIDE_PX} pixels")
         last, self._last = self._last, gray
         if last is None:
             return None

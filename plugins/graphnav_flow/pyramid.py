@@ -14,12 +14,19 @@ LEAST_SIDE_PX = 8
 """A layer is not halved where its shorter side would fall below this: no window fits."""
 
 
+_HALFWAY = np.array([3, -25, 150, 150, -25, 3], np.float32) / np.float32(256)
+"""Interpolates half way between two pixels: exact for polynomials up to the fifth degree."""
+
+_AS_IS = np.ones(1, np.float32)
+
+
 class Pyramid(NamedTuple):
     """One frame at several sizes.
 
     ``layers``: float32 (rows, cols), the base first, each half as large as the one before; pixel i of a layer lies on
-    pixel 2i of the one before. ``doubled``: the base at twice its size (cubic). Sampling it bilinearly is nearly as
-    exact as sampling the base with a cubic kernel, at a fifth of the time.
+    pixel 2i of the one before. ``doubled``: the base with one value between any two, float32 (2 rows - 1, 2 cols - 1);
+    pixel i of the base is its pixel 2i. Sampling it bilinearly is nearly as exact as sampling the base with a long
+    kernel, at a fifth of the time.
     """
 
     layers: tuple[Plane32, ...]
@@ -28,10 +35,17 @@ class Pyramid(NamedTuple):
 
 def build_pyramid(gray: npt.NDArray[np.uint8], layers: int) -> Pyramid:
     """Return ``gray`` with up to ``layers`` smaller copies above it."""
-    base = gray.astype(np.float32)
-    built = [base]
+    built: list[Plane32] = [gray.astype(np.float32)]
     while len(built) <= layers and min(built[-1].shape) >= 2 * LEAST_SIDE_PX:
         built.append(cv2.pyrDown(built[-1]))
+    return Pyramid(tuple(built), _double(built[0]))
+
+
+def _double(base: Plane32) -> Plane32:
     rows, cols = base.shape
-    doubled = cv2.resize(base, (2 * cols, 2 * rows), interpolation=cv2.INTER_CUBIC)
-    return Pyramid(tuple(built), doubled)
+    anchor = (len(_HALFWAY) // 2 - 1, 0)
+    right = cv2.sepFilter2D(base, -1, _HALFWAY, _AS_IS, anchor=anchor)
+    wide = cv2.merge([base, right]).reshape(rows, 2 * cols)
+    below = cv2.sepFilter2D(wide, -1, _AS_IS, _HALFWAY, anchor=anchor[::-1])
+    doubled: Plane32 = np.stack([wide, below], axis=1).reshape(2 * rows, 2 * cols)
+    return doubled[: 2 * rows - 1, : 2 * cols - 1]

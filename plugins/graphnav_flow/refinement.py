@@ -32,15 +32,14 @@ class Refinement:
     regularization
         e, in (gray / px)^2: draws the field towards f0 where there is little texture.
     zoom
-        Size of the source image in units of the target image (1 or 2).
+        Source pixels per target pixel (1 or 2); pixel i of the target lies on pixel ``zoom`` * i of the source.
     """
 
     def __init__(self, rows: int, cols: int, window_px: int, regularization: float, zoom: int = 1) -> None:
         self._window = (window_px, window_px)
         self._regularization, self._zoom = regularization, zoom
-        centre = (zoom - 1) / 2
         down, right = np.mgrid[:rows, :cols].astype(np.float32)
-        self._right, self._down = zoom * right + centre, zoom * down + centre
+        self._right, self._down = zoom * right, zoom * down
         (
             self._map_u, self._map_v, self._warped, self._gu, self._gv, self._r, self._term,
             self._uu, self._uv, self._vv, self._ur, self._vr, self._det,
