@@ -97,7 +97,6 @@ def run_recorded(
             tap.announce(about_of(graph, run_id))
             sinks["tap"] = tap
         bus = Bus("memq://")
-        cleanup.callback(bus.close)
         runner = Runner(graph, stages, bus, sinks)
         cleanup.callback(_note_failure, failures, runner.close)
 
