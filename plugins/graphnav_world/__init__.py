@@ -1,1 +1,13 @@
-"""Stages of the family ``world``."""
+"""The simulated world that closes the loop: `world.pymunk`."""
+
+from __future__ import annotations
+
+from graphnav import Stage, hookimpl
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    """Return the stages of the family ``world``."""
+    from graphnav_world.world import Pymunk  # noqa: PLC0415  # cv2 and pymunk load only when the family is asked for
+
+    return [Pymunk]

@@ -18,7 +18,7 @@ LEVELS = 6
 BLOCK = 2 ** (LEVELS - 1)
 PAD = 2
 LARGEST_TEXELS = 3072
-BODY_TEXELS = (2048, 1024)
+BODY_TEXELS = (2048, 512)
 
 
 def floor_texels(extent_m: Sequence[float]) -> tuple[int, int]:

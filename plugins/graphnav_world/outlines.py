@@ -20,11 +20,9 @@ SHARPEST_MITRE = 4.0
 
 
 def circle(x_m: float, y_m: float, radius_m: float, sides: int = CIRCLE_SIDES) -> Doubles:
-    """Return a regular polygon with the area of the circle."""
-    turn = 2 * math.pi / sides
-    angles = (np.arange(sides) + 0.5) * turn
-    radius = radius_m * math.sqrt(turn / math.sin(turn))
-    return np.stack([x_m + radius * np.cos(angles), y_m + radius * np.sin(angles)], axis=1)
+    """Return a regular polygon with its corners on the circle."""
+    angles = (np.arange(sides) + 0.5) * (2 * math.pi / sides)
+    return np.stack([x_m + radius_m * np.cos(angles), y_m + radius_m * np.sin(angles)], axis=1)
 
 
 def box(x_m: float, y_m: float, length_m: float, width_m: float, turn_rad: float) -> Doubles:

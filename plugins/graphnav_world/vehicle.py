@@ -1,0 +1,129 @@
+"""The robot's body in a pymunk space: a unicycle with limits, contacts, clearance, obstacles that move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pymunk
+
+from graphnav_world.scene import Body
+
+SUBSTEP_S = 0.01
+FARTHEST_M = 1000.0
+ROBOT, OTHER = 1, 2
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the drive can do: greatest speeds, and the time that it takes to reach them from rest."""
+
+    speed_mps: float
+    turn_radps: float
+    speed_up_s: float
+    turn_up_s: float
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where the robot is in W, how it moves, and how near it came since the last pose."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    v_mps: float
+    omega_radps: float
+    clearance_m: float
+    contact: bool
+
+
+class Vehicle:
+    """A disc that drives forwards and turns; it cannot slip sideways.
+
+    Steps of at most 10 ms; the first contact stops it for good.
+    """
+
+    def __init__(
+        self, bodies: Sequence[Body], start: tuple[float, float, float], radius_m: float, limits: Limits
+    ) -> None:
+        self._space = pymunk.Space()
+        self._limits, self._radius_m = limits, radius_m
+        self._time_s = 0.0
+        self._v_mps = self._omega_radps = 0.0
+        self._contact = False
+        self._moving: list[tuple[pymunk.Body, Body]] = []
+        for body in bodies:
+            self._add(body)
+        self._robot = pymunk.Body(mass=10.0, moment=math.inf)
+        self._robot.position = start[0], start[1]
+        self._robot.angle = start[2]
+        rim = pymunk.Circle(self._robot, radius_m)
+        rim.collision_type, rim.filter = ROBOT, pymunk.ShapeFilter(categories=ROBOT)
+        self._space.add(self._robot, rim)
+        self._space.on_collision(ROBOT, OTHER, begin=self._touch)
+        self._clearance_m = self._nearest_m()
+
+    @property
+    def pose(self) -> Pose:
+        """The pose now; its clearance is the least of the last `advance`."""
+        x, y = self._robot.position
+        clearance = 0.0 if self._contact else self._clearance_m
+        yaw = math.remainder(self._robot.angle, 2 * math.pi)
+        return Pose(x, y, yaw, self._v_mps, self._omega_radps, clearance, self._contact)
+
+    def advance(self, v_mps: float, omega_radps: float, until_s: float) -> Pose:
+        """Drive towards a command until a time; return the pose then, or where the first contact was."""
+        steps = max(1, math.ceil((until_s - self._time_s) / SUBSTEP_S - 1e-9))
+        begin_s, dt_s = self._time_s, (until_s - self._time_s) / steps
+        self._clearance_m = self._nearest_m()
+        for k in range(steps):
+            if self._contact:
+                break
+            self._time_s = until_s if k == steps - 1 else begin_s + (k + 1) * dt_s
+            self._step(v_mps, omega_radps, dt_s)
+            self._clearance_m = min(self._clearance_m, self._nearest_m())
+        return self.pose
+
+    def _step(self, v_mps: float, omega_radps: float, dt_s: float) -> None:
+        limits = self._limits
+        self._v_mps = _towards(self._v_mps, v_mps, limits.speed_mps, dt_s / limits.speed_up_s)
+        self._omega_radps = _towards(self._omega_radps, omega_radps, limits.turn_radps, dt_s / limits.turn_up_s)
+        midway = self._robot.angle + self._omega_radps * dt_s / 2
+        self._robot.velocity = self._v_mps * math.cos(midway), self._v_mps * math.sin(midway)
+        self._robot.angular_velocity = self._omega_radps
+        for carried, body in self._moving:
+            assert body.patrol is not None
+            x, y = body.patrol.at(self._time_s)
+            carried.velocity = (x - carried.position.x) / dt_s, (y - carried.position.y) / dt_s
+        self._space.step(dt_s)
+
+    def _add(self, body: Body) -> None:
+        carrier = self._space.static_body
+        if body.patrol is not None:
+            carrier = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            x, y = body.patrol.at(0.0)
+            carrier.position = float(x), float(y)
+            self._space.add(carrier)
+            self._moving.append((carrier, body))
+        for part in body.parts:
+            shape = pymunk.Poly(carrier, part.tolist())
+            shape.collision_type, shape.filter = OTHER, pymunk.ShapeFilter(categories=OTHER)
+            self._space.add(shape)
+
+    def _touch(self, _arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
+        self._contact = True
+
+    def _nearest_m(self) -> float:
+        """Return the distance from the rim to the nearest body, 1000 m if there is none."""
+        others = pymunk.ShapeFilter(mask=OTHER)
+        found = self._space.point_query_nearest(self._robot.position, FARTHEST_M, others)
+        return FARTHEST_M if found is None else found.distance - self._radius_m
+
+
+def _towards(now: float, wanted: float, greatest: float, share: float) -> float:
+    """Return the speed after a step: nearer to the command by at most this share of the greatest speed."""
+    wanted = min(max(wanted, -greatest), greatest)
+    change = greatest * share
+    return float(np.clip(wanted, now - change, now + change))
