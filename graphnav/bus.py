@@ -71,6 +71,11 @@ class Bus:
         """Wait for one message and deliver it; return whether one came."""
         return bool(self._lcm.handle_timeout(max(0, round(timeout_s * 1000))))
 
+    def close(self) -> None:
+        """Leave the network; the bus cannot be used any more."""
+        self._subscriptions.clear()
+        del self._lcm
+
     def _subscribe(self, pattern: str, handler: Handler) -> None:
         subscription = self._lcm.subscribe(pattern, handler)
         subscription.set_queue_capacity(0)

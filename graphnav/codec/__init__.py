@@ -1,7 +1,7 @@
 """LCM bytes and numpy arrays: what lcm-gen's Python does, fast."""
 
 from graphnav.codec.compiled import Codec, codec_of
-from graphnav.codec.definition import definitions
+from graphnav.codec.definition import lcm_text_of
 from graphnav.codec.envelope import decode, encode
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.known import message_class_of, type_named, type_of
@@ -13,10 +13,10 @@ __all__ = [
     "EncodeError",
     "codec_of",
     "decode",
-    "definitions",
     "encode",
     "fingerprint",
     "lcm_name",
+    "lcm_text_of",
     "message_class_of",
     "type_named",
     "type_of",

@@ -23,15 +23,14 @@ class LogWriter:
     Events are written through in one call once 256 kB or half a second have gathered, so that a killed process loses
     no more than that. If the disk refuses (it is full, or gone), the event that did not fit is cut away again,
     LogError says so, and the log up to there is whole.
+
+    Raises OSError where the file cannot be opened at all.
     """
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self.n_events = 0
-        try:
-            self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
-        except OSError as error:
-            raise LogError(f"{self.path}: {error.strerror}") from error
+        self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
         self._channels: dict[str, bytes] = {}
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0

@@ -1,0 +1,163 @@
+"""The tap: what a run publishes inside its process, for everybody else on this machine to watch."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+from graphnav.bus import GROUP, Bus, require_route, with_defaults
+from graphnav.codec import decode, encode, message_class_of, type_named
+from graphnav.errors import GraphnavError
+from graphnav.messages import About, Message
+
+TAP_URL = GROUP
+ABOUT = "graphnav.about"
+PACKET_BYTES = 65_499
+"""What one UDP packet holds of a message, its channel's name included."""
+
+_MOST_STEP = 64
+_MOST_WAITING_BYTES = 8 << 20
+_PER_MESSAGE_BYTES = 256
+_POLL_S = 0.005
+_BREATH_BYTES = 65_536
+_BREATH_S = 0.002
+"""After so many bytes the tap pauses so long: a stock receive buffer holds three packets, and readers must run."""
+_ABOUT_S = 1.0
+_LAST_WORDS_S = 0.3
+
+
+def _to_stderr(notice: str) -> None:
+    print(notice, file=sys.stderr)
+
+
+class Tap:
+    """Publishes copies of a run's messages on UDP multicast from a thread of its own.
+
+    It never slows or fails the run: ``write`` appends to a bounded queue that drops rather than waits, and whatever
+    goes wrong behind it is counted in ``dropped``. In mode "thin" grids above one packet are sent with every n-th row
+    and column; "full" sends all bytes as they are, which seldom arrive whole on a stock machine.
+
+    ``notice`` is told once about each other run on the same group. Raises BusError where there is no multicast route.
+    """
+
+    def __init__(
+        self,
+        mode: Literal["thin", "full"] = "thin",
+        run_id: str = "",
+        url: str = TAP_URL,
+        notice: Callable[[str], None] = _to_stderr,
+    ) -> None:
+        self.dropped = 0
+        self.url = with_defaults(url)
+        require_route(self.url)
+        self._mode, self._run_id, self._notice = mode, run_id, notice
+        self._about: About | None = None
+        self._classes: dict[str, type[Message] | None] = {}
+        self._steps: dict[tuple[str, int], int] = {}
+        self._others: set[str] = set()
+        self._waiting: deque[tuple[str, int, bytes]] = deque()
+        self._put_bytes = self._taken_bytes = 0
+        self._dropping = threading.Lock()
+        self._closing = threading.Event()
+        self._utime = 0
+        bus = Bus(self.url)
+        bus.subscribe(ABOUT, self._hear)
+        self._thread = threading.Thread(target=self._serve, args=(bus,), name="graphnav-tap", daemon=True)
+        self._thread.start()
+
+    def announce(self, about: About) -> None:
+        """Say on ``graphnav.about``, now and every second, what runs."""
+        types = zip(about.channels, map(type_named, about.types), strict=True)
+        self._classes = {channel: lcm_class and message_class_of(lcm_class) for channel, lcm_class in types}
+        self._about = replace(about, run_id=self._run_id)
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Hand over a message; returns at once."""
+        n_bytes = len(data) + _PER_MESSAGE_BYTES
+        if self._put_bytes - self._taken_bytes + n_bytes > _MOST_WAITING_BYTES:
+            self._drop()
+            return
+        self._put_bytes += n_bytes
+        self._waiting.append((channel, utime, data))
+
+    def close(self) -> None:
+        """Send what waits, for a third of a second at most, and stop."""
+        self._closing.set()
+        self._thread.join()
+
+    def _serve(self, bus: Bus) -> None:
+        """Publish until closed; the only thread that touches ``bus`` from here on."""
+        about_due_s = time.monotonic()
+        stop_s = math.inf
+        unrested_bytes = n_abouts = 0
+        while True:
+            now_s = time.monotonic()
+            if self._closing.is_set() and stop_s == math.inf:
+                stop_s = now_s + _LAST_WORDS_S
+            if self._about is not None and now_s >= about_due_s:
+                self._send(bus, ABOUT, encode(self._about, self._utime, n_abouts))
+                n_abouts += 1
+                about_due_s = now_s + _ABOUT_S
+            bus.drain()
+            if now_s >= stop_s or (stop_s < math.inf and not self._waiting):
+                break
+            if not self._waiting:
+                self._closing.wait(_POLL_S)
+                continue
+            channel, self._utime, data = self._waiting.popleft()
+            self._taken_bytes += len(data) + _PER_MESSAGE_BYTES
+            unrested_bytes += self._send(bus, channel, data)
+            if unrested_bytes >= _BREATH_BYTES:
+                unrested_bytes = 0
+                time.sleep(_BREATH_S)
+        for _ in self._waiting:
+            self._drop()
+        bus.close()
+
+    def _send(self, bus: Bus, channel: str, data: bytes) -> int:
+        """Publish a message, thinned if need be; return the bytes that were sent."""
+        try:
+            if self._mode == "thin" and len(data) + len(channel) > PACKET_BYTES:
+                data = self._thinned(channel, data)
+            bus.publish(channel, data)
+        except (GraphnavError, TypeError, ValueError, AttributeError, IndexError):
+            self._drop()
+            return 0
+        return len(data)
+
+    def _thinned(self, channel: str, data: bytes) -> bytes:
+        """Return the message with as many rows and columns as fit one packet, or as it is if it has no grid."""
+        message_class = self._classes.get(channel)
+        if message_class is None or not message_class.grid:
+            return data
+        utime, seq, message = decode(message_class, data)
+        kind = (channel, len(data))
+        for step in range(self._steps.get(kind) or math.isqrt(len(data) // PACKET_BYTES) + 1, _MOST_STEP):
+            thinned = encode(message.thin(step), utime, seq)
+            if len(thinned) + len(channel) <= PACKET_BYTES:
+                self._steps[kind] = step
+                return thinned
+        return data
+
+    def _hear(self, _channel: str, data: bytes) -> None:
+        """Notice the other runs on this group."""
+        try:
+            other = decode(About, data)[2].run_id
+        except GraphnavError:
+            return
+        if other not in self._others | {self._run_id}:
+            self._others.add(other)
+            self._notice(
+                f"run {self._run_id} shares {self.url} with run {other}: whoever watches sees both mixed\n"
+                "  give one of them --no-tap"
+            )
+
+    def _drop(self) -> None:
+        with self._dropping:
+            self.dropped += 1
