@@ -1,6 +1,21 @@
 """Checked graphs: wiring, firing order, swaps."""
 
-from graphnav.graph.graph import Graph, RunOptions
+from graphnav.graph.find import find_graph, shipped_folder, shipped_graphs
+from graphnav.graph.graph import Graph
+from graphnav.graph.load import graph_of, load_graph
 from graphnav.graph.node import Channel, Input, Node, Setting
+from graphnav.spec import RunOptions
 
-__all__ = ["Channel", "Graph", "Input", "Node", "RunOptions", "Setting"]
+__all__ = [
+    "Channel",
+    "Graph",
+    "Input",
+    "Node",
+    "RunOptions",
+    "Setting",
+    "find_graph",
+    "graph_of",
+    "load_graph",
+    "shipped_folder",
+    "shipped_graphs",
+]

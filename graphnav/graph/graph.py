@@ -5,27 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from graphnav.errors import ParamError, Problem, UserError
 from graphnav.graph.node import Channel, Node
+from graphnav.spec import RunOptions
 from graphnav.stage import Stage
-
-Record = Literal["all", "small"]
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """What ``run:`` says."""
-
-    until_s: float | None = None
-    """When to stop, in seconds of the graph's clock; None runs until a source finishes."""
-    seed: int = 0
-    """All randomness of a run derives from it."""
-    record: Record = "all"
-    """``small`` keeps only messages below 4 kB in the log."""
-    url: str = "memq://"
-    """Where the channels are: ``memq://`` inside the process, ``udpm://...`` between processes."""
 
 
 @dataclass(frozen=True)

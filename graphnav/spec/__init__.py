@@ -1,7 +1,20 @@
 """What a graph's YAML says, every value with its place."""
 
+from graphnav.spec.run import RunOptions
 from graphnav.spec.scalar import Scalar, parse_scalar
+from graphnav.spec.spec import Spec, StageSpec, parse_spec
 from graphnav.spec.value import Entry, Value
-from graphnav.spec.yaml import parse_yaml
+from graphnav.spec.yaml import MAX_BYTES, parse_yaml
 
-__all__ = ["Entry", "Scalar", "Value", "parse_scalar", "parse_yaml"]
+__all__ = [
+    "MAX_BYTES",
+    "Entry",
+    "RunOptions",
+    "Scalar",
+    "Spec",
+    "StageSpec",
+    "Value",
+    "parse_scalar",
+    "parse_spec",
+    "parse_yaml",
+]

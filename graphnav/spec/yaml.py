@@ -34,11 +34,11 @@ class _Composer(yaml.SafeLoader):
             raise _TooDeep(None, None, f"values nest more than {MAX_DEPTH} deep", mark)
         self._depth += 1
         try:
-            return super().compose_node(parent, index)  # type: ignore[no-untyped-call]
+            return super().compose_node(parent, index)
         finally:
             self._depth -= 1
 
-    def resolve(self, kind: Any, value: Any, implicit: Any) -> str:
+    def resolve(self, kind: Any, value: Any, implicit: Any) -> str:  # noqa: ARG002
         """Return the tag of a node without one."""
         if kind is yaml.ScalarNode:
             return _PLAIN if implicit[0] else f"{_PREFIX}str"
@@ -121,7 +121,7 @@ def parse_yaml(data: bytes, source: str) -> tuple[Value, list[Problem]]:
         raise UserError([_syntax_problem(error, source)]) from error
     finally:
         if composer is not None:
-            composer.dispose()  # type: ignore[no-untyped-call]
+            composer.dispose()
     if node is None:
         return Value(None, Place(source)), []
     reader = _Reader(source)
@@ -132,7 +132,9 @@ def parse_yaml(data: bytes, source: str) -> tuple[Value, list[Problem]]:
 def _decoded(data: bytes, source: str) -> str:
     if len(data) > MAX_BYTES:
         raise UserError.of(
-            f"it has {len(data)} bytes, but a graph has at most {MAX_BYTES}", "check that this is a graph", Place(source)
+            f"it has more than {MAX_BYTES} bytes, the most that a graph may have",
+            "check that this is a graph",
+            Place(source),
         )
     try:
         return data.decode("utf-8-sig")

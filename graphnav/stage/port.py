@@ -52,7 +52,6 @@ class Ports:
     """The NamedTuple that ``step`` returns, None where it returns one message or nothing."""
 
 
-@cache
 def ports_of(cls: type) -> Ports:
     """Return the ports of a stage class.
 
@@ -61,6 +60,11 @@ def ports_of(cls: type) -> Ports:
     DeclarationError
         ``step`` is missing or its annotations do not say what comes and goes.
     """
+    return _ports_of(cls)
+
+
+@cache
+def _ports_of(cls: Any) -> Ports:
     step = getattr(cls, "step", None)
     if not callable(step):
         raise DeclarationError(f"stage {cls.__qualname__} has no step(): write one whose annotations name its ports")

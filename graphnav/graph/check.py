@@ -1,0 +1,110 @@
+"""Check a spec against the catalog and wire it into a graph."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from graphnav.catalog import Catalog
+from graphnav.errors import CatalogError, Problem, did_you_mean
+from graphnav.graph.channels import channels_of
+from graphnav.graph.graph import Graph
+from graphnav.graph.node import Channel, Input, Node
+from graphnav.graph.order import firing_order
+from graphnav.graph.settings import run_options, settings_of
+from graphnav.graph.wires import Wires
+from graphnav.spec import Spec
+from graphnav.stage import Stage, ports_of
+
+_NOT_USED = {
+    "deploy": "'deploy' is not used: in lockstep all stages run in one process",
+    "inputs": "'inputs' is not used: in lockstep every complete set of inputs fires",
+}
+
+
+def classes_of(spec: Spec, catalog: Catalog, problems: list[Problem]) -> dict[str, type[Stage]]:
+    """Return the class of every stage that is known; what is wrong is added to ``problems``."""
+    classes = {}
+    for stage in spec.stages.values():
+        if not stage.use:
+            continue
+        try:
+            classes[stage.name] = catalog.stage(stage.use)
+        except CatalogError as error:
+            problems.append(Problem(stage.use_place, error.what, error.hint))
+    return classes
+
+
+def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], notices: list[str]) -> Graph:
+    """Return the graph of a spec, which can be used only if nothing was added to ``problems``."""
+    classes = classes_of(spec, catalog, problems)
+    channels = channels_of(spec, classes, problems)
+    wires = Wires(spec, classes, channels, problems)
+    nodes = []
+    for name, cls in classes.items():
+        stage = spec.stages[name]
+        settings = settings_of(stage, cls, path.parent, problems)
+        outputs = {port.name: channels[f"{name}.{port.name}"] for port in ports_of(cls).outputs}
+        inputs = wires.inputs_of(stage)
+        nodes.append(Node(name, stage.use, cls, settings, inputs, outputs, stage.place, stage.use_note))
+    if spec.stages and len(classes) == len(spec.stages) and not any(node.is_source for node in nodes):
+        what = "the graph has no source: nothing would ever fire"
+        problems.append(Problem(spec.stages_place, what, "add a world, a video or another Source"))
+    order = _order(spec, nodes, problems)
+    run = run_options(spec.run, problems)
+    _check_deploy(spec, problems)
+    _check_inputs(spec, nodes, problems)
+    notices += [text for key, text in _NOT_USED.items() if getattr(spec, key)]
+    return Graph(
+        path=path,
+        about=spec.about,
+        nodes=tuple(nodes),
+        order=tuple(order),
+        channels=channels,
+        run=run,
+        notices=tuple(notices),
+        deploy={name: entry.value.plain() for name, entry in spec.deploy.items()},
+        inputs={name: entry.value.plain() for name, entry in spec.inputs.items()},
+    )
+
+
+def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]:
+    by_name = {node.name: node for node in nodes}
+    writers = {node.name: [channel.stage for _, channel in _plain(node)] for node in nodes}
+    order, loops = firing_order(writers)
+    for loop in loops:
+        reader = by_name[loop[0]]
+        port = next(i.port.name for i, channel in _plain(reader) if channel.stage == loop[-2])
+        place = spec.stages[reader.name].wires[port].value.place
+        what = f"a loop without a sampled input never fires: {' -> '.join(loop)}"
+        hint = f"make one of its inputs sampled, for instance '{port}' of {reader.use}: Latest[...]"
+        problems.append(Problem(place, what, hint))
+    return [by_name[name] for name in order if not by_name[name].is_source]
+
+
+def _plain(node: Node) -> list[tuple[Input, Channel]]:
+    return [(i, i.channel) for i in node.inputs if i.channel is not None and not i.port.latest]
+
+
+def _check_deploy(spec: Spec, problems: list[Problem]) -> None:
+    placed: dict[str, str] = {}
+    for process, entry in spec.deploy.items():
+        words = entry.value.data
+        stages = words["stages"].value.data if isinstance(words, dict) and "stages" in words else None
+        for stage in stages if isinstance(stages, list) else ():
+            name = stage.data
+            if not isinstance(name, str):
+                continue
+            if name not in spec.stages:
+                problems.append(Problem(stage.place, f"there is no stage '{name}'", did_you_mean(name, spec.stages)))
+            elif name in placed:
+                what = f"stage '{name}' stands in the processes '{placed[name]}' and '{process}'"
+                problems.append(Problem(stage.place, what, "keep one"))
+            placed.setdefault(name, process)
+
+
+def _check_inputs(spec: Spec, nodes: list[Node], problems: list[Problem]) -> None:
+    known = {f"{node.name}.{port.name}" for node in nodes for port in ports_of(node.stage_class).inputs}
+    unclear = set(spec.stages) - {node.name for node in nodes}
+    for ref, entry in spec.inputs.items():
+        if ref not in known and ref.partition(".")[0] not in unclear:
+            problems.append(Problem(entry.place, f"there is no input '{ref}'", did_you_mean(ref, known)))

@@ -1,0 +1,62 @@
+"""Find a graph: a file, or the name of one in the working folder or among those that ship."""
+
+from __future__ import annotations
+
+import importlib.resources
+from pathlib import Path
+
+from graphnav.errors import Place, UserError, did_you_mean
+
+SHIPPED = "graphnav_graphs"
+"""The data package with graphs, maps and planar models."""
+
+_SUFFIXES = (".yaml", ".yml")
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the data that ships."""
+    return Path(str(importlib.resources.files(SHIPPED)))
+
+
+def shipped_graphs() -> dict[str, Path]:
+    """Return the graphs that ship, by name."""
+    return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml"))}
+
+
+def find_graph(name: str | Path) -> Path:
+    """Return the file of a graph.
+
+    Raises
+    ------
+    UserError
+        There is none.
+    """
+    path, shipped = Path(name), shipped_graphs()
+    candidates = [path] if path.suffix in _SUFFIXES else [path, *(Path(f"{path}{suffix}") for suffix in _SUFFIXES)]
+    for candidate in candidates:
+        if _is_file(candidate):
+            return candidate
+    if str(name) in shipped:
+        return shipped[str(name)]
+    if path.is_dir():
+        near = sorted(p.name for p in path.glob("*.yaml"))
+        hint = f"name a file in it: {', '.join(near[:5])}" if near else "name a YAML file"
+        raise UserError.of("it is a folder, not a graph", hint, Place(str(name)))
+    known = {*shipped, *(str(p) for suffix in _SUFFIXES for p in path.parent.glob(f"*{suffix}"))}
+    hint = did_you_mean(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
+    raise UserError.of("there is no such graph", hint, Place(str(name)))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.exists() and not path.is_dir()
+    except (OSError, ValueError):  # a name too long, or with a null character
+        return False
+
+
+def shown(path: Path) -> str:
+    """Return a path as errors name it: from the working folder where it is inside."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(path)

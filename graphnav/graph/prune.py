@@ -1,0 +1,57 @@
+"""Remove what nobody reads any more after a swap."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from graphnav.spec import Entry, Spec, Value
+from graphnav.stage import Source, Stage, ports_of
+
+
+def prune(
+    spec: Spec, read_before: set[str], swapped: set[str], classes: Mapping[str, type[Stage]], notices: list[str]
+) -> None:
+    """Remove the stages that had readers and have none now, and what the graph says of them.
+
+    Sinks, swapped stages and the last source stay. ``read_before``: the stages that somebody read before the swap.
+    """
+    while unread := _unread(spec, read_before, swapped, classes):
+        del spec.stages[unread]
+        notices.append(f"{unread}: pruned, nobody reads it any more")
+    channels = {f"{s}.{p.name}" for s, cls in classes.items() if s in spec.stages for p in ports_of(cls).outputs}
+    inputs = {f"{s}.{p.name}" for s, cls in classes.items() if s in spec.stages for p in ports_of(cls).inputs}
+    gone = {name for name in classes if name in swapped or name not in spec.stages}
+    dead = [ref for ref in spec.channels if ref.partition(".")[0] in gone and ref not in channels]
+    notices += [
+        f"channels: '{ref}' is gone, and its name {spec.channels.pop(ref).value.plain()} with it" for ref in dead
+    ]
+    spec.inputs = {
+        ref: entry for ref, entry in spec.inputs.items() if ref in inputs or ref.partition(".")[0] not in gone
+    }
+    pruned = {name for name in gone if name not in spec.stages}
+    if pruned:
+        spec.deploy = {name: left for name, entry in spec.deploy.items() if (left := _without(entry, pruned))}
+
+
+def _unread(spec: Spec, read_before: set[str], swapped: set[str], classes: Mapping[str, type[Stage]]) -> str | None:
+    read = {str(e.value.data).partition(".")[0] for stage in spec.stages.values() for e in stage.wires.values()}
+    sources = [name for name in spec.stages if name in classes and issubclass(classes[name], Source)]
+    for name in spec.stages:
+        if name in read_before and name not in read and name not in swapped and sources != [name]:
+            return name
+    return None
+
+
+def _without(process: Entry, pruned: set[str]) -> Entry | None:
+    """Return a process of ``deploy`` without the stages that are gone, None if none is left."""
+    words = process.value.data
+    if not isinstance(words, dict) or "stages" not in words:
+        return process
+    stages = words["stages"].value
+    if not isinstance(stages.data, list):
+        return process
+    left = [s for s in stages.data if s.data not in pruned]
+    if not left:
+        return None
+    kept: dict[str, Entry] = {**words, "stages": Entry(words["stages"].place, Value(left, stages.place))}
+    return Entry(process.place, Value(kept, process.value.place))

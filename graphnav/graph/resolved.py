@@ -1,0 +1,56 @@
+"""Write a checked graph as YAML again, every parameter with its value and where it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from graphnav.graph.graph import Graph
+from graphnav.graph.node import Node
+from graphnav.spec.write import write_value
+from graphnav.stage import params_of
+
+
+def resolved_yaml(graph: Graph, *, portable_paths: bool) -> str:
+    """Return the text of `Graph.to_yaml`."""
+    return "\n".join(_lines(graph, portable_paths=portable_paths)) + "\n"
+
+
+def _lines(graph: Graph, *, portable_paths: bool) -> Iterator[str]:
+    yield "# The graph as it ran: every parameter with its value."
+    yield from (f"# {line}" for notice in graph.notices for line in notice.splitlines())
+    if graph.about:
+        yield f"about: {write_value(graph.about)}"
+    yield "run:"
+    for name in params_of(type(graph.run)):
+        yield f"  {name}: {write_value(getattr(graph.run, name))}"
+    yield "stages:"
+    for node in graph.nodes:
+        yield from _node_lines(node, portable_paths=portable_paths)
+    renamed = [channel for channel in graph.channels.values() if channel.name != channel.ref]
+    if renamed:
+        yield "channels:"
+        yield from (f"  {channel.ref}: {write_value(channel.name)}" for channel in renamed)
+    for key, section in (("deploy", graph.deploy), ("inputs", graph.inputs)):
+        if section:
+            yield f"{key}:"
+            yield from (f"  {write_value(name)}: {write_value(words)}" for name, words in section.items())
+
+
+def _node_lines(node: Node, *, portable_paths: bool) -> Iterator[str]:
+    yield f"  {node.name}:"
+    yield f"    use: {node.use}" + _comment(node.use_note)
+    if node.settings:
+        yield "    with:"
+    for name, setting in node.settings.items():
+        note = "" if setting.origin == "graph" else setting.origin
+        value = setting.written if portable_paths else setting.anywhere
+        yield f"      {name}: {write_value(value)}" + _comment(note)
+    wired = [(i.port.name, i.channel.ref, i.note) for i in node.inputs if i.channel is not None]
+    if wired:
+        yield "    in:"
+    for port, ref, note in wired:
+        yield f"      {port}: {ref}" + _comment(note)
+
+
+def _comment(note: str) -> str:
+    return f"  # {note}" if note.isprintable() and note else ""

@@ -1,0 +1,100 @@
+"""Wires: what each input reads, checked against what the stages write."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from graphnav.errors import Place, Problem, did_you_mean
+from graphnav.graph.node import Channel, Input
+from graphnav.spec import Spec, StageSpec
+from graphnav.stage import Port, Stage, ports_of
+
+
+class Wires:
+    """Resolves references of a graph and says what is wrong with them."""
+
+    def __init__(
+        self,
+        spec: Spec,
+        classes: Mapping[str, type[Stage]],
+        channels: Mapping[str, Channel],
+        problems: list[Problem],
+    ) -> None:
+        self._spec, self._classes, self._channels, self._problems = spec, classes, channels, problems
+
+    def inputs_of(self, stage: StageSpec) -> tuple[Input, ...]:
+        """Return the inputs of a stage, without those that something is wrong with."""
+        ports = {port.name: port for port in ports_of(self._classes[stage.name]).inputs}
+        for name, entry in stage.wires.items():
+            if name not in ports:
+                hint = did_you_mean(name, ports) or (f"it has {', '.join(ports)}" if ports else "it has none")
+                self._problems.append(Problem(entry.place, f"{stage.use} has no input '{name}'", hint))
+        inputs = [self._input(stage, port) for port in ports.values()]
+        return tuple(i for i in inputs if i is not None)
+
+    def _input(self, stage: StageSpec, port: Port) -> Input | None:
+        entry = stage.wires.get(port.name)
+        if entry is None:
+            if port.latest:
+                return Input(port, None)
+            if port.name in stage.unwired:
+                return None
+            candidates = self._of_type(port, stage.name)
+            wire = candidates[0] if len(candidates) == 1 else "stage.port"
+            hint = f"write in: {{{port.name}: {wire}}}"
+            if len(candidates) > 1:
+                hint += f" with one of {', '.join(candidates)}"
+            what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) is not connected"
+            self._problems.append(Problem(stage.place, what, hint))
+            return None
+        channel = self._channel(str(entry.value.data), entry.value.place)
+        if channel is None:
+            return None
+        if channel.message is not port.message:
+            writer = self._spec.stages[channel.stage]
+            what = (
+                f"'{port.name}' of stage '{stage.name}' ({stage.use}) takes {port.message.__name__}, but "
+                f"'{channel.port}' of stage '{writer.name}' ({writer.use}) is {channel.message.__name__}"
+            )
+            candidates = self._of_type(port, stage.name)
+            hint = f"wire it to {' or '.join(candidates)}" if candidates else f"no stage writes {port.message.__name__}"
+            self._problems.append(Problem(entry.value.place, what, hint))
+            return None
+        return Input(port, channel, stage.wire_notes.get(port.name, ""))
+
+    def _channel(self, ref: str, place: Place) -> Channel | None:
+        """Return what a reference means; ``stage`` alone is its one output."""
+        stage, dot, port = ref.partition(".")
+        if ref in self._channels:
+            return self._channels[ref]
+        if stage not in self._spec.stages:
+            hint = did_you_mean(ref, self._channels) or did_you_mean(stage, self._spec.stages)
+            renamed = next((c.ref for c in self._channels.values() if c.name == ref), "")
+            if renamed:
+                hint = f"write '{renamed}': inputs name the stage's port, not the LCM channel"
+            self._problems.append(Problem(place, f"there is no stage '{stage}'", hint or "write stage.port"))
+        elif stage in self._classes:
+            self._no_port(stage, port, dot, place)
+            outputs = self._outputs(stage)
+            if not dot and len(outputs) == 1:
+                return self._channels[outputs[0]]
+        return None
+
+    def _no_port(self, stage: str, port: str, dot: str, place: Place) -> None:
+        outputs = self._outputs(stage)
+        who = f"stage '{stage}' ({self._spec.stages[stage].use})"
+        if not outputs:
+            self._problems.append(Problem(place, f"{who} has no outputs", "wire this to another stage"))
+        elif dot:
+            names = [ref.partition(".")[2] for ref in outputs]
+            hint = did_you_mean(port, names) or f"it has {', '.join(names)}"
+            self._problems.append(Problem(place, f"{who} has no output '{port}'", hint))
+        elif len(outputs) > 1:
+            what = f"{who} has {len(outputs)} outputs"
+            self._problems.append(Problem(place, what, f"write one of {', '.join(outputs)}"))
+
+    def _outputs(self, stage: str) -> list[str]:
+        return [ref for ref, channel in self._channels.items() if channel.stage == stage]
+
+    def _of_type(self, port: Port, reader: str) -> list[str]:
+        return [c.ref for c in self._channels.values() if c.message is port.message and c.stage != reader]

@@ -1,0 +1,18 @@
+"""What ``run:`` may say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from graphnav.stage import param
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """How a graph runs, where the command line says nothing else."""
+
+    until_s: float | None = param(None, gt=0.0, le=1e9, doc="when to stop; null runs until a source finishes")
+    seed: int = param(0, ge=0, le=4_294_967_295, doc="all randomness of a run derives from it")
+    record: Literal["all", "small"] = param("all", doc="small keeps only messages below 4 kB in the log")
+    url: str = param("memq://", doc="the bus: memq:// inside the process, udpm://... between processes")

@@ -1,0 +1,182 @@
+"""The words of a graph: their shape is checked here, their meaning against the catalog later."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from graphnav.errors import Place, Problem, did_you_mean
+from graphnav.spec.value import Entry, Value
+
+GRAPH_KEYS = ("about", "run", "stages", "channels", "deploy", "inputs")
+STAGE_KEYS = ("use", "with", "in")
+DEPLOY_KEYS = ("stages", "host", "restart")
+RESTARTS = ("never", "on_failure", "always")
+INPUT_KEYS = ("keep",)
+STAGE_NAME = re.compile(r"[a-z][a-z0-9_]*")
+RESERVED_STAGES = ("run",)
+"""No stage is called so: ``--set run.seed=1`` means the option."""
+
+
+@dataclass
+class StageSpec:
+    """What is written under one stage's name."""
+
+    name: str
+    place: Place
+    use: str
+    use_place: Place
+    params: dict[str, Entry] = field(default_factory=dict)
+    wires: dict[str, Entry] = field(default_factory=dict)
+    """By input port; the value is a text, the reference."""
+    use_note: str = ""
+    """The ``--set`` that swapped it, empty if the graph says so."""
+    wire_notes: dict[str, str] = field(default_factory=dict)
+    """How swaps came to wires, by input port."""
+    unwired: set[str] = field(default_factory=set)
+    """Inputs that a swap left open, which has been said."""
+
+
+@dataclass
+class Spec:
+    """What is written in a graph."""
+
+    about: str = ""
+    run: dict[str, Entry] = field(default_factory=dict)
+    stages: dict[str, StageSpec] = field(default_factory=dict)
+    stages_place: Place | None = None
+    channels: dict[str, Entry] = field(default_factory=dict)
+    """By reference; the value is a text, the channel's name."""
+    deploy: dict[str, Entry] = field(default_factory=dict)
+    inputs: dict[str, Entry] = field(default_factory=dict)
+
+
+def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
+    """Return the words of a graph and everything that is wrong with their shape."""
+    parser = _Parser()
+    return parser.graph(value), parser.problems
+
+
+class _Parser:
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def graph(self, value: Value) -> Spec:
+        spec = Spec()
+        if value.data is None:
+            self._problem(value.place, "the graph is empty", "write stages: and what they use")
+            return spec
+        words = self._mapping(value, "a graph")
+        self._known(words, GRAPH_KEYS, "a graph")
+        if "about" in words:
+            spec.about = self._text(words["about"].value, "'about'")
+        spec.run = self._section(words, "run")
+        if "stages" in words:
+            spec.stages_place = words["stages"].place
+            spec.stages = self._stages(words["stages"])
+        elif isinstance(value.data, dict):
+            self._problem(value.place, "the graph has no 'stages'", "write stages: and what they use")
+        spec.channels = self._section(words, "channels")
+        for ref, entry in spec.channels.items():
+            self._text(entry.value, f"the channel name of '{ref}'")
+        spec.deploy = self._section(words, "deploy")
+        for name, entry in spec.deploy.items():
+            self._process(name, entry)
+        spec.inputs = self._section(words, "inputs")
+        for ref, entry in spec.inputs.items():
+            self._input(ref, entry)
+        return spec
+
+    def _stages(self, entry: Entry) -> dict[str, StageSpec]:
+        stages = self._mapping(entry.value, "'stages'")
+        if not stages and isinstance(entry.value.data, dict | None):
+            self._problem(entry.place, "the graph has no stages", "write a name and what it uses")
+        return {name: spec for name, stage in stages.items() if (spec := self._stage(name, stage))}
+
+    def _stage(self, name: str, entry: Entry) -> StageSpec | None:
+        if not STAGE_NAME.fullmatch(name):
+            self._problem(
+                entry.place,
+                f"'{name}' cannot be a stage's name",
+                "use small letters, digits and _, beginning with a letter",
+            )
+        if name in RESERVED_STAGES:
+            self._problem(entry.place, f"no stage can be called '{name}'", f"'--set {name}.…' means the options")
+        if isinstance(entry.value.data, str):
+            self._problem(
+                entry.value.place,
+                f"stage '{name}' must be a mapping, not {entry.value.kind}",
+                f"write {name}: {{use: {entry.value.data}}}",
+            )
+            return None
+        words = self._mapping(entry.value, f"stage '{name}'")
+        if not isinstance(entry.value.data, dict | None):
+            return None
+        self._known(words, STAGE_KEYS, f"stage '{name}'")
+        if "use" not in words or words["use"].value.data in (None, ""):
+            self._problem(entry.place, f"stage '{name}' does not say what it uses", "write use: family.stage")
+            return None
+        use = words["use"].value
+        wires = self._section(words, "in", f"'in' of stage '{name}'")
+        for port, wire in wires.items():
+            self._text(wire.value, f"the wire of '{name}.{port}'", "write stage.port")
+        return StageSpec(
+            name=name,
+            place=entry.place,
+            use=self._text(use, f"'use' of stage '{name}'", "write family.stage"),
+            use_place=use.place,
+            params=self._section(words, "with", f"'with' of stage '{name}'"),
+            wires={port: wire for port, wire in wires.items() if isinstance(wire.value.data, str)},
+        )
+
+    def _process(self, name: str, entry: Entry) -> None:
+        who = f"process '{name}' of 'deploy'"
+        words = self._mapping(entry.value, who)
+        self._known(words, DEPLOY_KEYS, who)
+        stages = words["stages"].value if "stages" in words else None
+        if stages is None or not isinstance(stages.data, list) or not all(isinstance(s.data, str) for s in stages.data):
+            place = stages.place if stages else entry.place
+            self._problem(place, f"{who} does not list its stages", "write stages: [name, ...]")
+        if "host" in words:
+            self._text(words["host"].value, f"'host' of {who}")
+        if "restart" in words and words["restart"].value.data not in RESTARTS:
+            value = words["restart"].value
+            self._problem(value.place, f"'restart' of {who} must be {_any_of(RESTARTS)}, not {value.kind}")
+
+    def _input(self, ref: str, entry: Entry) -> None:
+        who = f"'{ref}' of 'inputs'"
+        words = self._mapping(entry.value, who)
+        self._known(words, INPUT_KEYS, who)
+        if "keep" in words:
+            value = words["keep"].value
+            if value.data != "all" and not (type(value.data) is int and value.data >= 1):
+                self._problem(value.place, f"'keep' of {who} must be all or a number from 1, not {value.kind}")
+
+    def _section(self, words: dict[str, Entry], key: str, who: str = "") -> dict[str, Entry]:
+        return self._mapping(words[key].value, who or f"'{key}'") if key in words else {}
+
+    def _mapping(self, value: Value, who: str) -> dict[str, Entry]:
+        if isinstance(value.data, dict):
+            return dict(value.data)
+        if value.data is not None:
+            self._problem(value.place, f"{who} must be a mapping, not {value.kind}")
+        return {}
+
+    def _text(self, value: Value, who: str, hint: str = "put it in quotes if it is meant") -> str:
+        if isinstance(value.data, str):
+            return value.data
+        self._problem(value.place, f"{who} must be a text, not {value.kind}", hint)
+        return ""
+
+    def _known(self, words: dict[str, Entry], keys: tuple[str, ...], who: str) -> None:
+        for word, entry in words.items():
+            if word not in keys:
+                hint = did_you_mean(word, keys) or f"keys are {', '.join(keys)}"
+                self._problem(entry.place, f"{who} has no key '{word}'", hint)
+
+    def _problem(self, place: Place, what: str, hint: str = "") -> None:
+        self.problems.append(Problem(place, what, hint))
+
+
+def _any_of(words: tuple[str, ...]) -> str:
+    return f"{', '.join(words[:-1])} or {words[-1]}"
