@@ -21,6 +21,7 @@ Ints = npt.NDArray[np.int32]
 
 SUN_W = np.array([0.42, 0.27, 0.87])
 """Towards the light, in W (unit length)."""
+AMBIENT = 0.6
 
 
 class Kind(IntEnum):
@@ -60,7 +61,7 @@ class Body:
         left, right = strip.left, strip.right
         if strip.closed:
             left, right = (np.concatenate([rim, rim[:1]]) for rim in (left, right))
-        sides = [np.stack([right[:-1], right[1:]], axis=1), np.stack([left[1:], left[:-1]], axis=1)]
+        sides = [np.stack([right[:-1], right[1:]], axis=1), np.stack([left[1:], left[:-1]], axis=1)[::-1]]
         if not strip.closed:
             sides += [np.array([[left[0], right[0]], [right[-1], left[-1]]])]
         return cls(Kind.WALL, strip.outline, strip.pieces, np.concatenate(sides), height_m, texture)
@@ -94,7 +95,7 @@ class Faces:
 def shade(normal: Doubles) -> float:
     """Return how bright a face with this outward normal is: ambient and diffuse light, 1 for the floor."""
     lambert = max(0.0, float(normal @ SUN_W))
-    return (0.45 + 0.55 * lambert) / (0.45 + 0.55 * float(SUN_W[2]))
+    return (AMBIENT + (1 - AMBIENT) * lambert) / (AMBIENT + (1 - AMBIENT) * float(SUN_W[2]))
 
 
 @dataclass

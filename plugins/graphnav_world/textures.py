@@ -15,6 +15,8 @@ Floats = npt.NDArray[np.float32]
 TEXEL_M = 0.005
 OCTAVE_GAIN = 1.15
 """How much stronger noise of twice the grain is."""
+RIM = 7
+"""Lattice values around the noise: what blur and interpolation reach for."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +38,17 @@ class Texture:
         return np.clip(total, 0, 255, out=total).astype(np.uint8)
 
 
-def _noise(width: int, height: int, cell: int, rng: np.random.Generator) -> Floats:
-    """Return smooth noise with one value per ``cell`` texels, (height, width), that tiles."""
-    rows, cols = math.ceil(height / cell), math.ceil(width / cell)
-    lattice = np.pad(rng.standard_normal((rows, cols), dtype=np.float32), 2, mode="wrap")
-    to_lattice = np.array([[cols / width, 0.0, 2.0], [0.0, rows / height, 2.0]])
+def _noise(width: int, height: int, grain: int, rng: np.random.Generator) -> Floats:
+    """Return noise with grains of this many texels, (height, width), that tiles and has no preferred direction.
+
+    Drawn and blurred on a lattice of two values a grain, on which it is smooth, then interpolated.
+    """
+    if grain == 1:
+        return rng.standard_normal((height, width), dtype=np.float32)
+    rows, cols = math.ceil(2 * height / grain), math.ceil(2 * width / grain)
+    lattice = np.pad(rng.standard_normal((rows, cols), dtype=np.float32), RIM, mode="wrap")
+    lattice = cv2.GaussianBlur(lattice, (RIM, RIM), 1.0)
+    to_lattice = np.array([[cols / width, 0.0, RIM], [0.0, rows / height, RIM]])
     flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
     fine: Floats = cv2.warpAffine(lattice, to_lattice, (width, height), flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    return fine
+    return fine / fine.std()
