@@ -136,5 +136,5 @@ def _agree(array: ArrayPart, shape: Shape, sizes: dict[str, int]) -> None:
             continue
         expected = dim if isinstance(dim, int) else sizes.setdefault(dim, size)
         if expected != size:
-            wanted = ", ".join(str(d) if isinstance(d, int) else f"{d}={sizes.get(d, '?')}" for d in array.dims)
+            wanted = ", ".join(f"{dim}={sizes[dim]}" if dim in sizes else str(dim) for dim in array.dims)
             raise EncodeError(f"{array.name}: expected shape ({wanted}), found {shape}")

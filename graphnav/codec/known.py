@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 from collections.abc import Iterator
+from pathlib import Path
 
 import graphnav_lcm
 
@@ -31,11 +33,20 @@ def type_named(name: str) -> type | None:
         if lcm_name(found.lcm_class) == name:
             return found.lcm_class
     package, _, short = name.rpartition(".")
-    try:
-        lcm_class = getattr(importlib.import_module(package), short, None)
-    except (ImportError, ValueError):
+    if not all(part.isidentifier() for part in name.split(".")) or not _is_lcm_module(package, short):
         return None
+    lcm_class = getattr(importlib.import_module(package), short, None)
     return lcm_class if isinstance(lcm_class, type) and hasattr(lcm_class, "__typenames__") else None
+
+
+def _is_lcm_module(package: str, short: str) -> bool:
+    """Whether lcm-gen may have made ``package``; a log must not make us import anything else."""
+    try:
+        spec = package and importlib.util.find_spec(package)
+    except ModuleNotFoundError:
+        return False
+    folders = (spec.submodule_search_locations if spec else None) or ()
+    return short.endswith("_t") and any((Path(folder) / f"{short}.py").is_file() for folder in folders)
 
 
 def type_of(data: bytes) -> type | None:

@@ -1,0 +1,42 @@
+"""What the LCM tests share: test types made by lcm-gen, and a multicast group of their own."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from graphnav.bus import require_route
+from graphnav.errors import BusError
+
+SCRIPTS = Path(sysconfig.get_path("scripts"))
+TYPES = sorted((Path(__file__).parent / "types").glob("*.lcm"))
+
+
+@pytest.fixture(scope="session")
+def codec_types(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+    """Return the package that lcm-gen makes of the types beside this file."""
+    folder = tmp_path_factory.mktemp("lcm")
+    subprocess.run([SCRIPTS / "lcm-gen", "-p", "--ppath", folder, *TYPES], check=True)
+    sys.path.insert(0, str(folder))
+    importlib.import_module("codec_types.deep")
+    yield importlib.import_module("codec_types")
+    sys.path.remove(str(folder))
+
+
+@pytest.fixture
+def group() -> str:
+    """Return a multicast group that nobody else on this machine uses."""
+    url = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{7700 + os.getpid() % 90}?ttl=0"
+    try:
+        require_route(url)
+    except BusError as error:
+        pytest.skip(str(error))
+    return url

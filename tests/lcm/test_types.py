@@ -1,0 +1,136 @@
+"""The shipped LCM types: fresh, distinct, enveloped, and understood by lcm-gen's own Python."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import graphnav_lcm
+import numpy as np
+import pytest
+
+from graphnav import messages
+from graphnav.codec import codec_of, decode, encode, fingerprint, lcm_name, lcm_text_of, type_named, type_of
+from graphnav.messages import Message
+
+from .conftest import SCRIPTS
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = [found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__")]
+MESSAGES = [found for found in vars(messages).values() if isinstance(found, type) and issubclass(found, Message)]
+MESSAGES.remove(Message)
+
+RNG = np.random.default_rng(5)
+SIZES = {
+    name: size
+    for size, name in enumerate(
+        (
+            "rows",
+            "cols",
+            "n_bodies",
+            "n_vertices",
+            "n_goal",
+            "n_footprint",
+            "n_moving",
+            "n_channels",
+            "n_terms",
+            "n_stages",
+        ),
+        start=2,
+    )
+}
+VALUES: dict[str, Any] = {"string": "naïve", "boolean": True, "float": 1.5, "double": -2.5, "byte": 200}
+
+
+def filled(lcm_class: Any) -> Any:
+    """Return an lcm-gen object with something in every field."""
+    made = lcm_class()
+    if lcm_class is graphnav_lcm.image_t:
+        made.rows, made.cols, made.channels, made.size = 2, 3, 3, 18
+    for name, typename, dims in zip(made.__slots__, made.__typenames__, made.__dimensions__, strict=True):
+        value = VALUES.get(typename, int(RNG.integers(100)))
+        if not dims:
+            if lcm_class is not graphnav_lcm.image_t or name in ("utime", "seq", "step_px"):
+                setattr(made, name, SIZES.get(name, value))
+            continue
+        for dim in reversed(dims):
+            size = getattr(made, dim) if isinstance(dim, str) else dim
+            value = [value] * size
+        setattr(made, name, value)
+    return made
+
+
+def test_the_generated_code_is_fresh() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "tools/gen_lcm.py", "--check"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_every_definition_has_its_class() -> None:
+    assert {lcm_class.__name__ for lcm_class in SHIPPED} == {p.stem for p in (ROOT / "lcmtypes").glob("*.lcm")}
+
+
+def test_all_fingerprints_differ() -> None:
+    assert len({fingerprint(lcm_class) for lcm_class in SHIPPED}) == len(SHIPPED)
+
+
+def test_every_type_has_a_message_and_every_message_its_type() -> None:
+    assert {message.lcm_class for message in MESSAGES} == set(SHIPPED)
+
+
+@pytest.mark.parametrize("lcm_class", SHIPPED, ids=lcm_name)
+def test_the_envelope_comes_first(lcm_class: Any) -> None:
+    assert lcm_class.__slots__[:2] == ["utime", "seq"]
+    assert lcm_class.__typenames__[:2] == ["int64_t", "int64_t"]
+
+
+@pytest.mark.parametrize("message", MESSAGES, ids=lambda message: str(message.__name__))
+def test_every_message_crosses_lcm_and_comes_back(message: type[Message]) -> None:
+    theirs = filled(message.lcm_class).encode()
+    utime, seq, decoded = decode(message, theirs)
+    ours = encode(decoded, utime, seq)
+    assert ours == theirs
+    again: Any = getattr(message.lcm_class, "decode")(ours)  # noqa: B009 - lcm-gen's classes are not typed
+    assert (again.utime, again.seq) == (utime, seq)
+    assert again.encode() == theirs
+
+
+@pytest.mark.parametrize("lcm_class", SHIPPED, ids=lcm_name)
+def test_a_type_is_found_by_name_and_by_fingerprint(lcm_class: Any) -> None:
+    assert type_named(lcm_name(lcm_class)) is lcm_class
+    assert type_of(filled(lcm_class).encode()) is lcm_class
+
+
+@pytest.mark.parametrize("name", ["graphnav_lcm.nothing_t", "nowhere.flow_t", "flow_t", "", "os.path", "..flow_t"])
+def test_a_type_that_is_not_there_is_none(name: str) -> None:
+    assert type_named(name) is None
+
+
+def test_bytes_of_no_known_type_are_none() -> None:
+    assert type_of(b"") is None
+    assert type_of(bytes(40)) is None
+
+
+def test_the_text_of_types_makes_the_same_types(codec_types: ModuleType, tmp_path: Path) -> None:
+    lcm_classes = [*SHIPPED, codec_types.every_t, codec_types.tree_t]
+    renamed = re.sub(r"\b(codec_types|graphnav_lcm)\b", r"again_\1", lcm_text_of(lcm_classes))
+    for number, text in enumerate(renamed.split("package ")[1:]):
+        (tmp_path / f"{number}.lcm").write_text(f"package {text}")
+    files = map(str, sorted(tmp_path.glob("*.lcm")))
+    subprocess.run([str(SCRIPTS / "lcm-gen"), "-p", "--ppath", str(tmp_path), *files], check=True)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        importlib.import_module("again_codec_types.deep")
+        for lcm_class in lcm_classes:
+            package, _, name = lcm_name(lcm_class).rpartition(".")
+            made = getattr(importlib.import_module(f"again_{package}"), name)
+            assert fingerprint(made) == fingerprint(lcm_class)
+            assert codec_of(made).fields == codec_of(lcm_class).fields
+    finally:
+        sys.path.remove(str(tmp_path))
