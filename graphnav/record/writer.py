@@ -106,6 +106,6 @@ class LogWriter:
             end += len(header) + len(data)
             kept += 1
         self.n_events = kept
-        os.ftruncate(self._fd, end)
-        os.lseek(self._fd, end, os.SEEK_SET)
+        if size > end:
+            os.ftruncate(self._fd, end)
         return LogError(f"{self.path}: {error.strerror}; the log ends whole after {kept} events")

@@ -1,0 +1,256 @@
+"""Logs: readable by LCM, theirs by us, and whole whatever happens."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import resource
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import lcm
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from graphnav.codec import encode, lcm_text_of
+from graphnav.errors import LogError
+from graphnav.messages import About, Flow, Twist
+from graphnav.record import ABOUT, LogWriter, Recording
+
+GRAPH = "stages: {robot: {use: world.pymunk}}\n"
+SAID = About(
+    graph_yaml=GRAPH,
+    lcm_text=lcm_text_of([Twist.lcm_class]),
+    run_id="",
+    seed=7,
+    channels=("control.twist",),
+    types=("graphnav_lcm.twist_t",),
+)
+TWISTS = [Twist(v_mps=0.1 * k, omega_radps=-0.2 * k) for k in range(5)]
+
+
+def write_log(path: Path) -> Path:
+    """Write what a short run would."""
+    with LogWriter(path) as log:
+        log.write(ABOUT, 0, encode(SAID, 0, 0))
+        for k, twist in enumerate(TWISTS):
+            log.write("control.twist", 100_000 * k, encode(twist, 100_000 * k, k))
+    return path
+
+
+events = st.lists(
+    st.tuples(
+        st.text(st.characters(codec="ascii", min_codepoint=33), min_size=1, max_size=63),
+        st.integers(0, 2**62),
+        st.binary(max_size=300),
+    ),
+    max_size=20,
+)
+
+
+@settings(derandomize=True, deadline=None, max_examples=40)
+@given(wanted=events)
+def test_lcm_reads_our_log_and_we_read_lcms(
+    tmp_path_factory: pytest.TempPathFactory, wanted: list[tuple[str, int, bytes]]
+) -> None:
+    folder = tmp_path_factory.mktemp("logs")
+    with LogWriter(folder / "ours") as log:
+        for channel, utime, data in wanted:
+            log.write(channel, utime, data)
+    theirs = lcm.EventLog(str(folder / "theirs"), "w")
+    for channel, utime, data in wanted:
+        theirs.write_event(utime, channel, data)
+    theirs.close()
+
+    assert (folder / "ours").read_bytes() == (folder / "theirs").read_bytes()
+    with Recording(folder / "theirs") as recording:
+        assert [tuple(event) for event in recording.events()] == wanted
+    if wanted:
+        read = [(e.channel, e.timestamp, e.data) for e in lcm.EventLog(str(folder / "ours"))]
+        assert read == wanted
+
+
+def test_a_recording_tells_what_it_holds(tmp_path: Path) -> None:
+    with Recording(write_log(tmp_path / "run.lcmlog")) as recording:
+        assert recording.about == recording.about
+        assert recording.about is not None
+        assert recording.about.seed == 7
+        assert recording.graph == {"stages": {"robot": {"use": "world.pymunk"}}}
+        assert recording.channels == {ABOUT: About.lcm_class, "control.twist": Twist.lcm_class}
+        assert recording.n_events == 6
+        assert recording.utimes("control.twist") == [0, 100_000, 200_000, 300_000, 400_000]
+        assert recording.torn is None
+
+
+def test_messages_come_in_order_and_by_index(tmp_path: Path) -> None:
+    with Recording(write_log(tmp_path / "run.lcmlog")) as recording:
+        read = list(recording.messages("control.twist"))
+        assert [(utime, seq) for utime, seq, _ in read] == [(100_000 * k, k) for k in range(5)]
+        assert [vars(message) for _, _, message in read] == [vars(twist) for twist in TWISTS]
+        assert vars(recording.message("control.twist", -1)[2]) == vars(TWISTS[-1])
+        assert recording.fields("control.twist", 2)["seq"] == 2
+        assert list(recording.messages("no.such")) == []
+        assert recording.count("no.such") == 0
+
+
+def test_a_log_without_a_description_finds_its_types_by_fingerprint(tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "log") as log:
+        log.write("WHEELS", 5, encode(TWISTS[1], 5, 6))
+        log.write("OTHER", 5, bytes(40))
+    with Recording(tmp_path / "log") as recording:
+        assert recording.channels == {"WHEELS": Twist.lcm_class, "OTHER": None}
+        assert recording.about is None
+        with pytest.raises(LogError, match="does not say which graph made it"):
+            _ = recording.graph
+        with pytest.raises(LogError, match="the type of channel 'OTHER' is not installed"):
+            recording.message("OTHER", 0)
+
+
+def test_a_damaged_message_is_an_error_that_names_it(tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "log") as log:
+        log.write("wheels", 5, encode(TWISTS[1], 5, 6)[:-1])
+    with Recording(tmp_path / "log") as recording, pytest.raises(LogError, match="event 0 of channel 'wheels'"):
+        recording.message("wheels", 0)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(cut=st.integers(1, 400))
+def test_a_torn_log_is_read_up_to_the_tear(tmp_path_factory: pytest.TempPathFactory, cut: int) -> None:
+    folder = tmp_path_factory.mktemp("torn")
+    data = write_log(folder / "whole").read_bytes()
+    kept = data[: max(1, len(data) - cut)]
+    (folder / "torn").write_bytes(kept)
+    with Recording(folder / "whole") as whole, Recording(folder / "torn") as torn:
+        there = list(torn.events())
+        assert there == list(whole.events())[: len(there)]
+        lost = torn.torn.n_bytes if torn.torn else 0
+        assert sum(28 + len(e.channel) + len(e.data) for e in there) + lost == len(kept)
+        assert torn.torn is None or "is not whole" in str(torn.torn)
+
+
+def test_garbage_in_a_log_is_an_error_with_its_place(tmp_path: Path) -> None:
+    data = write_log(tmp_path / "log").read_bytes()
+    place = data.rindex(bytes.fromhex("eda1da01"))
+    (tmp_path / "bad").write_bytes(data[:place] + b"????" + data[place + 4 :])
+    with pytest.raises(LogError, match=f"has no LCM event at byte {place} of {len(data)}"):
+        Recording(tmp_path / "bad")
+
+
+@pytest.mark.parametrize("text", ["stages: {}\n" * 9, "x", "\0" * 64])
+def test_a_foreign_file_is_no_log(tmp_path: Path, text: str) -> None:
+    (tmp_path / "graph.yaml").write_text(text)
+    with pytest.raises(LogError, match=r"graph\.yaml is no LCM log"):
+        Recording(tmp_path / "graph.yaml")
+
+
+def test_an_empty_log_holds_nothing(tmp_path: Path) -> None:
+    (tmp_path / "log").touch()
+    with Recording(tmp_path / "log") as recording:
+        assert recording.n_events == 0
+        assert not recording.channels
+
+
+@pytest.mark.parametrize("name", ["missing", "."])
+def test_a_log_that_cannot_be_opened_is_one_line(tmp_path: Path, name: str) -> None:
+    with pytest.raises(LogError, match=r"No such file|Is a directory"):
+        Recording(tmp_path / name)
+
+
+@contextmanager
+def disk_of(n_bytes: int) -> Iterator[None]:
+    """Let no file grow beyond ``n_bytes``: the kernel then refuses as it does where the disk is full."""
+    old, ignored = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, old[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+        signal.signal(signal.SIGXFSZ, ignored)
+
+
+def fill(log: LogWriter, data: bytes) -> None:
+    """Write until the disk refuses."""
+    for k in itertools.count():
+        log.write("x", k, data)
+
+
+@pytest.mark.parametrize("size", [40, 300_000])
+@pytest.mark.parametrize("n_bytes", [1_000_000, 1_000_001, 1_000_050, 1_234_567])
+def test_a_full_disk_is_said_and_what_was_recorded_stays_readable(tmp_path: Path, size: int, n_bytes: int) -> None:
+    path = tmp_path / "log"
+    with disk_of(n_bytes):
+        log = LogWriter(path)
+        with pytest.raises(LogError, match=f"File too large; the log ends whole after {n_bytes // (29 + size)} events"):
+            fill(log, bytes(size))
+        with pytest.raises(LogError):
+            log.flush()
+        log.close()
+    with Recording(path) as recording:
+        assert recording.torn is None
+        assert recording.n_events == n_bytes // (29 + size) == log.n_events
+        assert recording.utimes("x") == list(range(recording.n_events))
+
+
+def test_a_disk_that_takes_nothing_is_said() -> None:
+    log = LogWriter("/dev/full")
+    log.write("x", 0, b"")
+    with pytest.raises(LogError, match="No space left on device; the log ends whole after 0 events"):
+        log.close()
+
+
+KILLED = """
+import os, signal, sys
+from graphnav.record import LogWriter
+log = LogWriter(sys.argv[1])
+for k in range(100):
+    log.write("x", k, bytes(50_000))
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_killed_process_loses_only_the_last_events(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "log")], check=False)
+    assert done.returncode == -signal.SIGKILL
+    with Recording(tmp_path / "log") as recording:
+        assert 94 <= recording.n_events <= 100
+        assert recording.torn is None
+
+
+def test_what_was_flushed_is_there_before_the_log_is_closed(tmp_path: Path) -> None:
+    log = LogWriter(tmp_path / "log")
+    log.write("x", 1, b"abc")
+    log.flush()
+    with Recording(tmp_path / "log") as recording:
+        assert recording.n_events == 1
+    log.close()
+    log.close()
+
+
+def test_a_log_that_cannot_be_made_is_an_os_error(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="No such file or directory"):
+        LogWriter(tmp_path / "no" / "log")
+
+
+def test_many_small_events_fit_the_kernels_limit(tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "log") as log:
+        for k in range(5000):
+            log.write("x", k, b"")
+    with Recording(tmp_path / "log") as recording:
+        assert recording.utimes("x") == list(range(5000))
+
+
+def test_arrays_of_a_closed_recording_stay_valid(tmp_path: Path) -> None:
+    flow = Flow(uv_px=np.ones((2, 2, 2), np.float32), valid=np.ones((2, 2), np.uint8), interval_us=1)
+    with LogWriter(tmp_path / "log") as log:
+        log.write("flow", 1, encode(flow, 1, 0))
+    with Recording(tmp_path / "log") as recording:
+        message = recording.message("flow", 0)[2]
+    os.unlink(tmp_path / "log")
+    assert isinstance(message, Flow)
+    assert message.valid.sum() == 4
