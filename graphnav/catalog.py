@@ -77,10 +77,7 @@ class Catalog:
             hint = did_you_mean(name, names) or (f"it has {', '.join(names)}" if names else "it has no stages")
             raise CatalogError(f"family '{family}' has no stage '{name}'", hint)
         cls = self._stages[family][name]
-        try:
-            _check_declaration(cls)
-        except DeclarationError as error:
-            raise CatalogError(f"{self._origins[use]}: {error}") from error
+        _check_declaration(cls, self._origins[use])
         return cls
 
     def origin(self, use: str) -> str:
@@ -170,17 +167,21 @@ class Catalog:
         return "write family.stage, as 'graphnav stages' lists them"
 
 
-def _check_declaration(cls: type[Stage]) -> None:
-    ports = ports_of(cls)
-    params_of(cls)
-    plain = [port.name for port in ports.inputs if not port.latest]
+def _check_declaration(cls: type[Stage], origin: str) -> None:
+    try:
+        params_of(cls)
+        plain = [port.name for port in ports_of(cls).inputs if not port.latest]
+    except DeclarationError as error:
+        raise CatalogError(f"{origin}: {error}") from error
     if issubclass(cls, Source) and plain:
-        raise DeclarationError(
-            f"{cls.__qualname__} is a Source, but its input '{plain[0]}' is not sampled: use Latest[...], or Stage"
+        raise CatalogError(
+            f"{origin}: {cls.__qualname__} is a Source, but its input '{plain[0]}' is not sampled",
+            "annotate it Latest[...], or derive the class from Stage",
         )
     if not issubclass(cls, Source) and not plain:
-        raise DeclarationError(
-            f"nothing fires {cls.__qualname__}: it is no Source and has no plain input; derive it from Source"
+        raise CatalogError(
+            f"{origin}: nothing fires {cls.__qualname__}: it is no Source and all its inputs are sampled",
+            "derive it from Source, or annotate an input without Latest",
         )
 
 

@@ -37,9 +37,12 @@ class Assignment:
             return Entry(self.place, Value(self.text, self.place))
         if not self.text.startswith(_QUOTED):
             return Entry(self.place, Value(parse_scalar(self.text), self.place))
-        value, problems = parse_yaml(self.text.encode("utf-8", "replace"), str(self.place))
+        try:
+            value, problems = parse_yaml(self.text.encode("utf-8", "replace"), "")
+        except UserError as error:
+            problems = error.problems
         if problems:
-            raise UserError(problems)
+            raise UserError([Problem(self.place, problem.what, problem.hint) for problem in problems])
         return Entry(self.place, _moved(value, self.place))
 
 

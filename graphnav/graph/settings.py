@@ -32,6 +32,8 @@ def settings_of(spec: StageSpec, cls: type[Stage], folder: Path, problems: list[
     for name, param in declared.items():
         entry = spec.params.get(name)
         if entry is None and param.required:
+            if spec.unclear or any(did_you_mean(word, declared) == did_you_mean(name, [name]) for word in spec.params):
+                continue
             what = f"stage '{spec.name}' ({spec.use}) needs '{name}', {param.type_text}: {param.doc}"
             problems.append(Problem(spec.place, what, f"write with: {{{name}: ...}}"))
             continue

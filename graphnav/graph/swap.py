@@ -129,14 +129,16 @@ class _Swap:
             elif port.latest:
                 self._notices.append(f"{reader}.{port.name}: not connected any more, {ref} is gone")
             else:
-                self._wire_to_only(self._spec.stages[reader], port, channels, f"{ref} is gone")
+                self._wire_to_only(self._spec.stages[reader], port, channels, ref)
 
     def _wire_new(self, stage: StageSpec, cls: type[Stage], channels: Mapping[str, type[Message]]) -> None:
         for port in ports_of(cls).inputs:
             if not port.latest and port.name not in stage.wires and (stage.name, port.name) not in self._given:
-                self._wire_to_only(stage, port, channels, f"{stage.use} needs it")
+                self._wire_to_only(stage, port, channels)
 
-    def _wire_to_only(self, stage: StageSpec, port: Port, channels: Mapping[str, type[Message]], reason: str) -> None:
+    def _wire_to_only(
+        self, stage: StageSpec, port: Port, channels: Mapping[str, type[Message]], gone: str = ""
+    ) -> None:
         downstream = self._downstream(stage.name)
         candidates = [
             ref
@@ -150,15 +152,16 @@ class _Swap:
         elif len(candidates) == 1:
             self._wire(stage, port, candidates[0], f"the only {kind}")
         else:
-            place = stage.use_place if stage.use_note else stage.place
-            what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) is open: {reason}, and "
+            what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) needs {kind}"
+            what += f" in place of {gone}" if gone else ""
             if candidates:
-                what += f"{len(candidates)} channels are {kind}: {', '.join(candidates)}"
-                hint = f"choose one: {' or '.join(f'--set {stage.name}.in.{port.name}={ref}' for ref in candidates)}"
+                what += f", and {len(candidates)} channels have it: {', '.join(candidates)}"
+                hint = "choose with " + " or ".join(f"--set {stage.name}.in.{port.name}={ref}" for ref in candidates)
             else:
-                what += f"no channel is {kind}"
+                what += ", and no channel has it"
                 hint = f"add a stage that writes {kind}, or swap '{stage.name}' too"
-            self._problems.append(Problem(place, what, hint))
+            cause = self._spec.stages[gone.partition(".")[0]] if gone else stage
+            self._problems.append(Problem(cause.use_place, what, hint))
             stage.unwired.add(port.name)
 
     def _wire(self, stage: StageSpec, port: Port, ref: str, reason: str) -> None:

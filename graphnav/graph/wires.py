@@ -25,27 +25,27 @@ class Wires:
     def inputs_of(self, stage: StageSpec) -> tuple[Input, ...]:
         """Return the inputs of a stage, without those that something is wrong with."""
         ports = {port.name: port for port in ports_of(self._classes[stage.name]).inputs}
+        meant = set(stage.unwired)
         for name, entry in stage.wires.items():
             if name not in ports:
-                hint = did_you_mean(name, ports) or (f"it has {', '.join(ports)}" if ports else "it has none")
+                hint = did_you_mean(name, ports)
+                meant |= {port for port in ports if f"'{port}'" in hint}
+                hint = hint or (f"it has {', '.join(ports)}" if ports else "it has none")
                 self._problems.append(Problem(entry.place, f"{stage.use} has no input '{name}'", hint))
-        inputs = [self._input(stage, port) for port in ports.values()]
+        inputs = [self._input(stage, port, said=stage.unclear or port.name in meant) for port in ports.values()]
         return tuple(i for i in inputs if i is not None)
 
-    def _input(self, stage: StageSpec, port: Port) -> Input | None:
+    def _input(self, stage: StageSpec, port: Port, *, said: bool) -> Input | None:
+        """Return an input; ``said``: something is wrong with it already."""
         entry = stage.wires.get(port.name)
         if entry is None:
             if port.latest:
                 return Input(port, None)
-            if port.name in stage.unwired:
-                return None
-            candidates = self._of_type(port, stage.name)
-            wire = candidates[0] if len(candidates) == 1 else "stage.port"
-            hint = f"write in: {{{port.name}: {wire}}}"
-            if len(candidates) > 1:
-                hint += f" with one of {', '.join(candidates)}"
-            what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) is not connected"
-            self._problems.append(Problem(stage.place, what, hint))
+            if not said:
+                what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) is not connected"
+                candidates = self._of_type(port, stage.name) or ["stage.port"]
+                hint = "write " + " or ".join(f"in: {{{port.name}: {ref}}}" for ref in candidates)
+                self._problems.append(Problem(stage.place, what, hint + self._nobody_writes(port)))
             return None
         channel = self._channel(str(entry.value.data), entry.value.place)
         if channel is None:
@@ -56,8 +56,8 @@ class Wires:
                 f"'{port.name}' of stage '{stage.name}' ({stage.use}) takes {port.message.__name__}, but "
                 f"'{channel.port}' of stage '{writer.name}' ({writer.use}) is {channel.message.__name__}"
             )
-            candidates = self._of_type(port, stage.name)
-            hint = f"wire it to {' or '.join(candidates)}" if candidates else f"no stage writes {port.message.__name__}"
+            candidates = self._of_type(port, stage.name) or ["another stage"]
+            hint = f"wire it to {' or '.join(candidates)}{self._nobody_writes(port)}"
             self._problems.append(Problem(entry.value.place, what, hint))
             return None
         return Input(port, channel, stage.wire_notes.get(port.name, ""))
@@ -67,6 +67,9 @@ class Wires:
         stage, dot, port = ref.partition(".")
         if ref in self._channels:
             return self._channels[ref]
+        if not stage:
+            self._problems.append(Problem(place, "this names no stage", "write stage.port"))
+            return None
         if stage not in self._spec.stages:
             hint = did_you_mean(ref, self._channels) or did_you_mean(stage, self._spec.stages)
             renamed = next((c.ref for c in self._channels.values() if c.name == ref), "")
@@ -95,6 +98,12 @@ class Wires:
 
     def _outputs(self, stage: str) -> list[str]:
         return [ref for ref, channel in self._channels.items() if channel.stage == stage]
+
+    def _nobody_writes(self, port: Port) -> str:
+        """Return what to add to a hint where the graph has no channel of the type, as far as its stages are known."""
+        known = len(self._classes) == len(self._spec.stages)
+        missing = known and all(channel.message is not port.message for channel in self._channels.values())
+        return f"; no stage here writes {port.message.__name__}" if missing else ""
 
     def _of_type(self, port: Port, reader: str) -> list[str]:
         return [c.ref for c in self._channels.values() if c.message is port.message and c.stage != reader]

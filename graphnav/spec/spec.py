@@ -34,7 +34,9 @@ class StageSpec:
     wire_notes: dict[str, str] = field(default_factory=dict)
     """How swaps came to wires, by input port."""
     unwired: set[str] = field(default_factory=set)
-    """Inputs that a swap left open, which has been said."""
+    """Inputs that are known to be open, which has been said."""
+    unclear: bool = False
+    """Whether something is wrong with ``in`` or ``with`` as a whole, so that what seems missing may stand there."""
 
 
 @dataclass
@@ -112,11 +114,12 @@ class _Parser:
         words = self._mapping(entry.value, f"stage '{name}'")
         if not isinstance(entry.value.data, dict | None):
             return None
-        self._known(words, STAGE_KEYS, f"stage '{name}'")
+        unclear = not self._known(words, STAGE_KEYS, f"stage '{name}'")
         if "use" not in words or words["use"].value.data in (None, ""):
             self._problem(entry.place, f"stage '{name}' does not say what it uses", "write use: family.stage")
             return None
-        use = words["use"].value
+        use_entry = words["use"]
+        use = use_entry.value
         wires = self._section(words, "in", f"'in' of stage '{name}'")
         for port, wire in wires.items():
             self._text(wire.value, f"the wire of '{name}.{port}'", "write stage.port")
@@ -127,11 +130,16 @@ class _Parser:
             use_place=use.place,
             params=self._section(words, "with", f"'with' of stage '{name}'"),
             wires={port: wire for port, wire in wires.items() if isinstance(wire.value.data, str)},
+            unwired={port for port, wire in wires.items() if not isinstance(wire.value.data, str)},
+            unclear=unclear
+            or any(not isinstance(e.value.data, dict | None) for e in words.values() if e is not use_entry),
         )
 
     def _process(self, name: str, entry: Entry) -> None:
         who = f"process '{name}' of 'deploy'"
         words = self._mapping(entry.value, who)
+        if not isinstance(entry.value.data, dict | None):
+            return
         self._known(words, DEPLOY_KEYS, who)
         stages = words["stages"].value if "stages" in words else None
         if stages is None or not isinstance(stages.data, list) or not all(isinstance(s.data, str) for s in stages.data):
@@ -168,11 +176,12 @@ class _Parser:
         self._problem(value.place, f"{who} must be a text, not {value.kind}", hint)
         return ""
 
-    def _known(self, words: dict[str, Entry], keys: tuple[str, ...], who: str) -> None:
+    def _known(self, words: dict[str, Entry], keys: tuple[str, ...], who: str) -> bool:
         for word, entry in words.items():
             if word not in keys:
                 hint = did_you_mean(word, keys) or f"keys are {', '.join(keys)}"
                 self._problem(entry.place, f"{who} has no key '{word}'", hint)
+        return all(word in keys for word in words)
 
     def _problem(self, place: Place, what: str, hint: str = "") -> None:
         self.problems.append(Problem(place, what, hint))

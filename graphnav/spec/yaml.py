@@ -16,6 +16,19 @@ MAX_DEPTH = 20
 
 _PLAIN = "plain"
 _PREFIX = "tag:yaml.org,2002:"
+_SAYINGS = (
+    ("'\\t'", "a tab cannot stand here", "use spaces"),
+    ("nest more than", "{what}", "flatten it"),
+    ("expected a single document", "a second document begins here", "keep one graph in a file, without '---' between"),
+    ("flow mapping: expected ','", "the '{{' of line {line} is not closed", "write '}' or a comma before this"),
+    ("flow sequence: expected ','", "the '[' of line {line} is not closed", "write ']' or a comma before this"),
+    ("expected <block end>", "this is indented otherwise than its block, which begins in line {line}", "align it"),
+    ("mapping values are not allowed", "a ':' cannot stand here", "put a text that holds ': ' in quotes"),
+    ("unexpected end of stream", "the quote of line {line} is not closed", "write the closing quote"),
+    ("could not find expected ':'", "the key of line {line} has no ':'", "write ': ' after the key"),
+    ("undefined alias", "{what}", "write out what is meant, without & and *"),
+)
+"""What PyYAML says (a part of it), what we say, and what to do."""
 _KNOWN_TAGS = (_PLAIN, f"{_PREFIX}str", f"{_PREFIX}seq", f"{_PREFIX}map")
 
 
@@ -151,18 +164,10 @@ def _place_of(text: str, position: int, source: str) -> Place:
 
 
 def _syntax_problem(error: yaml.MarkedYAMLError, source: str) -> Problem:
-    mark = error.problem_mark or error.context_mark
+    mark, start = error.problem_mark or error.context_mark, error.context_mark
     place = Place(source, mark.line + 1, mark.column + 1) if mark else Place(source)
     what = (error.problem or error.context or "it cannot be read").strip()
-    if isinstance(error, _TooDeep):
-        return Problem(place, what, "a graph needs no more than 5")
-    if "'\\t'" in what:
-        return Problem(place, "a tab cannot indent YAML", "use spaces")
-    if "expected a single document" in f"{error.context}":
-        return Problem(place, "a second document begins here", "keep one graph in a file, without '---' in between")
-    context = ""
-    if error.context and error.context_mark and error.context_mark.line != (mark.line if mark else -1):
-        context = f"{error.context}, which begins in line {error.context_mark.line + 1}"
-    elif error.context:
-        context = error.context
-    return Problem(place, f"YAML: {what}", context)
+    for part, said, hint in _SAYINGS:
+        if part in f"{error.context}: {what}":
+            return Problem(place, said.format(line=start.line + 1 if start else "?", what=what), hint)
+    return Problem(place, f"YAML: {what}", error.context or "")

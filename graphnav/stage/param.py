@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import types
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from graphnav.errors import DeclarationError, ParamError
+from graphnav.errors import DeclarationError, ParamError, did_you_mean
 
 REQUIRED = dataclasses.MISSING
 _SCALARS = (bool, int, float, str, Path)
+_YES_AND_NO = {"yes": True, "on": True, "no": False, "off": False}
 _WORDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", Path: "a path"}
 
 
@@ -43,7 +45,7 @@ class Param:
     def bounds_text(self) -> str:
         """The bounds as people write them, empty without any."""
         signs = ((">=", self.ge), (">", self.gt), ("<=", self.le), ("<", self.lt))
-        return " and ".join(f"{sign} {bound:g}" for sign, bound in signs if bound is not None)
+        return " and ".join(f"{sign} {_number(bound)}" for sign, bound in signs if bound is not None)
 
     def parse(self, value: Any) -> Any:
         """Return ``value`` (from YAML, a command line or Python) as the declared type.
@@ -67,7 +69,7 @@ class Param:
             and (self.lt is None or number < self.lt)
         )
         if not fits:
-            raise ParamError(self.name, f"'{self.name}' is {number:g}, but must be {self.bounds_text}")
+            raise ParamError(self.name, f"'{self.name}' is {_number(number)}, but must be {self.bounds_text}")
 
 
 def param(
@@ -170,7 +172,7 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
             return Path(value)
     elif type(value) is kind:
         return value
-    raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}")
+    raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}", _hint(kind, value))
 
 
 def _convert_union(name: str, kind: Any, value: Any) -> Any:
@@ -183,7 +185,23 @@ def _convert_union(name: str, kind: Any, value: Any) -> Any:
             return _convert(name, member, value)
         except ParamError:
             continue
-    raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}")
+    raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}", _hint(kind, value))
+
+
+def _hint(kind: Any, value: Any) -> str:
+    if not isinstance(value, str):
+        return ""
+    if kind is bool and value.lower() in _YES_AND_NO:
+        return f"write {'true' if _YES_AND_NO[value.lower()] else 'false'}"
+    members = get_args(kind) if get_origin(kind) in (Union, types.UnionType) else (kind,)
+    choices = [a for m in members if get_origin(m) is Literal for a in get_args(m) if isinstance(a, str)]
+    if not choices and float in members and re.fullmatch(r"[-+.0-9eE]+", value):
+        return "leave the quotes out"
+    return did_you_mean(value, choices)
+
+
+def _number(number: float) -> str:
+    return str(number) if isinstance(number, int) else f"{number:.12g}"
 
 
 def _shown(value: Any) -> str:

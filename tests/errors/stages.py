@@ -150,7 +150,7 @@ class Eager(Source):
 class Untyped(Stage):
     """Its ports cannot be read."""
 
-    def step(self, image):  # type: ignore[no-untyped-def]
+    def step(self, image):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
         return image
 
 

@@ -1,0 +1,64 @@
+"""``graphnav check``: say everything that is wrong with a graph, without running it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sized
+from typing import TYPE_CHECKING
+
+from graphnav.cli.options import add_graph_options, load
+from graphnav.cli.status import OK
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from graphnav.graph import Graph, Node
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_graph_options(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command: load the graph, make its stages, let each look at what its parameters name."""
+    from rich.console import Console  # noqa: PLC0415
+
+    _, graph = load(args)
+    graph.make_stages()
+    console = Console(highlight=False, soft_wrap=True)
+    for notice in graph.notices:
+        console.print(notice, markup=False)
+    console.print(_table(graph))
+    console.print(
+        f"{graph.path.name} is fine: {_count(graph.sources, 'source')}, {_count(graph.order, 'other stage')}, "
+        f"{_count(graph.channels, 'channel')}",
+        markup=False,
+    )
+    return OK
+
+
+def _table(graph: Graph) -> Table:
+    from rich import box  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("stage", "uses", "reads", "writes"):
+        table.add_column(heading, overflow="fold")
+    for node in (*graph.sources, *graph.order):
+        reads = [f"{i.channel.ref}{' (latest)' if i.port.latest else ''}" for i in node.inputs if i.channel]
+        cells = (node.name, node.use, "\n".join(reads), "\n".join(_writes(node)))
+        table.add_row(*(Text(cell) for cell in cells))
+    return table
+
+
+def _writes(node: Node) -> list[str]:
+    return [
+        f"{c.ref}: {c.message.__name__}" + (f" as {c.name}" if c.name != c.ref else "") for c in node.outputs.values()
+    ]
+
+
+def _count(things: Sized, noun: str) -> str:
+    number = len(things)
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
