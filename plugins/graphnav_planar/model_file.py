@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from graphnav import PlanarModel
+from graphnav import GraphnavError, ParamError, PlanarModel, Recording
 
 TEACH = "teach one: graphnav teach GRAPH, with a graph that ends in planar.teach"
 
@@ -17,4 +17,13 @@ def read_model(path: Path) -> PlanarModel:
     ParamError
         There is no such file, it is no log, or it holds no planar model; of the parameter 'model'.
     """
-    raise NotImplementedError(path)
+    try:
+        with Recording(path) as log:
+            for channel, kind in log.channels.items():
+                if kind is PlanarModel.lcm_class:
+                    message = log.message(channel, -1)[2]
+                    assert isinstance(message, PlanarModel)
+                    return message
+    except GraphnavError as error:
+        raise ParamError("model", str(error), TEACH) from error
+    raise ParamError("model", f"{path} holds no planar model", TEACH)

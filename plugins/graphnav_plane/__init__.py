@@ -1,1 +1,14 @@
-"""Stages of the family ``plane``."""
+"""Dominant plane: what is ground and what is not; the family ``plane``."""
+
+from graphnav import Stage, hookimpl
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    """Return the stages of the family."""
+    from graphnav_plane.affine import Affine  # noqa: PLC0415  # only graphs that use the family pay for it
+    from graphnav_plane.ica import Ica  # noqa: PLC0415
+    from graphnav_plane.residual import Residual  # noqa: PLC0415
+    from graphnav_plane.truth import Truth  # noqa: PLC0415
+
+    return [Affine, Ica, Residual, Truth]

@@ -1,0 +1,95 @@
+"""Dominant plane as what one affine motion of the picture explains."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Flow, Plane, param
+from graphnav.grid import coarsen
+from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground
+
+Doubles = npt.NDArray[np.float64]
+
+_SAMPLE = 250
+_SIGMA_OF_MEDIAN = 1.4826
+_INLIER_SIGMAS = 2.5
+
+
+class Affine(Detector):
+    """Dominant plane by a robust affine fit of the flow.
+
+    A plane seen by a moving camera flows as ``u = (A - I) x + b`` where the displacement is small and the plane is far
+    from tilted. Fits (A, b) by least median of squares over seeded three-point draws, then by least squares to all
+    that agrees; the score is what the fit leaves. Needs no planar flow; takes the largest plane for the ground.
+
+    References
+    ----------
+    .. [OI] N. Ohnishi, A. Imiya, Combination of Supervised and Unsupervised Methods for Navigation Path Mining,
+       section 2.
+    .. [LMedS] P. J. Rousseeuw, Least Median of Squares Regression, 1984.
+    """
+
+    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    draws: int = param(
+        100, ge=1, le=10_000, doc="three-point draws: 35 miss the plane once in 100 frames at half obstacle"
+    )
+    refits: int = param(3, ge=1, le=100, doc="least-squares fits to what agrees with the one before")
+
+    def reset(self, seed: int) -> None:
+        """Begin the draws anew."""
+        self._rng = np.random.default_rng(seed)
+
+    def step(self, flow: Flow) -> Plane:
+        """Return the plane on cells of ``cell_px``; nothing is judged where fewer than 6 vectors are valid."""
+        cells = coarsen(flow, max(self.cell_px, flow.step_px))
+        valid = cells.valid != 0
+        if np.count_nonzero(valid) < LEAST_VECTORS:
+            return all_ground(valid.shape, cells.step_px)
+        places = _places(valid)
+        uv = cells.uv_px[valid].astype(np.float64)
+        fit = self._drawn(places, uv)
+        for _ in range(self.refits):
+            fit = _refitted(fit, places, uv, self.threshold_px)
+        score = np.zeros(valid.shape)
+        score[valid] = _length(uv - places @ fit)
+        return self._plane(score, valid, cells.step_px)
+
+    def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:
+        """Return the fit (3, 2) to the three vectors that leave the least median, over a sample of all vectors."""
+        n = len(places)
+        sample = slice(None, None, max(1, n // _SAMPLE))
+        threes = self._rng.integers(0, n, (self.draws, 3))
+        corners = places[threes]
+        proper = np.abs(np.linalg.det(corners)) > 1e-3
+        if not proper.any():
+            return _least_squares(places, uv)
+        fits = np.linalg.solve(corners[proper], uv[threes[proper]])
+        left = uv[sample] - places[sample] @ fits
+        medians = np.median((left * left).sum(axis=2), axis=1)
+        best: Doubles = fits[np.argmin(medians)]
+        return best
+
+
+def _places(valid: npt.NDArray[np.bool_]) -> Doubles:
+    """Return (x, y, 1) of the valid cells, x and y from -1 to 1 across the picture, (n, 3)."""
+    rows, cols = np.nonzero(valid)
+    height, width = valid.shape
+    x, y = (cols - (width - 1) / 2) / (width / 2), (rows - (height - 1) / 2) / (height / 2)
+    return np.column_stack([x, y, np.ones(len(x))])
+
+
+def _refitted(fit: Doubles, places: Doubles, uv: Doubles, noise_px: float) -> Doubles:
+    """Return the least-squares fit to the vectors that agree with ``fit``."""
+    left = _length(uv - places @ fit)
+    sigma = max(_SIGMA_OF_MEDIAN * float(np.median(left)), noise_px / _INLIER_SIGMAS)
+    agrees = left <= _INLIER_SIGMAS * sigma
+    return _least_squares(places[agrees], uv[agrees])
+
+
+def _least_squares(places: Doubles, uv: Doubles) -> Doubles:
+    return np.asarray(np.linalg.lstsq(places, uv)[0], np.float64)
+
+
+def _length(vectors: Doubles) -> Doubles:
+    return np.hypot(vectors[..., 0], vectors[..., 1])

@@ -1,0 +1,78 @@
+"""What all detectors of the dominant plane share: the rule that makes a map of a score."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Flow, Planar, Plane, Stage, param
+from graphnav.grid import coarsen
+from graphnav_plane.rule import Rule, threshold
+
+Cells = npt.NDArray[np.bool_]
+Scores = npt.NDArray[np.floating]
+
+LEAST_VECTORS = 6
+
+
+class Detector(Stage):
+    """A stage that scores how far each cell is from moving like the ground, in pixels, and splits at a threshold."""
+
+    rule: Rule = param(
+        "mad", doc="mad: mad_ratio times the median score; otsu: split the histogram; fixed: threshold_px"
+    )
+    mad_ratio: float = param(4.0, gt=0.0, doc="rule mad: more calls fewer cells obstacle")
+    threshold_px: float = param(
+        0.1,
+        ge=0.0,
+        doc="rule fixed: the threshold. Else the threshold never falls below it: it should be what flow noise reaches "
+        "on a free floor, where every relative rule finds obstacles in the noise",
+    )
+    median_cells: int = param(
+        1,
+        ge=1,
+        le=15,
+        doc="side of the median that removes specks from the map (odd); 1 leaves it as it is, as [OI] does",
+    )
+
+    def _plane(self, score: Scores, valid: Cells, step_px: int, *, converged: bool = True) -> Plane:
+        """Return the plane of these scores (rows, cols), which must be finite where ``valid``."""
+        score = np.where(valid, score, 0.0).astype(np.float32)
+        limit = threshold(self.rule, score[valid], self.mad_ratio, self.threshold_px)
+        obstacle = (score > limit).astype(np.uint8)
+        if self.median_cells > 1:
+            obstacle = cv2.medianBlur(obstacle, self.median_cells | 1) & valid
+        return Plane(
+            obstacle=obstacle,
+            score=score,
+            valid=valid.astype(np.uint8),
+            step_px=step_px,
+            obstacle_ratio=float(obstacle.sum() / max(np.count_nonzero(valid), 1)),
+            threshold=limit,
+            converged=converged,
+        )
+
+
+def all_ground(shape: tuple[int, ...], step_px: int) -> Plane:
+    """Return a plane without an obstacle in which nothing was judged: there was too little to judge by."""
+    empty = np.zeros(shape, np.uint8)
+    return Plane(obstacle=empty, score=empty.astype(np.float32), valid=empty, step_px=step_px, obstacle_ratio=0.0)
+
+
+def compared(flow: Flow, planar: Planar) -> tuple[Flow, Cells]:
+    """Return ``flow`` on the grid of ``planar`` and the cells in which both are valid.
+
+    Raises
+    ------
+    ValueError
+        They are of different image sizes.
+    """
+    cells = coarsen(flow, planar.step_px)
+    if cells.valid.shape != planar.planar_valid.shape:
+        (rows, cols), (planar_rows, planar_cols) = cells.valid.shape, planar.planar_valid.shape
+        raise ValueError(
+            f"the planar flow is {planar_cols}x{planar_rows} cells of {planar.step_px} px, "
+            f"but the flow is {cols}x{rows} of them"
+        )
+    return cells, (cells.valid != 0) & (planar.planar_valid != 0)

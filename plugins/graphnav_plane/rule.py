@@ -1,0 +1,34 @@
+"""Where obstacle begins: thresholds of a score."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+Rule = Literal["mad", "otsu", "fixed"]
+
+_BINS = 128
+
+
+def threshold(rule: Rule, scores: npt.NDArray[np.floating], mad_ratio: float, least_px: float) -> float:
+    """Return the score above which a cell is obstacle, at least ``least_px``.
+
+    ``scores``: (n,), deviations from the ground in px, none negative, so that their median is the median absolute
+    deviation (MAD). "mad": ``mad_ratio`` times it. "otsu": the split that maximizes the variance between both sides
+    [Otsu: A threshold selection method from gray-level histograms, 1979]. "fixed": ``least_px``.
+    """
+    if rule == "fixed" or not scores.size:
+        return least_px
+    return max(least_px, mad_ratio * float(np.median(scores)) if rule == "mad" else _otsu(scores))
+
+
+def _otsu(scores: npt.NDArray[np.floating]) -> float:
+    count, edges = np.histogram(scores, _BINS)
+    middle = (edges[:-1] + edges[1:]) / 2
+    below = np.cumsum(count)[:-1]
+    total = np.cumsum(count * middle)
+    above = scores.size - below
+    mean_gap = total[:-1] / np.maximum(below, 1) - (total[-1] - total[:-1]) / np.maximum(above, 1)
+    return float(edges[1 + np.argmax(below * above * mean_gap**2)])

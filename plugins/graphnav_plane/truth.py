@@ -1,0 +1,31 @@
+"""The simulator's dominant plane."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import graphnav
+from graphnav import Plane, Stage, param
+from graphnav.grid import block_sum
+
+
+class Truth(Stage):
+    """Oracle: what the simulator knows to be obstacle. The score is the share of a cell that is obstacle."""
+
+    cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
+    threshold_ratio: float = param(0.5, ge=0.0, lt=1.0, doc="a cell is obstacle if more than this share of it is")
+
+    def step(self, truth: graphnav.Truth) -> Plane:
+        """Return the true plane on cells of ``cell_px`` (of the truth's own step, if that is coarser)."""
+        factor = max(1, self.cell_px // truth.step_px)
+        obstacle_px = block_sum(truth.obstacle.astype(np.float32), factor)
+        score = obstacle_px / block_sum(np.ones_like(truth.obstacle, np.float32), factor)
+        obstacle = (score > self.threshold_ratio).astype(np.uint8)
+        return Plane(
+            obstacle=obstacle,
+            score=score,
+            valid=np.ones_like(obstacle),
+            step_px=factor * truth.step_px,
+            obstacle_ratio=float(obstacle.mean()),
+            threshold=self.threshold_ratio,
+        )

@@ -1,0 +1,33 @@
+"""Whitening of two mixtures."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Doubles = npt.NDArray[np.float64]
+
+
+class Whitened(NamedTuple):
+    """Two uncorrelated rows of unit variance.
+
+    ``samples``: (2, n), centred. ``matrix``: (2, 2), makes them of the centred mixtures.
+    """
+
+    samples: Doubles
+    matrix: Doubles
+
+
+def whiten(mixtures: Doubles, least_ratio: float) -> Whitened | None:
+    """Return ``mixtures`` (2, n) whitened, None where they are one and the same direction.
+
+    That is where the lesser eigenvalue of their covariance is at most ``least_ratio`` times the greater.
+    """
+    centred = mixtures - mixtures.mean(axis=1, keepdims=True)
+    values, vectors = np.linalg.eigh(centred @ centred.T / mixtures.shape[1])
+    if values[0] <= least_ratio * values[1]:
+        return None
+    matrix = (vectors / np.sqrt(values)).T
+    return Whitened(matrix @ centred, matrix)
