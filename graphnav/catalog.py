@@ -35,6 +35,7 @@ class Catalog:
         self._origins: dict[str, str] = {}
         self._files: dict[str, list[str]] = {}
         self._loaded: set[str] = set()
+        self._registered: set[tuple[str, str]] = set()
         for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
             self._entry_points.setdefault(point.name, []).append(point)
 
@@ -102,7 +103,8 @@ class Catalog:
                 module = point.load()
             except Exception as error:
                 raise CatalogError(
-                    f"family '{family}' cannot be imported from {origin}: {type(error).__name__}: {error}"
+                    f"family '{family}' cannot be imported from {origin}: {type(error).__name__}: {error}",
+                    "mend the package, or install what it needs",
                 ) from error
             self._register(family, module, origin)
         self._loaded.add(family)
@@ -130,24 +132,33 @@ class Catalog:
         return family
 
     def _register(self, family: str, module: ModuleType, origin: str) -> None:
-        if self._plugins.is_registered(module):
+        if (family, origin) in self._registered:
             return
-        try:
-            self._plugins.register(module, name=f"{family}: {origin}")
-            self._plugins.check_pending()
-        except pluggy.PluginValidationError as error:
-            raise CatalogError(f"{origin}: {' '.join(str(error).split())}") from error
-        for cls in self._stages_of(module, origin):
-            name = snake_case(cls.__name__)
+        if not self._plugins.is_registered(module):
+            try:
+                self._plugins.register(module, name=f"{family}: {origin}")
+                self._plugins.check_pending()
+            except pluggy.PluginValidationError as error:
+                raise CatalogError(f"{origin}: {' '.join(str(error).split())}") from error
+        stages = {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
+        for name in stages:
             use = f"{family}.{name}"
             if use in self._origins:
                 raise CatalogError(f"'{use}' comes from {self._origins[use]} and from {origin}", "remove or rename one")
-            self._stages.setdefault(family, {})[name] = cls
             self._origins[use] = origin
+        self._stages.setdefault(family, {}).update(stages)
+        self._registered.add((family, origin))
 
     def _stages_of(self, module: ModuleType, origin: str) -> list[type[Stage]]:
         others: list[Any] = [plugin for plugin in self._plugins.get_plugins() if plugin is not module]
-        found = self._plugins.subset_hook_caller("graphnav_stages", others)()
+        try:
+            found = self._plugins.subset_hook_caller("graphnav_stages", others)()
+        except Exception as error:
+            raise CatalogError(
+                f"{origin}: graphnav_stages() failed: {type(error).__name__}: {error}", "mend the plugin"
+            ) from error
+        if not all(isinstance(classes, list | tuple) for classes in found):
+            raise CatalogError(f"{origin}: graphnav_stages() returns no list", "return [MyStage]")
         stages = [cls for classes in found for cls in classes]
         for cls in stages:
             if not (isinstance(cls, type) and issubclass(cls, Stage)):

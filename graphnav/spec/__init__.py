@@ -4,6 +4,7 @@ from graphnav.spec.run import RunOptions
 from graphnav.spec.scalar import Scalar, parse_scalar
 from graphnav.spec.spec import Spec, StageSpec, parse_spec
 from graphnav.spec.value import Entry, Value
+from graphnav.spec.write import write_value
 from graphnav.spec.yaml import MAX_BYTES, parse_yaml
 
 __all__ = [
@@ -17,4 +18,5 @@ __all__ = [
     "parse_scalar",
     "parse_spec",
     "parse_yaml",
+    "write_value",
 ]

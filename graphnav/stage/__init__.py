@@ -1,5 +1,6 @@
 """Stages: what people write to plug into a graph."""
 
+from graphnav.stage.describe import describe, plain_data, summary_of, unit_of
 from graphnav.stage.param import Param, param, params_of
 from graphnav.stage.port import Latest, Port, Ports, Stamp, ports_of
 from graphnav.stage.stage import Finished, Source, Stage
@@ -13,7 +14,11 @@ __all__ = [
     "Source",
     "Stage",
     "Stamp",
+    "describe",
     "param",
     "params_of",
+    "plain_data",
     "ports_of",
+    "summary_of",
+    "unit_of",
 ]

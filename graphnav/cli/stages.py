@@ -1,0 +1,146 @@
+"""``graphnav stages``: what can be plugged in, and everything that a graph may say of it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from graphnav.cli.status import OK
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from graphnav.catalog import Catalog
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("name", metavar="NAME", nargs="?", help="a stage (plane.ica) or a family (plane); default: all")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
+    parser.add_argument(
+        "--plugin", dest="plugins", action="append", default=[], type=Path, metavar="FILE", help="a file with stages"
+    )
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.stage import describe  # noqa: PLC0415
+
+    catalog = Catalog()
+    for plugin in args.plugins:
+        catalog.add_file(plugin)
+    console = Console(highlight=False)
+    if args.name and args.name not in catalog.families():
+        described = describe(args.name, catalog.stage(args.name), catalog.origin(args.name))
+        if args.json:
+            print(json.dumps(described, indent=2))
+        else:
+            _print_one(console, described)
+        return OK
+    uses = _uses(catalog, [args.name] if args.name else list(catalog.families()), all_must_load=bool(args.name))
+    if args.json:
+        print(json.dumps([describe(use, catalog.stage(use), catalog.origin(use)) for use in uses], indent=2))
+    else:
+        console.print(_all(catalog, uses))
+        console.print("'graphnav stages NAME' tells everything that a graph may say of one.", markup=False)
+    return OK
+
+
+def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list[str]:
+    """Return the stages of families; a family that cannot be imported is told, unless it was asked for alone."""
+    from graphnav.errors import CatalogError  # noqa: PLC0415
+
+    uses: list[str] = []
+    for family in families:
+        try:
+            uses += [f"{family}.{name}" for name in catalog.names(family)]
+        except CatalogError as error:
+            if all_must_load:
+                raise
+            print(error, file=sys.stderr)
+    return uses
+
+
+def _all(catalog: Catalog, uses: list[str]) -> Table:
+    from graphnav.stage import ports_of, summary_of  # noqa: PLC0415
+
+    table = _table("stage", "reads", "writes", "what it is")
+    for use in uses:
+        cls = catalog.stage(use)
+        ports = ports_of(cls)
+        reads = ", ".join(f"{p.name}{' (latest)' if p.latest else ''}" for p in ports.inputs)
+        _row(table, use, reads, ", ".join(p.name for p in ports.outputs), summary_of(cls))
+    return table
+
+
+def _print_one(console: Console, described: dict[str, Any]) -> None:
+    console.print(f"{described['name']}, a {described['kind']} of {described['origin']}", style="bold", markup=False)
+    console.print()
+    console.print(described["doc"], markup=False)
+    ports = _table("port", "type", "")
+    for port in described["inputs"]:
+        fires = "read when something else fires; may stay open" if port["latest"] else "fires the stage"
+        _row(ports, port["name"], port["type"], f"input, {fires}")
+    for port in described["outputs"]:
+        _row(ports, port["name"], port["type"], "output")
+    if ports.row_count:
+        console.print()
+        console.print(ports)
+    params = _table("parameter", "type", "default", "what it means")
+    for param in described["parameters"]:
+        kind = param["type"] + (f", {param['bounds']}" if param["bounds"] else "")
+        kind += f", {param['unit']}" if param["unit"] else ""
+        _row(params, param["name"], kind, _default(param), param["doc"])
+    if params.row_count:
+        console.print()
+        console.print(params)
+    console.print()
+    console.print("In a graph:")
+    console.print(_snippet(described), markup=False)
+
+
+def _default(param: dict[str, Any]) -> str:
+    from graphnav.spec import write_value  # noqa: PLC0415
+
+    return "has to be given" if param["required"] else write_value(param["default"])
+
+
+def _snippet(described: dict[str, Any]) -> str:
+    """Return YAML with every parameter at its default and every input to be wired."""
+    family = described["name"].partition(".")[0]
+    lines = ["stages:", f"  {family}:", f"    use: {described['name']}"]
+    if described["parameters"]:
+        lines.append("    with:")
+    lines += [
+        f"      {param['name']}: " + ("...  # needed" if param["required"] else _default(param))
+        for param in described["parameters"]
+    ]
+    if described["inputs"]:
+        lines.append("    in:")
+    for port in described["inputs"]:
+        note = "may be left out" if port["latest"] else "needed"
+        lines.append(f"      {port['name']}: STAGE.PORT  # {note}: a port that writes {port['type']}")
+    return "\n".join(lines)
+
+
+def _table(*headings: str) -> Table:
+    from rich import box  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for number, heading in enumerate(headings):
+        table.add_column(heading, overflow="fold", no_wrap=number == 0)
+    return table
+
+
+def _row(table: Table, *cells: str) -> None:
+    from rich.text import Text  # noqa: PLC0415
+
+    table.add_row(*(Text(cell) for cell in cells))

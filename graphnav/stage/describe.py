@@ -1,0 +1,78 @@
+"""Tell all about a stage: what a graph may say of it, derived from its declaration."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from graphnav.stage.param import Param, params_of
+from graphnav.stage.port import Port, ports_of
+from graphnav.stage.stage import Source, Stage
+
+UNITS: Mapping[str, str] = {
+    "px": "pixels",
+    "m": "metres",
+    "s": "seconds",
+    "us": "microseconds",
+    "hz": "hertz",
+    "rad": "radians",
+    "deg": "degrees",
+    "mps": "metres per second",
+    "mps2": "metres per second squared",
+    "radps": "radians per second",
+    "radps2": "radians per second squared",
+    "ratio": "a ratio",
+}
+"""What the suffixes of names mean."""
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that a parameter's suffix names, empty for none."""
+    stem, _, suffix = name.rpartition("_")
+    return UNITS.get(suffix, "") if stem else ""
+
+
+def describe(use: str, cls: type[Stage], origin: str) -> dict[str, Any]:
+    """Return everything that a graph may say of a stage, as JSON can hold it."""
+    ports = ports_of(cls)
+    return {
+        "name": use,
+        "kind": "source" if issubclass(cls, Source) else "stage",
+        "origin": origin,
+        "doc": inspect.getdoc(cls) or "",
+        "inputs": [_port(port) for port in ports.inputs],
+        "outputs": [_port(port) for port in ports.outputs],
+        "parameters": [_param(param) for param in params_of(cls).values()],
+    }
+
+
+def summary_of(cls: type[Stage]) -> str:
+    """Return the first line of a stage's docstring."""
+    return (inspect.getdoc(cls) or "").partition("\n")[0]
+
+
+def plain_data(value: Any) -> Any:
+    """Return a parameter's value as YAML and JSON hold it."""
+    if isinstance(value, tuple):
+        return [plain_data(item) for item in value]
+    return str(value) if isinstance(value, Path) else value
+
+
+def _port(port: Port) -> dict[str, Any]:
+    return {"name": port.name, "type": port.message.__name__, "latest": port.latest}
+
+
+def _param(param: Param) -> dict[str, Any]:
+    described: dict[str, Any] = {
+        "name": param.name,
+        "type": param.type_text,
+        "unit": unit_of(param.name),
+        "bounds": param.bounds_text,
+        "required": param.required,
+        "doc": param.doc,
+    }
+    if not param.required:
+        described["default"] = plain_data(param.default)
+    return described
