@@ -57,7 +57,8 @@ class Camera:
 
     def project(self, points_C: Doubles) -> Doubles:
         """Return the pixel coordinates (x, y), float64 (..., 2), of points in front of the camera, (..., 3)."""
-        return points_C[..., :2] / points_C[..., 2:] * self.focal_px + np.array(self.center_px)
+        pixels: Doubles = points_C[..., :2] / points_C[..., 2:] * self.focal_px + np.array(self.center_px)
+        return pixels
 
     def footprint_m(self) -> Doubles:
         """Return the outline on the floor of what the camera sees, (4, 2) in R.

@@ -11,6 +11,7 @@ import math
 import zlib
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
@@ -162,12 +163,11 @@ def compose(path: Path) -> tuple[yaml.Node | None, list[Problem]]:
     try:
         refused = _refused(text)
         if refused is not None:
-            mark, what, hint = refused
-            return None, [Problem(Place(str(path), mark.line + 1, mark.column + 1), what, hint)]
+            event, what, hint = refused
+            return None, [Problem(_at(path, event.start_mark), what, hint)]
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
-        found = error.problem_mark or error.context_mark
-        where = Place(str(path), found.line + 1, found.column + 1) if found else Place(str(path))
+        where = _at(path, error.problem_mark or error.context_mark)
         return None, [Problem(where, f"this is not YAML: {error.problem}", "check indentation, brackets and quotes")]
     except yaml.YAMLError as error:
         what = f"this is not YAML: {str(error).splitlines()[0]}"
@@ -177,12 +177,12 @@ def compose(path: Path) -> tuple[yaml.Node | None, list[Problem]]:
     return root, []
 
 
-def _refused(text: str) -> tuple[yaml.Mark, str, str] | None:
-    """Return the first alias, over-deep nesting or second document: where, what, hint."""
+def _refused(text: str) -> tuple[yaml.Event, str, str] | None:
+    """Return the first alias, over-deep nesting or second document: the event there, what, hint."""
     depth, documents = 0, 0
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
         if isinstance(event, yaml.AliasEvent):
-            return event.start_mark, f"a map has no aliases, but here is *{event.anchor}", "write the value out"
+            return event, f"a map has no aliases, but here is *{event.anchor}", "write the value out"
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
         elif isinstance(event, yaml.CollectionEndEvent):
@@ -190,10 +190,14 @@ def _refused(text: str) -> tuple[yaml.Mark, str, str] | None:
         elif isinstance(event, yaml.DocumentStartEvent):
             documents += 1
         if depth > DEEPEST:
-            return event.start_mark, f"this is nested deeper than {DEEPEST} levels", "no map needs that"
+            return event, f"this is nested deeper than {DEEPEST} levels", "no map needs that"
         if documents > 1:
-            return event.start_mark, "a second document begins here", "a file holds one map"
+            return event, "a second document begins here", "a file holds one map"
     return None
+
+
+def _at(path: Path, mark: Any) -> Place:
+    return Place(str(path), mark.line + 1, mark.column + 1) if mark else Place(str(path))
 
 
 def numbered(nodes: Sequence[yaml.Node], key: str) -> Iterator[tuple[str, yaml.Node]]:

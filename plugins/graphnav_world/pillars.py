@@ -47,8 +47,8 @@ def read_pillars(text: MapText, node: yaml.Node, textures: tuple[str, ...]) -> l
         text.wrong(found["count"], f"{int(count)} pillars with gaps of {gap:g} m do not fit into the field", hint)
         return []
     return [
-        Body.prism(outlines.circle(*(place + corner), radius), height, texture)
-        for place, radius in zip(places, radii, strict=True)
+        Body.prism(outlines.circle(x + corner[0], y + corner[1], radius), height, texture)
+        for (x, y), radius in zip(places, radii, strict=True)
     ]
 
 

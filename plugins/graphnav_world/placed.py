@@ -25,27 +25,24 @@ class Placed:
     robot's axes, are float32. ``moved``: body and its position (x, y, z) in W, for the moving ones.
     """
 
-    eye_W: Doubles
+    eye_W: Doubles  # noqa: N815  # the frame's letter
     R_WC: Doubles
     heading: tuple[float, float]
-    quads_C: Doubles
-    normal_C: Doubles
+    quads_C: Doubles  # noqa: N815  # the frame's letter
+    normal_C: Doubles  # noqa: N815  # the frame's letter
     distance_m: Doubles
     face_distance_m: Floats
-    u_R: Floats
-    v_R: Floats
+    u_R: Floats  # noqa: N815  # the frame's letter
+    v_R: Floats  # noqa: N815  # the frame's letter
     moving: tuple[tuple[int, Doubles], ...]
 
     @classmethod
-    def at(
-        cls, camera: Camera, faces: Faces, x_m: float, y_m: float, yaw_rad: float, time_s: float = 0.0
-    ) -> Placed:
+    def at(cls, camera: Camera, faces: Faces, x_m: float, y_m: float, yaw_rad: float, time_s: float = 0.0) -> Placed:
         """Return what a robot at this pose has before its camera at this time."""
         R_WC, eye = camera.pose(x_m, y_m, yaw_rad)
         quads, offset, u, v = faces.quads, faces.offset, faces.u, faces.v
         moving = tuple(
-            (body, np.append(patrol.at(time_s), 0.0))
-            for body, patrol in zip(faces.moving, faces.patrols, strict=True)
+            (body, np.append(patrol.at(time_s), 0.0)) for body, patrol in zip(faces.moving, faces.patrols, strict=True)
         )
         if moving:
             at = np.zeros((int(faces.body.max()) + 1, 3))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from graphnav_world.atlas import LEVELS, Atlas
 from graphnav_world.camera import Camera
+from graphnav_world.noise import normal_noise
 from graphnav_world.placed import Placed
 from graphnav_world.scene import Faces
 from graphnav_world.visibility import FLOOR, Visible, ZBuffer
@@ -53,8 +54,9 @@ class Renderer:
         self._floor_origin_m = floor_origin_m
         rays_R = camera.rays().reshape(-1, 3) @ camera.R_RC.T
         self._rays_R: Floats = rays_R.T.astype(np.float32)
-        self._ray_squared: Floats = (self._rays_R**2).sum(axis=0)
-        self._per_m: Floats = 1 / atlas.texel_m
+        self._ray_squared: Floats = np.square(self._rays_R).sum(axis=0, dtype=np.float32)
+        self._per_m: Floats = np.reciprocal(atlas.texel_m)
+        self._first_cell = (faces.texture.astype(np.intp) + 1) * LEVELS
         self._origins = [np.ascontiguousarray(atlas.origin_px[..., axis]).reshape(-1) for axis in range(2)]
         cx, cy = camera.center_px
         self._x: Floats = ((np.arange(camera.cols) - cx) / camera.focal_px).astype(np.float32)
@@ -80,9 +82,10 @@ class Renderer:
         face[bodies] = self._faces.face_of_prim.take(seen.prim[bodies])
         with np.errstate(divide="ignore"):
             depth = np.reciprocal(seen.inverse_depth)
-        gray = self._shaded(now, face, depth, bodies) * np.float32(light)
+        gray = self._shaded(now, face, depth, bodies)
+        gray *= np.float32(light)
         if noise_sigma and rng is not None:
-            gray += rng.standard_normal(gray.shape, dtype=np.float32) * np.float32(noise_sigma)
+            gray += normal_noise(gray.shape, noise_sigma, rng)
         obstacle = (face != FLOOR) | (seen.inverse_depth <= 0)
         flow = None if before is None else self._flow(now, before, seen, face, bodies)
         return Frame(
@@ -98,23 +101,27 @@ class Renderer:
         inverse = self._zbuffer.floor_inverse_depth
         self._sky = inverse <= 0
         self._horizon = bool(self._sky.any())
-        depth = 1.0 / np.maximum(inverse, np.float32(1e-3))
+        depth = np.reciprocal(np.maximum(inverse, np.float32(1e-3)))
         self._floor_R: Floats = self._rays_R[:2] * depth
         level, self._floor_blend = self._mip(depth, np.float32(self._camera.height_m), self._ray_squared)
         fine, coarse = self._atlas.origin_px[0, level], self._atlas.origin_px[0, level + 1]
         self._floor_origins = (fine[:, 0].copy(), fine[:, 1].copy(), coarse[:, 0].copy(), coarse[:, 1].copy())
-        self._floor_per_m: Floats = 1.0 / self._atlas.texel_m[level]
+        self._floor_per_m: Floats = self._per_m[level]
 
-    def _mip(self, depth: Floats, distance: Floats | np.float32, ray_squared: Floats) -> tuple[Ints, Floats]:
+    def _mip(
+        self, depth: Floats, distance: Floats | np.float32, ray_squared: Floats
+    ) -> tuple[npt.NDArray[np.intp], Floats]:
         """Return the finer of two mip levels and the share of the coarser one, for planes at this distance.
 
         A pixel prints depth / f wide on a surface, and depth**2 |ray|**2 / (f distance) long.
         """
         wide = depth / np.float32(self._camera.focal_px * self._atlas.texel_m[0])
         long = wide * depth * ray_squared / distance / np.float32(STRETCH)
-        level = np.clip(np.log2(np.maximum(wide, long)), 0, LEVELS - 1.001)
-        fine = level.astype(np.int32)
-        return fine, level - fine
+        level = np.log2(np.maximum(wide, long, out=long), out=long)
+        np.clip(level, np.float32(0), np.float32(LEVELS - 1.001), out=level)
+        fine = level.astype(np.intp)
+        level -= fine
+        return fine, level
 
     def _shaded(self, now: Placed, face: Ints, depth: Floats, bodies: npt.NDArray[np.intp]) -> Floats:
         """Return the gray values before noise, float32 (rows, cols)."""
@@ -122,7 +129,9 @@ class Renderer:
         maps, blend = self._floor_maps(now), self._floor_blend
         if len(bodies):
             blend = blend.copy()
-            maps[:, bodies], blend[bodies] = self._body_maps(now, face[bodies], depth[bodies], bodies)
+            of_bodies, blend[bodies] = self._body_maps(now, face[bodies].astype(np.intp), depth[bodies], bodies)
+            for one, of_body in zip(maps, of_bodies, strict=True):
+                one[bodies] = of_body
         x0, y0, x1, y1 = maps.reshape(4, *shape)
         fine = cv2.remap(self._atlas.pixels, x0, y0, cv2.INTER_LINEAR)
         coarse = cv2.remap(self._atlas.pixels, x1, y1, cv2.INTER_LINEAR)
@@ -131,7 +140,7 @@ class Renderer:
         gray += fine
         flat = gray.reshape(-1)
         if len(bodies):
-            flat[bodies] *= self._faces.shade.take(face[bodies])
+            flat[bodies] = flat[bodies] * self._faces.shade.take(face[bodies])
         if self._horizon:
             flat[self._sky & (face == FLOOR)] = 255
         return gray
@@ -154,16 +163,14 @@ class Renderer:
         return maps
 
     def _body_maps(
-        self, now: Placed, face: Ints, depth: Floats, at: npt.NDArray[np.intp]
+        self, now: Placed, face: npt.NDArray[np.intp], depth: Floats, at: npt.NDArray[np.intp]
     ) -> tuple[Floats, Floats]:
         """Return where on the atlas the bodies' pixels lie, (4, pixels), and their blend of the two levels."""
         atlas = self._atlas
         level, blend = self._mip(depth, now.face_distance_m.take(face), self._ray_squared.take(at))
         along = self._rays_R.take(at, axis=1)
         along *= depth
-        cell = self._faces.texture.take(face)
-        cell += np.int32(1)
-        cell *= np.int32(LEVELS)
+        cell = self._first_cell.take(face)
         cell += level
         per_m = self._per_m.take(level)
         maps = np.empty((4, len(at)), np.float32)
@@ -177,14 +184,10 @@ class Renderer:
             origin = self._origins[axis]
             np.add(place, origin.take(cell), out=maps[axis])
             place *= np.float32(0.5)
-            cell += np.int32(1)
-            np.add(place, origin.take(cell), out=maps[axis + 2])
-            cell -= np.int32(1)
+            np.add(place, origin[1:].take(cell), out=maps[axis + 2])
         return maps, blend
 
-    def _flow(
-        self, now: Placed, before: Placed, seen: Visible, face: Ints, bodies: npt.NDArray[np.intp]
-    ) -> Floats:
+    def _flow(self, now: Placed, before: Placed, seen: Visible, face: Ints, bodies: npt.NDArray[np.intp]) -> Floats:
         """Return the displacement of every pixel's surface point since ``before``, float32 (rows, cols, 2)."""
         rows, cols = self._camera.rows, self._camera.cols
         inverse = seen.inverse_depth.reshape(rows, cols)

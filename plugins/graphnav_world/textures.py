@@ -51,4 +51,5 @@ def _noise(width: int, height: int, grain: int, rng: np.random.Generator) -> Flo
     to_lattice = np.array([[cols / width, 0.0, RIM], [0.0, rows / height, RIM]])
     flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
     fine: Floats = cv2.warpAffine(lattice, to_lattice, (width, height), flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    return fine / fine.std()
+    fine /= fine.std()
+    return fine

@@ -103,11 +103,11 @@ class ZBuffer:
         inside = b * self._y + c
         inside += ON_EDGE
         with np.errstate(over="ignore"):
-            crossing = inside / (a / np.float32(-self._focal))
+            crossing = np.divide(inside, a / np.float32(-self._focal), out=inside)
         crossing += np.float32(self._cx)
-        lower = a > 0
-        first = np.where(lower, crossing, -np.inf).max(axis=1)
-        last = np.where(lower, np.inf, crossing).min(axis=1)
+        bounds_left = a > 0
+        first = np.where(bounds_left, crossing, np.float32(-np.inf)).max(axis=1)
+        last = np.where(bounds_left, np.float32(np.inf), crossing).min(axis=1)
         np.ceil(np.clip(first, 0, self._camera.cols, out=first), out=first)
         np.floor(np.clip(last, -1, self._camera.cols - 1, out=last), out=last)
         return first.astype(np.int32), last.astype(np.int32)

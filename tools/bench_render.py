@@ -1,0 +1,100 @@
+"""How long rendering with truth takes, as a share of OpenCV's Farneback on the same images in the same process."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from graphnav_world import outlines
+from graphnav_world.atlas import Atlas, floor_texels
+from graphnav_world.camera import Camera
+from graphnav_world.placed import Placed
+from graphnav_world.render import Frame, Renderer
+from graphnav_world.scene import Body, Faces, faces_of
+from graphnav_world.textures import Texture
+
+
+@dataclass(frozen=True)
+class RenderCost:
+    """Medians over the rounds: milliseconds, and the ratio of each round's pair."""
+
+    faces: int
+    render_ms: float
+    farneback_ms: float
+    ratio: float
+
+
+def bodies() -> list[Body]:
+    """Return a corner of a corridor with boxes and pillars, walls crossing boxes; about 40 faces are in view."""
+    around = np.array([0.4, 1.9])
+    inner = np.concatenate([[[-1.5, 0.62]], around + outlines.arc((0, 0), 1.28, -np.pi / 2, 0.0)])
+    outer = np.concatenate([[[-1.5, -0.62]], around + outlines.arc((0, 0), 2.52, -np.pi / 2, 0.0)])
+    walls = [Body.wall(outlines.strip(line, 0.1, closed=False), 0.35, "wall") for line in (inner, outer)]
+    boxes = [
+        Body.prism(outlines.box(0.62, 0.5, 0.3, 0.2, 0.4), 0.3, "obstacle"),
+        Body.prism(outlines.box(0.3, -0.6, 0.2, 0.2, 0.1), 0.4, "obstacle"),
+    ]
+    pillars = [
+        Body.prism(outlines.circle(x, y, radius), height, "obstacle")
+        for x, y, radius, height in ((0.35, 0.2, 0.06, 0.3), (0.55, -0.25, 0.07, 0.4), (0.75, 0.1, 0.08, 0.25))
+    ]
+    return [*walls, *boxes, *pillars]
+
+
+def measure(cols: int, rows: int, rounds: int = 60) -> RenderCost:
+    """Return what rendering frames of this size costs, one OpenCV thread, rounds interleaved."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    camera, faces, renderer = _world(cols, rows)
+    rng = np.random.default_rng(0)
+
+    def frame(x_m: float) -> Frame:
+        then = Placed.at(camera, faces, x_m - 0.03, 0.0, -0.02)
+        now = Placed.at(camera, faces, x_m, 0.0, 0.0)
+        return renderer.render(now, then, noise_sigma=2.0, rng=rng)
+
+    before = frame(-0.03)
+    spent: list[tuple[float, float]] = []
+    for k in range(rounds + 3):
+        began = time.perf_counter()
+        now = frame(0.001 * k)
+        rendered = time.perf_counter()
+        _farneback(before.pixels, now.pixels)
+        spent.append((rendered - began, time.perf_counter() - rendered))
+    cv2.setNumThreads(threads)
+    render, farneback = ([one[part] * 1e3 for one in spent[3:]] for part in range(2))
+    ratio = statistics.median(a / b for a, b in zip(render, farneback, strict=True))
+    visible = len(np.unique(now.face[now.face >= 0]))
+    return RenderCost(visible, statistics.median(render), statistics.median(farneback), ratio)
+
+
+def _world(cols: int, rows: int) -> tuple[Camera, Faces, Renderer]:
+    rng = np.random.default_rng(0)
+    camera = Camera(cols=cols, rows=rows)
+    faces = faces_of(bodies(), rng)
+    atlas = Atlas([Texture()] * (1 + len(faces.textures)), floor_texels((10.0, 10.0)), rng)
+    return camera, faces, Renderer(camera, faces, atlas, np.array([-5.0, -5.0]))
+
+
+def _farneback(before: npt.NDArray[np.uint8], now: npt.NDArray[np.uint8]) -> None:
+    cv2.calcOpticalFlowFarneback(
+        before, now, None, pyr_scale=0.5, levels=3, winsize=15, iterations=3, poly_n=5, poly_sigma=1.2, flags=0
+    )
+
+
+def main() -> None:
+    """Print the cost at two image sizes."""
+    for cols, rows in ((160, 120), (320, 240)):
+        cost = measure(cols, rows)
+        print(
+            f"{cols}x{rows}, {cost.faces} faces in view: render with truth {cost.render_ms:.2f} ms, "
+            f"Farneback {cost.farneback_ms:.2f} ms, ratio {cost.ratio:.2f}"
+        )
+
+
+if __name__ == "__main__":
+    main()
