@@ -1,0 +1,51 @@
+"""The world from above, drawn into axes in metres."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.transforms import Transform
+
+from graphnav import Map
+from graphnav_view import ink
+
+Doubles = npt.NDArray[np.float64]
+
+WALL, OBSTACLE, MOVING = 0, 1, 2
+_FACES = {WALL: ink.WALL, OBSTACLE: ink.OBSTACLE, MOVING: ink.MOVING}
+
+
+def outlines(world: Map, kind: int) -> list[Doubles]:
+    """Return the outlines, (n, 2), of all bodies of one kind; of moving ones in their own frame."""
+    return [world.vertices_m[world.body == body] for body in np.flatnonzero(world.kind == kind)]
+
+
+def moved(outline: Doubles, pose: Doubles) -> Doubles:
+    """Return an outline given in the frame of ``pose`` (x_m, y_m, yaw_rad) in the frame of the pose."""
+    x, y, yaw = pose
+    c, s = np.cos(yaw), np.sin(yaw)
+    turned: Doubles = outline @ np.array([[c, s], [-s, c]]) + np.array([x, y])
+    return turned
+
+
+def draw_bodies(axes: Axes, world: Map, moving: Doubles, to_axes: Transform | None = None) -> None:
+    """Fill the goal region, walls and obstacles, the moving ones at their poses ``moving`` (n, 3)."""
+    transform = axes.transData if to_axes is None else to_axes + axes.transData
+    if len(world.goal_m):
+        goal = PolyCollection(
+            [world.goal_m], facecolor=ink.GOAL, edgecolor=ink.GOAL, alpha=0.35, zorder=1, transform=transform
+        )
+        axes.add_collection(goal, autolim=False)
+    for kind in (WALL, OBSTACLE):
+        _fill(axes, outlines(world, kind), kind, transform)
+    _fill(axes, [moved(o, p) for o, p in zip(outlines(world, MOVING), moving, strict=False)], MOVING, transform)
+
+
+def _fill(axes: Axes, polygons: list[Doubles], kind: int, transform: Transform) -> None:
+    if polygons:
+        bodies = PolyCollection(
+            polygons, facecolor=_FACES[kind], edgecolor="#2b2b2b", linewidth=0.5, zorder=2, transform=transform
+        )
+        axes.add_collection(bodies, autolim=False)

@@ -1,0 +1,115 @@
+"""The panel of the direction of attention: the forces on the camera's picture."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.patches import Arc, FancyArrowPatch
+
+from graphnav_view import ink
+from graphnav_view.sights import over_picture, show_image
+from graphnav_view.telling import Frame, theta_text
+
+Doubles = npt.NDArray[np.float64]
+
+_LONGEST_RATIO = 0.42
+"""Length of the longest arrow in the picture's shorter side."""
+
+
+def draw_direction(axes: Axes, frame: Frame) -> str:
+    """Draw r, w, p = r + w and theta on a frame that was steered; return the caption."""
+    steering = frame.steering
+    assert steering is not None
+    if frame.image is not None:
+        show_image(axes, frame, frame.image)
+    else:
+        over_picture(axes, frame)
+        axes.set_facecolor("#9a9a9a")
+    rows, cols = frame.shape_px
+    origin = np.array([cols / 2, rows / 2]) - 0.5
+    forces = {"r": steering.repulsive, "w": steering.guiding, "p": steering.control}
+    longest = max(float(np.hypot(*force)) for force in forces.values())
+    scale = _LONGEST_RATIO * min(rows, cols) / max(longest, 1e-9)
+    axes.plot([origin[0]] * 2, [rows - 0.5, -0.5], color="white", lw=1.0, ls=(0, (4, 4)), alpha=0.8)
+    tips = {name: origin + scale * force * np.array([1.0, -1.0]) for name, force in forces.items()}
+    for start, end in (("r", "p"), ("w", "p")):
+        axes.plot(*np.stack([tips[start], tips[end]]).T, color="white", lw=1.0, ls=":", alpha=0.9)
+    for name, colour in (("r", ink.REPULSIVE), ("w", ink.GUIDING), ("p", ink.CONTROL)):
+        if np.hypot(*forces[name]) * scale > 2.0:
+            _arrow(axes, origin, tips[name], colour, thick=name == "p")
+    _name_tips(axes, origin, tips, min(rows, cols))
+    _arc(axes, origin, steering.theta_rad, 0.24 * min(rows, cols))
+    axes.plot(*origin, marker="o", ms=5, color="white", mec="black", mew=1.0, zorder=7)
+    caption = f"θ = {theta_text(steering.theta_rad)} of forward; red: r, repulsive;\n"
+    return caption + "blue: w, guiding; yellow: p = r + w, control"
+
+
+def _arrow(axes: Axes, start: Doubles, end: Doubles, colour: str, *, thick: bool) -> None:
+    axes.add_patch(
+        FancyArrowPatch(
+            (start[0], start[1]),
+            (end[0], end[1]),
+            arrowstyle="-|>",
+            mutation_scale=18,
+            shrinkA=0,
+            shrinkB=0,
+            color=colour,
+            lw=3.2 if thick else 2.4,
+            zorder=6 if thick else 5,
+            joinstyle="miter",
+            path_effects=ink.halo(5.4 if thick else 4.4, "black"),
+        )
+    )
+
+
+def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles], size_px: float) -> None:
+    """Write the forces' names beyond their tips, moved aside where two would meet."""
+    placed: list[Doubles] = []
+    for name, colour in (("p", ink.CONTROL), ("r", ink.REPULSIVE), ("w", ink.GUIDING)):
+        along = tips[name] - origin
+        length = float(np.hypot(*along))
+        if length <= 2.0:
+            continue
+        along /= length
+        for turn in (0.0, 0.35, -0.35, 0.7, -0.7):
+            c, s = math.cos(turn), math.sin(turn)
+            turned = np.array([c * along[0] - s * along[1], s * along[0] + c * along[1]])
+            at = origin + (length + 0.085 * size_px) * turned
+            if all(np.hypot(*(at - other)) > 0.12 * size_px for other in placed):
+                break
+        placed.append(at)
+        axes.text(
+            at[0],
+            at[1],
+            name,
+            color=colour,
+            fontsize=13,
+            fontweight="bold",
+            ha="center",
+            va="center",
+            zorder=9,
+            path_effects=ink.halo(3.0, "black"),
+        )
+
+
+def _arc(axes: Axes, origin: Doubles, theta_rad: float, radius_px: float) -> None:
+    """Mark the angle from forward (up) to the control force."""
+    degrees = math.degrees(theta_rad)
+    if abs(degrees) < 3:
+        return
+    low, high = sorted((-90.0, -90.0 - degrees))
+    axes.add_patch(
+        Arc(
+            (origin[0], origin[1]),
+            2 * radius_px,
+            2 * radius_px,
+            theta1=low,
+            theta2=high,
+            color="white",
+            lw=1.8,
+            zorder=6,
+        )
+    )

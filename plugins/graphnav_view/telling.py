@@ -1,0 +1,79 @@
+"""The frame of a run that tells most, and all that its log holds of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from graphnav import Flow, Image, Plane, Potential, State, Steering
+from graphnav_view.signals import Signals
+
+LEAST_RATIO, MOST_RATIO = 0.05, 0.5
+"""Shares of obstacle between which a picture shows both, as the method assumes."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What a log holds of one stamp; None where it holds nothing."""
+
+    utime: int
+    image: Image | None
+    flow: Flow | None
+    plane: Plane | None
+    potential: Potential | None
+    steering: Steering | None
+    state: State | None
+
+    @property
+    def shape_px(self) -> tuple[int, int]:
+        """Rows and columns of the picture, in its own pixels."""
+        if self.image is not None:
+            rows, cols = self.image.pixels.shape[:2]
+            return rows * self.image.step_px, cols * self.image.step_px
+        for grid, rows_of in ((self.flow, "uv_px"), (self.plane, "obstacle"), (self.potential, "potential")):
+            if grid is not None:
+                rows, cols = getattr(grid, rows_of).shape[:2]
+                return rows * grid.step_px, cols * grid.step_px
+        return 3, 4
+
+
+def telling_utime(signals: Signals) -> int | None:
+    """Return the stamp of the frame to show, None where the log holds nothing that a camera saw.
+
+    Of the frames whose share of obstacle lies between 5 and 50 %, the one that is steered hardest (largest absolute
+    theta, to a hundredth of a radian; the earliest of equals). Without such a frame, the one whose share is nearest to
+    a quarter. Without a plane, the middle frame of the flow, else of the images.
+    """
+    judged = [
+        (utime, plane.obstacle_ratio, steering.theta_rad if steering is not None else 0.0)
+        for utime, (plane, steering) in signals.joined(Plane, Steering)
+    ]
+    shared = [j for j in judged if LEAST_RATIO <= j[1] <= MOST_RATIO]
+    if shared:
+        return max(shared, key=lambda j: (round(abs(j[2]), 2), -j[0]))[0]
+    if judged:
+        return min(judged, key=lambda j: (round(abs(j[1] - 0.25), 3), j[0]))[0]
+    for kind in (Flow, Image):
+        stamps = signals.stamps(kind)
+        if stamps:
+            return stamps[len(stamps) // 2]
+    return None
+
+
+def frame_at(signals: Signals, utime: int) -> Frame:
+    """Return all that the log holds of one stamp."""
+    return Frame(
+        utime=utime,
+        image=signals.at(Image, utime),
+        flow=signals.at(Flow, utime),
+        plane=signals.at(Plane, utime),
+        potential=signals.at(Potential, utime),
+        steering=signals.at(Steering, utime),
+        state=signals.at(State, utime),
+    )
+
+
+def theta_text(theta_rad: float) -> str:
+    """Return a steering angle as people read it: degrees and the side."""
+    degrees = round(math.degrees(theta_rad))
+    return "0°" if degrees == 0 else f"{abs(degrees)}° {'left' if degrees > 0 else 'right'}"

@@ -1,0 +1,91 @@
+"""The map tile of the video: the world from above, the robot and the path so far."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Map, State
+from graphnav_view import ink
+from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, moved, outlines
+from graphnav_view.lettering import write
+from graphnav_view.track import Track
+
+Doubles = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+
+_SHIFT = 4
+"""Binary digits of a pixel that lines are placed to."""
+_MARGIN_M = 0.25
+
+
+class TopView:
+    """Draws the map with the path, x to the right and y up."""
+
+    def __init__(self, world: Map, track: Track, cols: int, rows: int) -> None:
+        self._world = world
+        self._moving = outlines(world, MOVING)
+        points = [track.pose[:, :2], world.goal_m.reshape(-1, 2), *outlines(world, WALL), *outlines(world, OBSTACLE)]
+        for index, outline in enumerate(self._moving):
+            points += [moved(outline, poses[index]) for poses in track.moving]
+        low, high = np.concatenate(points).min(axis=0) - _MARGIN_M, np.concatenate(points).max(axis=0) + _MARGIN_M
+        self._per_m = float(np.min(np.array([cols, rows]) / (high - low)))
+        self._middle_m, self._middle_px = (low + high) / 2, np.array([cols, rows]) / 2
+        self._ground = self._background(cols, rows)
+        self._path: list[tuple[float, float]] = []
+
+    def draw(self, state: State | None) -> Bytes:
+        """Return the tile, (rows, cols, 3) RGB, with the robot in ``state`` and the path through all states so far."""
+        if state is None:
+            return self._ground
+        self._path.append((state.x_m, state.y_m))
+        tile = self._ground.copy()
+        for outline, pose in zip(self._moving, state.moving, strict=False):
+            self._fill(tile, moved(outline, pose), ink.rgb(ink.MOVING))
+        pose = np.array([state.x_m, state.y_m, state.yaw_rad])
+        if len(self._world.footprint_m):
+            seen = tile.copy()
+            self._fill(seen, moved(self._world.footprint_m, pose), ink.rgb(ink.SEEN))
+            cv2.addWeighted(seen, 0.25, tile, 0.75, 0, dst=tile)
+        trace = self._to_px(np.array(self._path))[:, None]
+        cv2.polylines(tile, [trace], False, ink.rgb(ink.ROBOT), 2, cv2.LINE_AA, _SHIFT)  # noqa: FBT003 - OpenCV's own order
+        self._robot(tile, pose, contact=state.contact)
+        return tile
+
+    def _robot(self, tile: Bytes, pose: Doubles, *, contact: bool) -> None:
+        centre = self._to_px(pose[None, :2])[0]
+        radius = max(round(self._world.robot_radius_m * self._per_m * 2**_SHIFT), 4 << _SHIFT)
+        colour = ink.rgb(ink.CONTACT if contact else ink.ROBOT)
+        cv2.circle(tile, centre.tolist(), radius, (255, 255, 255), -1, cv2.LINE_AA, _SHIFT)
+        cv2.circle(tile, centre.tolist(), radius, colour, 2, cv2.LINE_AA, _SHIFT)
+        nose = centre + np.round(radius * np.array([math.cos(pose[2]), -math.sin(pose[2])])).astype(np.int32)
+        cv2.line(tile, centre.tolist(), nose.tolist(), colour, 2, cv2.LINE_AA, _SHIFT)
+
+    def _background(self, cols: int, rows: int) -> Bytes:
+        tile = np.full((rows, cols, 3), ink.rgb(ink.FLOOR), np.uint8)
+        if len(self._world.goal_m):
+            goal = tile.copy()
+            self._fill(goal, self._world.goal_m, ink.rgb(ink.GOAL))
+            cv2.addWeighted(goal, 0.4, tile, 0.6, 0, dst=tile)
+        for kind, colour in ((WALL, ink.WALL), (OBSTACLE, ink.OBSTACLE)):
+            for outline in outlines(self._world, kind):
+                self._fill(tile, outline, ink.rgb(colour))
+        self._scale_bar(tile)
+        return tile
+
+    def _scale_bar(self, tile: Bytes) -> None:
+        """Draw a metre into the lower left corner, on its own ground."""
+        length, low = round(self._per_m), tile.shape[0] - 12
+        write(tile, "1 m", (12, low - 6), (20, 20, 20), ground=ink.rgb(ink.FLOOR))
+        cv2.line(tile, (12, low), (12 + length, low), (20, 20, 20), 3)
+
+    def _fill(self, tile: Bytes, outline: Doubles, colour: tuple[int, int, int]) -> None:
+        cv2.fillPoly(tile, [self._to_px(outline)[:, None]], colour, cv2.LINE_AA, _SHIFT)
+
+    def _to_px(self, points_m: Doubles) -> npt.NDArray[np.int32]:
+        """Return points of W in the tile's pixels, times 2**_SHIFT."""
+        away = (points_m - self._middle_m) * self._per_m * np.array([1.0, -1.0])
+        return np.asarray(np.round((away + self._middle_px) * 2**_SHIFT), np.int32)

@@ -1,0 +1,47 @@
+"""The robot's true path, gathered from its states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import State
+from graphnav_view.signals import Signals
+
+Doubles = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where the robot was.
+
+    ``time_s`` (n,); ``pose`` (n, 3), x_m, y_m, yaw_rad; ``clearance_m`` the least on the way; ``moving`` (n, m, 3),
+    poses of the moving obstacles; ``last`` the last state.
+    """
+
+    time_s: Doubles
+    pose: Doubles
+    clearance_m: float
+    moving: Doubles
+    last: State
+
+    @property
+    def length_m(self) -> float:
+        """Length of the path."""
+        return float(np.hypot(*np.diff(self.pose[:, :2], axis=0).T).sum())
+
+
+def track_of(signals: Signals) -> Track | None:
+    """Return the path of a recorded robot, None where the log has no states."""
+    states = list(signals.all(State))
+    if not states:
+        return None
+    return Track(
+        time_s=np.array([utime for utime, _ in states]) / 1e6,
+        pose=np.array([(s.x_m, s.y_m, s.yaw_rad) for _, s in states]),
+        clearance_m=min(s.clearance_m for _, s in states),
+        moving=np.array([s.moving for _, s in states]).reshape(len(states), -1, 3),
+        last=states[-1][1],
+    )

@@ -1,0 +1,157 @@
+"""``video.mp4``: camera, flow, dominant plane and map side by side, with the time and the steering angle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Flow, Image, Map, Plane, Potential, State, Steering, Twist, UserError
+from graphnav_view.flowcolour import flow_scale_px
+from graphnav_view.lettering import write
+from graphnav_view.signals import Signals
+from graphnav_view.tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
+from graphnav_view.topview import TopView
+from graphnav_view.track import track_of
+
+Bytes = npt.NDArray[np.uint8]
+Messages = Mapping[type, Any]
+
+_TILE_COLS = 480
+_LEAST_TILE_ROWS, _MOST_TILE_ROWS = 240, 480
+_HEAD_PX, _FOOT_PX, _GAP_PX = 26, 34, 4
+_PAGE, _INK, _FAINT = (24, 26, 30), (240, 240, 240), (170, 174, 180)
+_CODEC = "mp4v"
+_KINDS = (Image, Flow, Plane, Potential, Steering, Twist, State)
+_SCALE_FRAMES = 25
+"""Frames that the flow's colour scale is taken from."""
+
+
+def write_video(signals: Signals, path: Path) -> Path:
+    """Write the video at the rate of the camera.
+
+    Raises
+    ------
+    UserError
+        The log has no images, or this OpenCV cannot write video.
+    """
+    stamps = signals.stamps(Image)
+    if not stamps:
+        raise UserError.of("the log holds no images to make a video of", "record them: run: {record: all}")
+    period_us = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 1e5
+    frames = _frames(signals)
+    first = next(frames)
+    rows, cols = first.shape[:2]
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*_CODEC), 1e6 / period_us, (cols, rows))
+    if not writer.isOpened():
+        raise UserError.of(
+            f"this OpenCV ({cv2.__version__}) cannot write {path} as MPEG-4",
+            "install opencv-python-headless from PyPI, which brings FFmpeg, or leave out --video",
+        )
+    try:
+        writer.write(cv2.cvtColor(first, cv2.COLOR_RGB2BGR))
+        for frame in frames:
+            writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+    finally:
+        writer.release()
+    return path
+
+
+def _frames(signals: Signals) -> Iterator[Bytes]:
+    """Yield the video's frames, (rows, cols, 3) RGB, both even."""
+    image = signals.first(Image)
+    assert image is not None
+    picture_rows, picture_cols = (n * image.step_px for n in image.pixels.shape[:2])
+    tile_rows = round(min(max(_TILE_COLS * picture_rows / picture_cols, _LEAST_TILE_ROWS), _MOST_TILE_ROWS) / 2) * 2
+    tiles = _tiles(signals, Stretch(picture_rows, picture_cols, tile_rows, _TILE_COLS))
+    page = _Page([title for title, _ in tiles], tile_rows, _TILE_COLS)
+    for utime, messages in signals.joined(*_KINDS):
+        of = dict(zip(_KINDS, messages, strict=True))
+        yield page.draw([draw(of) for _, draw in tiles], _status(utime, of))
+
+
+def _tiles(signals: Signals, stretch: Stretch) -> list[tuple[str, Callable[[Messages], Bytes]]]:
+    """Return titles and what draws the tiles of a frame, given its messages by type."""
+    there = {kind for kind in _KINDS if signals.channel(kind) is not None}
+    found: list[tuple[str, Callable[[Messages], Bytes]]] = [
+        (
+            "camera, control force" if Steering in there else "camera",
+            lambda of: camera_tile(stretch, camera_rgb(stretch, of[Image]), of[Steering]),
+        )
+    ]
+    if Flow in there:
+        full_px = _full_px(signals)
+        found.append(("optical flow", lambda of: flow_tile(stretch, of[Flow], full_px)))
+    if Plane in there:
+        found.append(
+            (
+                "dominant plane: obstacle red",
+                lambda of: plane_tile(stretch, camera_rgb(stretch, of[Image]), of[Plane]),
+            )
+        )
+    world, track = signals.first(Map), track_of(signals)
+    if world is not None and track is not None:
+        top = TopView(world, track, *stretch.tile_size_px)
+        found.append(("map from above", lambda of: top.draw(of[State])))
+    elif Potential in there:
+        found.append(("obstacle potential", lambda of: potential_tile(stretch, of[Potential])))
+    return found
+
+
+def _full_px(signals: Signals) -> float:
+    """Return the flow that is drawn in full colour: the median over frames spread over the run."""
+    stamps = signals.stamps(Flow)
+    every = max(1, len(stamps) // _SCALE_FRAMES)
+    scales = []
+    for utime in stamps[::every]:
+        flow = signals.at(Flow, utime)
+        assert flow is not None
+        scales.append(flow_scale_px(flow.uv_px, flow.valid))
+    return float(np.median(scales)) if scales else 1.0
+
+
+def _status(utime: int, of: Messages) -> list[str]:
+    words = [f"t = {utime / 1e6:6.2f} s"]
+    steering, plane, twist, state = of[Steering], of[Plane], of[Twist], of[State]
+    if steering is not None:
+        words.append(f"theta = {np.degrees(steering.theta_rad):+4.0f} deg")
+    if plane is not None:
+        words.append(f"obstacle {100 * plane.obstacle_ratio:3.0f} %")
+    if twist is not None:
+        words += [f"v = {twist.v_mps:.2f} m/s", f"omega = {twist.omega_radps:+.2f} rad/s"]
+    if state is not None and state.contact:
+        words[-1:] = ["CONTACT"]
+    return words
+
+
+class _Page:
+    """Frames of tiles in two columns (three tiles: in one row), titles above, the status below."""
+
+    def __init__(self, titles: Sequence[str], rows: int, cols: int) -> None:
+        self._columns = len(titles) if len(titles) in (1, 3) else 2
+        self._rows, self._cols = rows, cols
+        lines = -(-len(titles) // self._columns)
+        height = lines * (rows + _HEAD_PX + _GAP_PX) + _FOOT_PX
+        self._empty = np.full((height, self._columns * (cols + _GAP_PX) + _GAP_PX, 3), _PAGE, np.uint8)
+        for place, title in enumerate(titles):
+            top, left = self._corner(place)
+            write(self._empty, title, (left + 4, top - 8), _INK)
+
+    def draw(self, tiles: Sequence[Bytes], words: Sequence[str]) -> Bytes:
+        """Return a frame, (rows, cols, 3) RGB."""
+        page = self._empty.copy()
+        for place, tile in enumerate(tiles):
+            top, left = self._corner(place)
+            page[top : top + self._rows, left : left + self._cols] = tile
+        for place, word in enumerate(words):
+            at = (8 + place * (page.shape[1] - 16) // 5, page.shape[0] - 12)
+            write(page, word, at, _INK if place < 2 else _FAINT)
+        return page
+
+    def _corner(self, place: int) -> tuple[int, int]:
+        line, column = divmod(place, self._columns)
+        return line * (self._rows + _HEAD_PX + _GAP_PX) + _HEAD_PX, column * (self._cols + _GAP_PX) + _GAP_PX
