@@ -11,7 +11,7 @@ from typing import Protocol
 
 from graphnav.bus import Bus
 from graphnav.clock import SimulatedClock
-from graphnav.codec import definitions, encode, lcm_name
+from graphnav.codec import encode, lcm_name, lcm_text_of
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph
 from graphnav.messages import About
@@ -50,7 +50,7 @@ def about_of(graph: Graph, run_id: str = "") -> About:
     types = [channel.message.lcm_class for channel in channels]
     return About(
         graph_yaml=graph.to_yaml(),
-        lcm_text=definitions(types),
+        lcm_text=lcm_text_of(types),
         run_id=run_id,
         seed=graph.run.seed,
         channels=tuple(channel.name for channel in channels),
