@@ -12,7 +12,7 @@ from typing import Protocol
 from graphnav.bus import Bus
 from graphnav.clock import SimulatedClock
 from graphnav.codec import encode, lcm_name, lcm_text_of
-from graphnav.errors import GraphnavError, UserError
+from graphnav.errors import GraphnavError, LogError, UserError
 from graphnav.graph import Graph
 from graphnav.messages import About
 from graphnav.record import ABOUT, LogWriter
@@ -81,15 +81,11 @@ def run_recorded(
     UserError
         The folder cannot be written at all.
     """
-    try:
-        (folder / GRAPH).write_text(graph.to_yaml(portable_paths=False), encoding="utf-8")
-        writer = LogWriter(folder / LOG)
-    except OSError as error:
-        raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
-    started = time.monotonic()
     failures: list[str] = []
     outcome: str = Outcome.FAILED
     with ExitStack() as cleanup, Interrupt() as interrupt:
+        writer = _begin(graph, folder)
+        started = time.monotonic()
         cleanup.callback(_note_failure, failures, writer.close)
         sinks: dict[str, Sink] = {"log": SmallOnly(writer) if graph.run.record == "small" else writer}
         if tap is not None:
@@ -141,6 +137,16 @@ def run_recorded(
             f"cannot write {folder / SUMMARY}: {error.strerror}; the log up to here is whole"
         ) from error
     return summary
+
+
+def _begin(graph: Graph, folder: Path) -> LogWriter:
+    """Write the resolved graph and open the log."""
+    try:
+        (folder / GRAPH).write_text(graph.to_yaml(portable_paths=False), encoding="utf-8")
+        return LogWriter(folder / LOG)
+    except (OSError, LogError) as error:
+        what = error.strerror if isinstance(error, OSError) else str(error)
+        raise UserError.of(f"cannot write into {folder}: {what}", "choose another folder with -o") from error
 
 
 def _note_failure(failures: list[str], close: Callable[[], None]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -111,6 +112,7 @@ class Bad(Stage):
             return Goal(bearing_rad=0.0, distance_m=1.0)  # type: ignore[return-value]
         if self.what == "shape":
             return Image(pixels=np.zeros((2, 2), np.complex128))  # type: ignore[arg-type]
+        print("hanging", file=sys.stderr, flush=True)
         while True:
             time.sleep(0.01)
 

@@ -62,26 +62,36 @@ def start(folder: Path, text: str, *words: str) -> subprocess.Popen[str]:
 
 def wait_for_log(process: subprocess.Popen[str], log: Path) -> None:
     """Return once the run has written to its log."""
-    while process.poll() is None and not (log.exists() and log.stat().st_size > 0):
+    deadline = time.monotonic() + 60
+    while process.poll() is None and time.monotonic() < deadline and not (log.exists() and log.stat().st_size):
         os.sched_yield()
 
 
-@pytest.mark.parametrize("what", ["plus", "bad, with: {what: hang}"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_ends_a_run_soon_with_log_and_summary(tmp_path: Path, what: str, number: int) -> None:
-    process = start(tmp_path, BAD.format(use=what).replace("until_s: 2", "until_s: 1e6"), "--pace", "1")
+def test_ctrl_c_ends_a_run_with_log_and_summary(tmp_path: Path, number: int) -> None:
+    process = start(tmp_path, BAD.format(use="plus").replace("until_s: 2", "until_s: 1e6"), "--pace", "5")
     wait_for_log(process, tmp_path / "out" / "run.lcmlog")
-    asked = time.monotonic()
+    assert_stopped(process, tmp_path / "out", number)
+
+
+def test_ctrl_c_breaks_off_a_step_that_hangs(tmp_path: Path) -> None:
+    process = start(tmp_path, BAD.format(use="bad, with: {what: hang}"))
+    assert process.stderr is not None
+    assert process.stderr.readline() == "hanging\n"
+    assert_stopped(process, tmp_path / "out", signal.SIGINT)
+
+
+def assert_stopped(process: subprocess.Popen[str], folder: Path, number: int) -> None:
+    """Interrupt a run and see that it leaves everything."""
     process.send_signal(number)
     out, err = process.communicate(timeout=60)
     assert process.returncode == 130, out + err
     assert "Traceback" not in err
-    assert time.monotonic() - asked < 20, "a hanging step must be broken off"
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = json.loads((folder / "summary.json").read_text())
     assert summary["outcome"] == "stopped"
-    log = Recording(tmp_path / "out" / "run.lcmlog")
+    log = Recording(folder / "run.lcmlog")
     assert log.torn is None
-    assert log.count("c.twist") >= summary["frames"]
+    assert log.count("c.twist") >= summary["frames"] > 0
 
 
 def test_a_killed_run_leaves_a_readable_log(tmp_path: Path) -> None:
