@@ -6,8 +6,19 @@ import argparse
 import sys
 
 from acceptance.driving import drives_item, sign_item
+from acceptance.machine import bench_item, fresh_item, heard_item, memory_item
+from acceptance.seeing import floor_item, sees_item
 
-ITEMS = {"drives": drives_item, "sign": sign_item}
+ITEMS = {
+    "drives": drives_item,
+    "sign": sign_item,
+    "sees": sees_item,
+    "floor": floor_item,
+    "heard": heard_item,
+    "memory": memory_item,
+    "bench": bench_item,
+    "fresh": fresh_item,
+}
 
 
 def main() -> int:
