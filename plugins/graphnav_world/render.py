@@ -57,12 +57,12 @@ class Renderer:
         self._ray_squared: Floats = np.square(self._rays_R).sum(axis=0, dtype=np.float32)
         self._per_m: Floats = np.reciprocal(atlas.texel_m)
         self._first_cell = (faces.texture.astype(np.intp) + 1) * LEVELS
-        self._origins = [np.ascontiguousarray(atlas.origin_px[..., axis]).reshape(-1) for axis in range(2)]
+        self._origin_px = atlas.origin_px.view(np.complex64).reshape(-1)
         cx, cy = camera.center_px
         self._x: Floats = ((np.arange(camera.cols) - cx) / camera.focal_px).astype(np.float32)
         self._y: Floats = ((np.arange(camera.rows) - cy) / camera.focal_px).astype(np.float32)[:, None]
-        self._columns: Floats = np.arange(camera.cols, dtype=np.float32)
-        self._lines: Floats = np.arange(camera.rows, dtype=np.float32)[:, None]
+        self._from_center_x = np.arange(camera.cols, dtype=np.float32) - np.float32(cx)
+        self._from_center_y = (np.arange(camera.rows, dtype=np.float32) - np.float32(cy))[:, None]
         self._prepare_floor()
 
     def render(
@@ -102,11 +102,14 @@ class Renderer:
         self._sky = inverse <= 0
         self._horizon = bool(self._sky.any())
         depth = np.reciprocal(np.maximum(inverse, np.float32(1e-3)))
-        self._floor_R: Floats = self._rays_R[:2] * depth
+        place_R = (self._rays_R[:2] * depth).T
+        self._floor_R: Floats = np.ascontiguousarray(place_R).reshape(self._camera.rows, self._camera.cols, 2)
+        self._floor_reach_m = float(np.linalg.norm(place_R, axis=1).max())
         level, self._floor_blend = self._mip(depth, np.float32(self._camera.height_m), self._ray_squared)
-        fine, coarse = self._atlas.origin_px[0, level], self._atlas.origin_px[0, level + 1]
-        self._floor_origins = (fine[:, 0].copy(), fine[:, 1].copy(), coarse[:, 0].copy(), coarse[:, 1].copy())
-        self._floor_per_m: Floats = self._per_m[level]
+        self._floor_per_m: Floats = np.repeat(self._per_m[level], 2).reshape(self._floor_R.shape)
+        fine, coarse = (self._atlas.origin_px[0, one].reshape(self._floor_R.shape) for one in (level, level + 1))
+        self._floor_fine_px: Floats = fine
+        self._floor_coarse_px: Floats = coarse - fine * np.float32(0.5)
 
     def _mip(
         self, depth: Floats, distance: Floats | np.float32, ray_squared: Floats
@@ -126,15 +129,15 @@ class Renderer:
     def _shaded(self, now: Placed, face: Ints, depth: Floats, bodies: npt.NDArray[np.intp]) -> Floats:
         """Return the gray values before noise, float32 (rows, cols)."""
         shape = self._camera.rows, self._camera.cols
-        maps, blend = self._floor_maps(now), self._floor_blend
+        (fine_px, coarse_px), blend = self._floor_places(now), self._floor_blend
         if len(bodies):
             blend = blend.copy()
-            of_bodies, blend[bodies] = self._body_maps(now, face[bodies].astype(np.intp), depth[bodies], bodies)
-            for one, of_body in zip(maps, of_bodies, strict=True):
-                one[bodies] = of_body
-        x0, y0, x1, y1 = maps.reshape(4, *shape)
-        fine = cv2.remap(self._atlas.pixels, x0, y0, cv2.INTER_LINEAR)
-        coarse = cv2.remap(self._atlas.pixels, x1, y1, cv2.INTER_LINEAR)
+            of_bodies = self._body_places(now, face[bodies].astype(np.intp), depth[bodies], bodies)
+            blend[bodies] = of_bodies[2]
+            for whole, part in zip((fine_px, coarse_px), of_bodies, strict=False):
+                whole.view(np.complex64).reshape(-1)[bodies] = part.view(np.complex64).reshape(-1)
+        fine = cv2.remap(self._atlas.pixels, fine_px, None, cv2.INTER_LINEAR)
+        coarse = cv2.remap(self._atlas.pixels, coarse_px, None, cv2.INTER_LINEAR)
         gray: Floats = cv2.subtract(coarse, fine, dtype=cv2.CV_32F)
         gray *= blend.reshape(shape)
         gray += fine
@@ -145,47 +148,44 @@ class Renderer:
             flat[self._sky & (face == FLOOR)] = 255
         return gray
 
-    def _floor_maps(self, now: Placed) -> Floats:
-        """Return where on the atlas every pixel's floor point lies, (4, pixels): x, y on the finer level, x, y."""
-        (c, s), (x, y) = now.heading, self._floor_R
-        maps = np.empty((4, len(x)), np.float32)
-        turned = (c, -s), (s, c)
-        for axis, (along_x, along_y) in enumerate(turned):
-            period = self._atlas.period_m[0, axis]
-            place = x * np.float32(along_x)
-            place += y * np.float32(along_y)
-            place += np.float32((now.eye_W[axis] - self._floor_origin_m[axis]) % period)
-            _wrap(place, period)
-            place *= self._floor_per_m
-            np.add(place, self._floor_origins[axis], out=maps[axis])
-            place *= np.float32(0.5)
-            np.add(place, self._floor_origins[axis + 2], out=maps[axis + 2])
-        return maps
+    def _floor_places(self, now: Placed) -> tuple[Floats, Floats]:
+        """Return where on the atlas every pixel's floor point lies, (rows, cols, 2), on the finer and coarser level."""
+        c, s = now.heading
+        period = self._atlas.period_m[0]
+        x, y = (now.eye_W[:2] - self._floor_origin_m) % period
+        place: Floats = cv2.transform(self._floor_R, np.array([[c, -s, x], [s, c, y]]))
+        reach = self._floor_reach_m
+        if min(x, y) < reach or x + reach > period[0] or y + reach > period[1]:
+            _wrap(place[..., 0], period[0])
+            _wrap(place[..., 1], period[1])
+        place *= self._floor_per_m
+        place += self._floor_fine_px
+        coarse = place * np.float32(0.5)
+        coarse += self._floor_coarse_px
+        return place, coarse
 
-    def _body_maps(
+    def _body_places(
         self, now: Placed, face: npt.NDArray[np.intp], depth: Floats, at: npt.NDArray[np.intp]
-    ) -> tuple[Floats, Floats]:
-        """Return where on the atlas the bodies' pixels lie, (4, pixels), and their blend of the two levels."""
-        atlas = self._atlas
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return where on the atlas the bodies' pixels lie, (pixels, 2) on both levels, and the coarser one's share."""
         level, blend = self._mip(depth, now.face_distance_m.take(face), self._ray_squared.take(at))
         along = self._rays_R.take(at, axis=1)
         along *= depth
+        per_m = self._per_m.take(level)
+        place = np.empty((len(at), 2), np.float32)
+        for axis, (x, y, z, one) in enumerate((now.u_R, now.v_R)):
+            coordinate = x.take(face) * along[0]
+            coordinate += y.take(face) * along[1]
+            coordinate += z.take(face) * along[2]
+            coordinate += one.take(face)
+            _wrap(coordinate, self._atlas.period_m[-1, axis])
+            np.multiply(coordinate, per_m, out=place[:, axis])
         cell = self._first_cell.take(face)
         cell += level
-        per_m = self._per_m.take(level)
-        maps = np.empty((4, len(at)), np.float32)
-        for axis, (x, y, z, one) in enumerate((now.u_R, now.v_R)):
-            place = x.take(face) * along[0]
-            place += y.take(face) * along[1]
-            place += z.take(face) * along[2]
-            place += one.take(face)
-            _wrap(place, atlas.period_m[-1, axis])
-            place *= per_m
-            origin = self._origins[axis]
-            np.add(place, origin.take(cell), out=maps[axis])
-            place *= np.float32(0.5)
-            np.add(place, origin[1:].take(cell), out=maps[axis + 2])
-        return maps, blend
+        coarse = place * np.float32(0.5)
+        place += self._origin_px.take(cell).view(np.float32).reshape(-1, 2)
+        coarse += self._origin_px[1:].take(cell).view(np.float32).reshape(-1, 2)
+        return place, coarse, blend
 
     def _flow(self, now: Placed, before: Placed, seen: Visible, face: Ints, bodies: npt.NDArray[np.intp]) -> Floats:
         """Return the displacement of every pixel's surface point since ``before``, float32 (rows, cols, 2)."""
@@ -193,16 +193,20 @@ class Renderer:
         inverse = seen.inverse_depth.reshape(rows, cols)
         turn, shift = before.camera_from(now)
         flow = np.empty((rows, cols, 2), np.float32)
-        past = [(self._x * q[0] + (self._y * q[1] + q[2])) + inverse * t for q, t in zip(turn, shift, strict=True)]
+        past = [inverse * t for t in shift]
+        for one, q in zip(past, turn, strict=True):
+            one += self._x * q[0]
+            one += self._y * q[1] + q[2]
         for body, moved_W in now.moved_since(before):
             at = bodies[self._faces.body[face[bodies]] == body]
             moved_C = (before.R_WC.T @ moved_W).astype(np.float32)
             for axis in range(3):
                 past[axis].reshape(-1)[at] -= seen.inverse_depth[at] * moved_C[axis]
-        per_depth = np.float32(self._camera.focal_px) / np.maximum(past[2], np.float32(1e-6))
-        cx, cy = (np.float32(c) for c in self._camera.center_px)
-        np.subtract(self._columns - cx, past[0] * per_depth, out=flow[..., 0])
-        np.subtract(self._lines - cy, past[1] * per_depth, out=flow[..., 1])
+        per_depth = np.maximum(past[2], np.float32(1e-6), out=past[2])
+        np.divide(np.float32(self._camera.focal_px), per_depth, out=per_depth)
+        for axis, center in enumerate((self._from_center_x, self._from_center_y)):
+            past[axis] *= per_depth
+            np.subtract(center, past[axis], out=flow[..., axis])
         return flow
 
 

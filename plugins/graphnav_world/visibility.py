@@ -14,8 +14,8 @@ Floats = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int32]
 
 FLOOR = -1
-TINY_SLOPE, ON_EDGE = np.float32(1e-37), np.float32(1e-30)
-"""An edge along a row bounds it at minus or plus infinity; a row exactly on it, and a repeated vertex, are inside."""
+LEVEL_RATIO, TINY = 1e-9, 1e-30
+"""An edge nearer than this to a picture row's direction is taken to bound the row far left, inside or out."""
 
 
 @dataclass(frozen=True)
@@ -75,39 +75,48 @@ class ZBuffer:
         prim, row = np.nonzero(last >= first)
         start = first[prim, row]
         count = last[prim, row] - start + np.int32(1)
-        ends = np.cumsum(count)
+        ends = np.cumsum(count, dtype=np.int32)
         if not len(ends):
             return
-        pixel_x = np.repeat(start - (ends - count).astype(np.int32), count)
-        pixel_x += np.arange(ends[-1], dtype=np.int32)
-        coefficients = per_ray.astype(np.float32)
-        slope = coefficients[prim, 0] / np.float32(self._focal)
-        at_zero = coefficients[prim, 1] * self._y[row] + coefficients[prim, 2] - slope * np.float32(self._cx)
-        fragment = np.empty((ends[-1], 2), np.int32)
-        fragment[:, 0] = np.repeat(prims[prim] + np.int32(1), count)
+        pixel_x = np.arange(ends[-1], dtype=np.int32)
+        pixel_x += np.repeat(start - ends + count, count)
+        x, y, one = per_ray.astype(np.float32).T
+        slope = (x / np.float32(self._focal)).take(prim)
+        at_zero = y.take(prim) * self._y.take(row) + one.take(prim) - slope * np.float32(self._cx)
         depth = np.repeat(slope, count)
         depth *= pixel_x
         depth += np.repeat(at_zero, count)
+        fragment = np.empty((ends[-1], 2), np.int32)
+        fragment[:, 0] = np.repeat((prims + np.int32(1)).take(prim), count)
         fragment[:, 1] = depth.view(np.int32)
-        pixel = np.repeat(row * np.intp(self._camera.cols), count)
+        pixel = np.repeat(row * self._camera.cols, count)
         pixel += pixel_x
         np.maximum.at(key, pixel, fragment.view(np.int64).reshape(-1))
 
     def _spans(self, quads: Doubles) -> tuple[Ints, Ints]:
-        """Return the first and last column of every prim in every row, int32 (prims, rows)."""
-        x, y, z = quads.transpose(2, 0, 1)
-        x1, y1, z1 = quads.take([1, 2, 3, 0], axis=1).transpose(2, 0, 1)
-        edges = y1 * z - z1 * y, z1 * x - x1 * z, x1 * y - y1 * x
-        a, b, c = (edge.astype(np.float32)[..., None] for edge in edges)
-        a[a == 0] = TINY_SLOPE
-        inside = b * self._y + c
-        inside += ON_EDGE
-        with np.errstate(over="ignore"):
-            crossing = np.divide(inside, a / np.float32(-self._focal), out=inside)
-        crossing += np.float32(self._cx)
-        bounds_left = a > 0
-        first = np.where(bounds_left, crossing, np.float32(-np.inf)).max(axis=1)
-        last = np.where(bounds_left, np.float32(np.inf), crossing).min(axis=1)
-        np.ceil(np.clip(first, 0, self._camera.cols, out=first), out=first)
-        np.floor(np.clip(last, -1, self._camera.cols - 1, out=last), out=last)
+        """Return the first and last column of every prim in every row, int32 (prims, rows).
+
+        The plane through the eye and an edge is a x + b y + c = 0 in the picture, positive inside, so that in each
+        row it bounds x from the left (a > 0) or from the right.
+        """
+        x0, y0, z0 = quads.transpose(2, 1, 0)
+        x1, y1, z1 = quads.take([1, 2, 3, 0], axis=1).transpose(2, 1, 0)
+        a, b, c = y1 * z0 - z1 * y0, z1 * x0 - x1 * z0, x1 * y0 - y1 * x0
+        level = np.abs(a) <= LEVEL_RATIO * (np.abs(b) + np.abs(c))
+        a[level] = LEVEL_RATIO * (np.abs(b) + np.abs(c))[level] + TINY
+        scale = -self._focal / a
+        slope, offset = scale * b, scale * c + self._cx
+        offset[level & (b == 0) & (c == 0)] = -1.0
+        left = a > 0
+        first = self._bound(np.where(left, slope, 0.0), np.where(left, offset, -1.0)).max(axis=0)
+        right = self._camera.cols
+        last = self._bound(np.where(left, 0.0, slope), np.where(left, right, offset)).min(axis=0)
+        np.ceil(np.clip(first, 0, right, out=first), out=first)
+        np.floor(np.clip(last, -1, right - 1, out=last), out=last)
         return first.astype(np.int32), last.astype(np.int32)
+
+    def _bound(self, slope: Doubles, offset: Doubles) -> Floats:
+        """Return slope * y + offset for every row, float32 (edges, prims, rows)."""
+        bound: Floats = slope.astype(np.float32)[..., None] * self._y
+        bound += offset.astype(np.float32)[..., None]
+        return bound
