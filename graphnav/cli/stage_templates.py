@@ -34,10 +34,7 @@ from graphnav.testing import check_stage
 CATALOG = Catalog()
 CATALOG.add_file(Path(__file__).with_name("$name.py"))
 $cls: Any = CATALOG.stage("$family.$name")
-$example
-
-
-def test_keeps_the_contract_of_stages() -> None:
+${example}def test_keeps_the_contract_of_stages() -> None:
     check_stage($cls, $steps)
 
 
@@ -329,7 +326,7 @@ def test_text(family: str, name: str, cls: str) -> str:
         name=name,
         cls=cls,
         imports=f"{kind.test_imports}\n" if kind.test_imports else "",
-        example=f"\n{kind.example.rstrip()}\n" if kind.example else "",
+        example=f"\n{kind.example.rstrip()}\n\n\n" if kind.example else "\n\n",
         steps=kind.steps,
         test=Template(kind.test).substitute(cls=cls).rstrip("\n"),
     )

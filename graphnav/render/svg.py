@@ -1,0 +1,168 @@
+"""Draw a graph as SVG: stages from left to right, one line for each wire, broken where it is sampled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+from graphnav.graph import Graph, Node
+from graphnav.render.layers import Layers, Route, Spot, layers_of
+
+_CHAR = 8.0
+_ROW = 20.0
+_HEAD = 42.0
+_FOOT = 8.0
+_GAP_X = 76.0
+_GAP_Y = 26.0
+_MARGIN = 24.0
+_LANE = 14.0
+"""Sizes in SVG units: a character's width, a port's row, a box's head and foot, gaps between boxes, the margin, and
+the distance of wires that run back."""
+
+_PALETTE = ("#2563a8", "#b4501e", "#2e7d4f", "#7a4b9e", "#a3324b", "#0f7b83", "#7d6a14", "#4a5563")
+
+_STYLE = """
+  text { font: 12px "DejaVu Sans", Verdana, sans-serif; fill: #24292f; }
+  .name { font-weight: bold; font-size: 13px; fill: #ffffff; }
+  .use { font-size: 11px; fill: #ffffff; }
+  .renamed { font-size: 10px; fill: #6b7280; }
+  .box { fill: #ffffff; stroke: #9aa4b2; }
+  .wire { fill: none; stroke-width: 1.6; }
+  .sampled { stroke-dasharray: 5 4; }
+"""
+
+
+@dataclass(frozen=True)
+class _Box:
+    """Where a stage's box is."""
+
+    node: Node
+    x: float
+    y: float
+    width: float
+    height: float
+    colour: str
+
+    def port_y(self, port: str, *, is_input: bool) -> float:
+        """Return the height of a port's row."""
+        names = [i.port.name for i in self.node.inputs] if is_input else list(self.node.outputs)
+        return self.y + _HEAD + (names.index(port) + 0.5) * _ROW
+
+
+def svg_of(graph: Graph) -> str:
+    """Return the text of an SVG picture."""
+    heights = {node.name: _HEAD + _ROW * max(len(node.inputs), len(node.outputs), 1) + _FOOT for node in graph.nodes}
+    layers = layers_of(graph, heights, _GAP_Y)
+    boxes = _boxes(graph, layers)
+    bottom = max(box.y + box.height for box in boxes.values())
+    right = max(box.x + box.width for box in boxes.values()) + _MARGIN + _LANE
+    columns = _column_edges(layers, boxes)
+    wires, lanes = [], 0
+    for route in layers.routes:
+        lanes += route.runs_back
+        wires.append(_wire(route, boxes, columns, bottom + _LANE * lanes))
+    height = bottom + _LANE * lanes + _MARGIN
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {right:.0f} {height:.0f}" width="{right:.0f}">'
+    title = f"<title>{escape(graph.about or graph.path.stem)}</title>"
+    background = '<rect width="100%" height="100%" fill="#f6f8fa"/>'
+    parts = [head, title, f"<style>{_STYLE}</style>", background, *wires]
+    return "\n".join([*parts, *(_box(box) for box in boxes.values()), "</svg>"]) + "\n"
+
+
+def _boxes(graph: Graph, layers: Layers) -> dict[str, _Box]:
+    families = list(dict.fromkeys(node.use.partition(".")[0] for node in graph.nodes))
+    colours = {family: _PALETTE[number % len(_PALETTE)] for number, family in enumerate(families)}
+    nodes = {node.name: node for node in graph.nodes}
+    boxes, x = {}, _MARGIN + _LANE
+    for column in layers.columns:
+        stages = [spot for spot in column if spot.stage]
+        width = max((_width(nodes[spot.stage]) for spot in stages), default=0.0)
+        for spot in stages:
+            node = nodes[spot.stage]
+            colour = colours[node.use.partition(".")[0]]
+            boxes[node.name] = _Box(node, x, _MARGIN + spot.top, width, spot.height, colour)
+        x += width + _GAP_X
+    return boxes
+
+
+def _width(node: Node) -> float:
+    rows = max(len(node.inputs), len(node.outputs))
+    inputs = [len(i.port.name) for i in node.inputs] + [0] * rows
+    outputs = [len(port) + (len(c.name) + 1) * (c.name != c.ref) for port, c in node.outputs.items()] + [0] * rows
+    ports = max((a + b + 5 for a, b in zip(inputs[:rows], outputs[:rows], strict=True)), default=0)
+    return _CHAR * max(ports, len(node.name) + 3, len(node.use) + 3)
+
+
+def _column_edges(layers: Layers, boxes: dict[str, _Box]) -> list[tuple[float, float]]:
+    edges = []
+    for column in layers.columns:
+        box = next(boxes[spot.stage] for spot in column if spot.stage)
+        edges.append((box.x, box.x + box.width))
+    return edges
+
+
+def _wire(route: Route, boxes: dict[str, _Box], columns: list[tuple[float, float]], lane_y: float) -> str:
+    wire = route.wire
+    start, end = boxes[wire.channel.stage], boxes[wire.reader]
+    x, y = start.x + start.width, start.port_y(wire.channel.port, is_input=False)
+    to_x, to_y = end.x, end.port_y(wire.port, is_input=True)
+    if route.runs_back:
+        path = _path_back(x, y, to_x, to_y, lane_y)
+    else:
+        path = f"M{x:.1f},{y:.1f}" + _path_on(x, y, [*_passes(route.passes, columns), (to_x, to_x, to_y)])
+    kind = "wire sampled" if wire.latest else "wire"
+    title = f"<title>{wire.channel.ref} ({wire.channel.message.__name__})</title>"
+    line = f'<path class="{kind}" stroke="{start.colour}" d="{path}">{title}</path>'
+    head = f"M{to_x:.1f},{to_y:.1f}l-7,-4v8z"
+    return f'{line}<path fill="{start.colour}" d="{head}"/>'
+
+
+def _passes(spots: list[Spot], columns: list[tuple[float, float]]) -> list[tuple[float, float, float]]:
+    return [(*columns[spot.column], _MARGIN + spot.top) for spot in spots]
+
+
+def _path_on(x: float, y: float, passes: list[tuple[float, float, float]]) -> str:
+    """Return curves through columns: (left edge, right edge, height) of each."""
+    path = ""
+    for left, right, height in passes:
+        bend = (left - x) / 2
+        path += f"C{x + bend:.1f},{y:.1f} {left - bend:.1f},{height:.1f} {left:.1f},{height:.1f}"
+        path += f"H{right:.1f}" if right > left else ""
+        x, y = right, height
+    return path
+
+
+def _path_back(x: float, y: float, to_x: float, to_y: float, lane_y: float) -> str:
+    """Return a line with round corners that runs back below everything."""
+    r, out, back = 8.0, x + 18.0, to_x - 22.0
+    return (
+        f"M{x:.1f},{y:.1f}H{out - r:.1f}Q{out:.1f},{y:.1f} {out:.1f},{y + r:.1f}V{lane_y - r:.1f}"
+        f"Q{out:.1f},{lane_y:.1f} {out - r:.1f},{lane_y:.1f}H{back + r:.1f}"
+        f"Q{back:.1f},{lane_y:.1f} {back:.1f},{lane_y - r:.1f}V{to_y + r:.1f}"
+        f"Q{back:.1f},{to_y:.1f} {back + r:.1f},{to_y:.1f}H{to_x:.1f}"
+    )
+
+
+def _box(box: _Box) -> str:
+    x, y, width = box.x, box.y, box.width
+    head = _HEAD - 6
+    band = f"M{x:.1f},{y + head:.1f}v{6 - head:.1f}q0,-6 6,-6h{width - 12:.1f}q6,0 6,6v{head - 6:.1f}z"
+    parts = [
+        f'<g><rect class="box" x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{box.height:.1f}" rx="6"/>',
+        f'<path fill="{box.colour}" d="{band}"/>',
+        f'<text class="name" x="{x + 9:.1f}" y="{y + 15:.1f}">{escape(box.node.name)}</text>',
+        f'<text class="use" x="{x + 9:.1f}" y="{y + 30:.1f}">{escape(box.node.use)}</text>',
+    ]
+    for i in box.node.inputs:
+        port_y = box.port_y(i.port.name, is_input=True)
+        parts.append(f'<text x="{x + 9:.1f}" y="{port_y + 4:.1f}">{escape(i.port.name)}</text>')
+        if i.channel is None:
+            parts.append(f'<circle cx="{x:.1f}" cy="{port_y:.1f}" r="3.5" fill="#ffffff" stroke="#9aa4b2"/>')
+    for port, channel in box.node.outputs.items():
+        renamed = f'<tspan class="renamed" dx="5">{escape(channel.name)}</tspan>' if channel.name != channel.ref else ""
+        port_y = box.port_y(port, is_input=False)
+        parts.append(
+            f'<text x="{x + width - 9:.1f}" y="{port_y + 4:.1f}" text-anchor="end">{escape(port)}{renamed}</text>'
+            f'<circle cx="{x + width:.1f}" cy="{port_y:.1f}" r="2.5" fill="{box.colour}"/>'
+        )
+    return "".join(parts) + "</g>"
