@@ -8,7 +8,7 @@ import cv2
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav_flow.frames import Frames, Gray
-from graphnav_flow.validity import texture, trusted
+from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, texture, trusted
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -33,10 +33,8 @@ class Dis(Stage):
     preset: Literal["ultrafast", "fast", "medium"] = param(
         "medium", doc="ultrafast and fast leave out the finest layers; medium refines on half the resolution"
     )
-    margin_px: float = param(4.0, ge=0.0, doc="vectors from or at places nearer to the border than this are not valid")
-    least_texture: float = param(
-        4.0, ge=0.0, doc="squared gray per pixel: least eigenvalue of the structure tensor of a valid vector"
-    )
+    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
+    least_texture: float = param(LEAST_TEXTURE, ge=0.0, doc=LEAST_TEXTURE_DOC)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""

@@ -6,7 +6,7 @@ import cv2
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav_flow.frames import Frames, Gray
-from graphnav_flow.validity import texture, trusted
+from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, texture, trusted
 
 
 class Farneback(Stage):
@@ -20,17 +20,18 @@ class Farneback(Stage):
     """
 
     layers: int = param(
-        3, ge=0, le=8, doc="layers above the base: each doubles the displacement that can be followed; OpenCV makes none "
-        "with a side below 32 pixels"
+        3,
+        ge=0,
+        le=8,
+        doc="layers above the base: each doubles the displacement that can be followed; OpenCV makes none "
+        "with a side below 32 pixels",
     )
     window_px: int = param(15, ge=3, le=63, doc="side of the averaging window: more is smoother and blurs edges")
     iterations: int = param(3, ge=1, le=20, doc="iterations on each layer")
     expansion_px: int = param(5, ge=3, le=9, doc="side of the neighbourhood of the polynomial expansion")
     expansion_sigma_px: float = param(1.2, gt=0.0, le=3.0, doc="its Gaussian weight; 1.1 to 1.5 go with 5 to 7 px")
-    margin_px: float = param(4.0, ge=0.0, doc="vectors from or at places nearer to the border than this are not valid")
-    least_texture: float = param(
-        4.0, ge=0.0, doc="squared gray per pixel: least eigenvalue of the structure tensor of a valid vector"
-    )
+    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
+    least_texture: float = param(LEAST_TEXTURE, ge=0.0, doc=LEAST_TEXTURE_DOC)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""

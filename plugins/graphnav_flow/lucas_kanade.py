@@ -9,20 +9,20 @@ from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav_flow.frames import Frames
 from graphnav_flow.pyramid import Plane32, Pyramid, build_pyramid
 from graphnav_flow.refinement import Refinement
-from graphnav_flow.validity import Uv, trusted
+from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, Uv, trusted
 
 _ITERATIONS = 2
-_OUTLIER_MEDIAN_PX = 3
-_EDGE_MEDIAN_PX = 5
+"""On the layers above the base, which come near the solution; on the base one is enough."""
+
+_MEDIAN_PX = 3
 
 
 class LucasKanade(Stage):
     """Dense optical flow by pyramidal Lucas-Kanade.
 
     From the coarsest layer down: warp the last image by the flow found so far, solve, upsample [OI, Algorithm 1]. A
-    vector for every pixel. It solves for the flow itself instead of for a correction, with the mean of both images'
-    gradients, and continues the flow where the last image does not reach (`Refinement`); each layer ends with a median
-    that removes outliers and keeps edges.
+    vector for every pixel. Each iteration corrects the smoothed flow, with the mean of both images' gradients, and
+    continues it where the last image does not reach (`Refinement`); each layer ends with a median against outliers.
 
     The first image gives no flow. Where neither image has texture the flow is finite, small and not valid.
 
@@ -49,11 +49,14 @@ class LucasKanade(Stage):
         gt=0.0,
         doc="squared gray per pixel: texture that it takes to move the flow off the layer above's",
     )
-    smooth_px: int = param(5, ge=1, le=31, doc="side of the box that averages the result; 1 leaves it as it is")
-    margin_px: float = param(4.0, ge=0.0, doc="vectors from or at places nearer to the border than this are not valid")
-    least_texture: float = param(
-        4.0, ge=0.0, doc="squared gray per pixel: least eigenvalue of the structure tensor of a valid vector"
+    smooth_px: int = param(
+        11,
+        ge=1,
+        le=31,
+        doc="side of the box that averages the flow before each iteration and at the end; less is noisier and sharper",
     )
+    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
+    least_texture: float = param(LEAST_TEXTURE, ge=0.0, doc=LEAST_TEXTURE_DOC)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
@@ -76,7 +79,14 @@ class LucasKanade(Stage):
     def _buffers(self, pyramid: Pyramid) -> list[Refinement]:
         window_px = 2 * self.window_radius_px + 1
         return [
-            Refinement(rows, cols, window_px, self.regularization, zoom=1 if layer else 2)
+            Refinement(
+                rows,
+                cols,
+                window_px=window_px,
+                smooth_px=self.smooth_px,
+                regularization=self.regularization,
+                zoom=1 if layer else 2,
+            )
             for layer, (rows, cols) in enumerate(plane.shape for plane in pyramid.layers)
         ]
 
@@ -89,10 +99,9 @@ class LucasKanade(Stage):
             source = last.layers[layer] if layer else last.doubled
             if u.shape != target.shape:
                 u, v = _upsample(u, target.shape), _upsample(v, target.shape)
-            for _ in range(_ITERATIONS):
+            for _ in range(_ITERATIONS if layer else 1):
                 self._refinements[layer].improve(target, source, u, v)
-            median_px = _OUTLIER_MEDIAN_PX if layer else _EDGE_MEDIAN_PX
-            u, v = cv2.medianBlur(u, median_px), cv2.medianBlur(v, median_px)
+            u, v = cv2.medianBlur(u, _MEDIAN_PX), cv2.medianBlur(v, _MEDIAN_PX)
         box = (self.smooth_px, self.smooth_px)
         uv_px: Uv = cv2.merge([cv2.blur(u, box), cv2.blur(v, box)])
         np.negative(uv_px, out=uv_px)

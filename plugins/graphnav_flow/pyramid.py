@@ -17,8 +17,6 @@ LEAST_SIDE_PX = 8
 _HALFWAY = np.array([3, -25, 150, 150, -25, 3], np.float32) / np.float32(256)
 """Interpolates half way between two pixels: exact for polynomials up to the fifth degree."""
 
-_AS_IS = np.ones(1, np.float32)
-
 
 class Pyramid(NamedTuple):
     """One frame at several sizes.
@@ -43,9 +41,9 @@ def build_pyramid(gray: npt.NDArray[np.uint8], layers: int) -> Pyramid:
 
 def _double(base: Plane32) -> Plane32:
     rows, cols = base.shape
-    anchor = (len(_HALFWAY) // 2 - 1, 0)
-    right = cv2.sepFilter2D(base, -1, _HALFWAY, _AS_IS, anchor=anchor)
+    before = len(_HALFWAY) // 2 - 1
+    right = cv2.filter2D(base, -1, _HALFWAY[None], anchor=(before, 0))
     wide = cv2.merge([base, right]).reshape(rows, 2 * cols)
-    below = cv2.sepFilter2D(wide, -1, _AS_IS, _HALFWAY, anchor=anchor[::-1])
+    below = cv2.filter2D(wide, -1, _HALFWAY[:, None], anchor=(0, before))
     doubled: Plane32 = np.stack([wide, below], axis=1).reshape(2 * rows, 2 * cols)
     return doubled[: 2 * rows - 1, : 2 * cols - 1]

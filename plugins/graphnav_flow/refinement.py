@@ -1,4 +1,4 @@
-"""One Lucas-Kanade iteration on one pyramid layer: warp, solve for the flow itself, write it back."""
+"""One Lucas-Kanade iteration on one pyramid layer: smooth, warp, solve for a correction."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ from graphnav_flow.pyramid import Plane32
 from graphnav_flow.validity import least_eigenvalue
 
 # Derivative of the five-point polynomial; halved, because it is applied to the sum of two images.
-_DERIVATIVE = np.array([1, -8, 0, 8, -1], np.float32) / np.float32(24)
-_AS_IS = np.ones(1, np.float32)
+_DERIVATIVE = np.array([[1, -8, 0, 8, -1]], np.float32) / np.float32(24)
 
 
 class Refinement:
     """Improves a displacement field between two images of one size; keeps its buffers from call to call.
 
-    With f0 the field so far, J the source image, I the target image, Jw(x) = J(x + f0(x)) and g the mean gradient of I
-    and Jw, it solves, in a window around each pixel, for f itself and not for a correction of f0::
+    With f0 the smoothed field so far, J the source image, I the target image, Jw(x) = J(x + f0(x)) and g the mean
+    gradient of I and Jw, it solves in a window around each pixel for the correction d::
 
-        (sum g g' + e) f = sum g r + e f0      r = g . f0 + I - Jw
+        (sum g g' + e) d = sum g (I - Jw)        f = f0 + d
 
-    so that f0 may vary inside the window. Where x + f0 leaves the source image, I - Jw is 0: the field is continued.
+    Without smoothing first, every correction adds noise that none removes. Smoothing f0 and not d makes a field that
+    varies linearly, as a plane's does nearly, a fixed point; a larger window would draw it to where the texture is.
+    Where x + f0 leaves the source image, I - Jw is 0: the field is continued.
 
     Parameters
     ----------
@@ -29,28 +30,34 @@ class Refinement:
         Size of the target image and of the field, pixels.
     window_px
         Side of the square window, odd.
+    smooth_px
+        Side of the box that smooths the field.
     regularization
-        e, in (gray / px)^2: draws the field towards f0 where there is little texture.
+        e, in (gray / px)^2: draws the correction to 0 where there is little texture.
     zoom
         Source pixels per target pixel (1 or 2); pixel i of the target lies on pixel ``zoom`` * i of the source.
     """
 
-    def __init__(self, rows: int, cols: int, window_px: int, regularization: float, zoom: int = 1) -> None:
-        self._window = (window_px, window_px)
+    def __init__(
+        self, rows: int, cols: int, *, window_px: int, smooth_px: int, regularization: float, zoom: int
+    ) -> None:
+        self._window, self._box = (window_px, window_px), (smooth_px, smooth_px)
         self._regularization, self._zoom = regularization, zoom
         down, right = np.mgrid[:rows, :cols].astype(np.float32)
         self._right, self._down = zoom * right, zoom * down
         (
-            self._map_u, self._map_v, self._warped, self._gu, self._gv, self._r, self._term,
-            self._uu, self._uv, self._vv, self._ur, self._vr, self._det,
+            self._map_u, self._map_v, self._warped, self._gu, self._gv, self._difference, self._term, self._other,
+            self._uu, self._uv, self._vv, self._ud, self._vd,
         ) = np.empty((13, rows, cols), np.float32)  # fmt: skip
 
     def improve(self, target: Plane32, source: Plane32, u: Plane32, v: Plane32) -> None:
         """Write the improved field over ``u`` and ``v``: target pixel x is found at x + (u, v) in the source."""
+        cv2.blur(u, self._box, dst=u)
+        cv2.blur(v, self._box, dst=v)
         self._warp(target, source, u, v)
-        self._linearize(target, u, v)
-        self._sum_windows(u, v)
-        self._solve(u, v)
+        self._linearize(target)
+        self._sum_windows()
+        self._correct(u, v)
 
     def texture(self) -> Plane32:
         """Return the smaller eigenvalue of the last windows' structure tensor, (gray / px)^2, shape (rows, cols)."""
@@ -64,41 +71,34 @@ class Refinement:
             source, self._map_u, self._map_v, cv2.INTER_LINEAR, dst=self._warped, borderMode=cv2.BORDER_TRANSPARENT
         )
 
-    def _linearize(self, target: Plane32, u: Plane32, v: Plane32) -> None:
+    def _linearize(self, target: Plane32) -> None:
         cv2.add(target, self._warped, dst=self._term)
-        cv2.sepFilter2D(self._term, -1, _DERIVATIVE, _AS_IS, dst=self._gu)
-        cv2.sepFilter2D(self._term, -1, _AS_IS, _DERIVATIVE, dst=self._gv)
-        cv2.subtract(target, self._warped, dst=self._r)
-        cv2.accumulateProduct(self._gu, u, self._r)
-        cv2.accumulateProduct(self._gv, v, self._r)
+        cv2.filter2D(self._term, -1, _DERIVATIVE, dst=self._gu)
+        cv2.filter2D(self._term, -1, _DERIVATIVE.T, dst=self._gv)
+        cv2.subtract(target, self._warped, dst=self._difference)
 
-    def _sum_windows(self, u: Plane32, v: Plane32) -> None:
+    def _sum_windows(self) -> None:
         products = (
             (self._gu, self._gu, self._uu),
             (self._gu, self._gv, self._uv),
             (self._gv, self._gv, self._vv),
-            (self._gu, self._r, self._ur),
-            (self._gv, self._r, self._vr),
+            (self._gu, self._difference, self._ud),
+            (self._gv, self._difference, self._vd),
         )
         for one, other, out in products:
             cv2.multiply(one, other, dst=self._term)
             cv2.blur(self._term, self._window, dst=out, borderType=cv2.BORDER_CONSTANT)
         self._uu += self._regularization
         self._vv += self._regularization
-        cv2.scaleAdd(u, self._regularization, self._ur, dst=self._ur)
-        cv2.scaleAdd(v, self._regularization, self._vr, dst=self._vr)
 
-    def _solve(self, u: Plane32, v: Plane32) -> None:
-        """Write the solution of [[uu, uv], [uv, vv]] (u, v) = (ur, vr), by Cramer's rule."""
-        term, det = self._term, self._det
-        np.multiply(self._uu, self._vv, out=det)
+    def _correct(self, u: Plane32, v: Plane32) -> None:
+        """Add the solution of [[uu, uv], [uv, vv]] d = (ud, vd), by Cramer's rule."""
+        term, other = self._term, self._other
+        np.multiply(self._uu, self._vv, out=other)
         np.multiply(self._uv, self._uv, out=term)
-        np.subtract(det, term, out=det)
-        np.multiply(self._vv, self._ur, out=u)
-        np.multiply(self._uv, self._vr, out=term)
-        np.subtract(u, term, out=u)
-        np.divide(u, det, out=u)
-        np.multiply(self._uu, self._vr, out=v)
-        np.multiply(self._uv, self._ur, out=term)
-        np.subtract(v, term, out=v)
-        np.divide(v, det, out=v)
+        per_det = np.divide(1, np.subtract(other, term, out=other), out=self._map_u)
+        for field, own, right, left in ((u, self._vv, self._ud, self._vd), (v, self._uu, self._vd, self._ud)):
+            np.multiply(own, right, out=other)
+            np.multiply(self._uv, left, out=term)
+            np.subtract(other, term, out=other)
+            cv2.accumulateProduct(other, per_det, field)

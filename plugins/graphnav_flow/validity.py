@@ -18,6 +18,11 @@ import numpy.typing as npt
 Valid = npt.NDArray[np.uint8]
 Uv = npt.NDArray[np.float32]
 
+MARGIN_PX = 6.0
+MARGIN_DOC = "vectors from or at places nearer to the border than this are not valid"
+LEAST_TEXTURE = 4.0
+LEAST_TEXTURE_DOC = "squared gray per pixel: least eigenvalue of the structure tensor where a vector is valid"
+
 
 def came_from_inside(uv_px: Uv, margin_px: float) -> Valid:
     """Return 1 where a pixel and its source lie inside the image by ``margin_px``, uint8 (rows, cols).
@@ -25,9 +30,8 @@ def came_from_inside(uv_px: Uv, margin_px: float) -> Valid:
     ``uv_px``: float32 (rows, cols, 2), displacement since the last frame of what is now at the pixel.
     """
     rows, cols = uv_px.shape[:2]
-    u, v = cv2.split(uv_px)
-    x = np.arange(cols, dtype=np.float32) - u
-    y = np.arange(rows, dtype=np.float32)[:, None] - v
+    x = np.arange(cols, dtype=np.float32) - uv_px[..., 0]
+    y = np.arange(rows, dtype=np.float32)[:, None] - uv_px[..., 1]
     valid: Valid = cv2.inRange(x, margin_px, cols - 1 - margin_px)
     valid &= cv2.inRange(y, margin_px, rows - 1 - margin_px)
     valid &= 1

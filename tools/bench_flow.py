@@ -1,0 +1,121 @@
+"""Measure the flow estimators against the simulator's truth and against OpenCV's Farneback, in one process.
+
+``python tools/bench_flow.py [first seed] [seeds]`` prints, for straight, gentle and fast turning drives, the mean
+endpoint error of every estimator and its share of Farneback's, then the time of a step and its share of
+``cv2.calcOpticalFlowFarneback``'s on the same frames (medians; one thread).
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from graphnav_flow.dis import Dis
+from graphnav_flow.farneback import Farneback
+from graphnav_flow.lucas_kanade import LucasKanade
+from graphnav_world.world import Pymunk
+
+from graphnav import Finished, Image, Latest, Stage, Stamp, Truth, Twist
+
+MAP = Path(__file__).parents[1] / "graphs" / "graphnav_graphs" / "maps" / "corridor_ccw.yaml"
+TURNS_RADPS = {"straight": 0.0, "gentle": 0.5, "turning": 1.5}
+SPEED_MPS = 0.3
+PERIOD_US = 100_000
+WARM_UP_FRAMES = 6
+FRAMES = 40
+FARNEBACK_TUTORIAL = {"pyr_scale": 0.5, "levels": 3, "winsize": 15, "iterations": 3, "poly_n": 5, "poly_sigma": 1.2}
+
+
+@dataclass(frozen=True)
+class Step:
+    """Two consecutive frames and the truth of the later one."""
+
+    before: Image
+    now: Image
+    truth: Truth
+
+
+def estimators() -> dict[str, Stage]:
+    """Return what is compared; the first is the reference of all ratios."""
+    return {
+        "farneback": Farneback(),
+        "farneback wide": Farneback(window_px=21, iterations=5, expansion_px=7, expansion_sigma_px=1.5),
+        "lucas_kanade": LucasKanade(),
+        "dis medium": Dis(),
+        "dis fast": Dis(preset="fast"),
+    }
+
+
+def drive(seed: int, turn_radps: float, frames: int = FRAMES) -> Iterator[Step]:
+    """Yield what the world shows at 0.3 m/s, 10 Hz while the robot turns at a constant rate, until it touches."""
+    world = Pymunk(map=MAP)
+    world.reset(seed)
+    command = Latest(Twist(v_mps=SPEED_MPS, omega_radps=turn_radps), age_s=0.0)
+    before: Image | None = None
+    for frame in range(WARM_UP_FRAMES + frames):
+        try:
+            shown = world.step(command, Stamp(frame * PERIOD_US))
+        except Finished:
+            break
+        if before is not None and shown.truth is not None and frame >= WARM_UP_FRAMES:
+            yield Step(before, shown.image, shown.truth)
+        before = shown.image
+    world.close()
+
+
+def collect(turn_radps: float, seeds: Sequence[int], every: int = 4) -> list[Step]:
+    """Return every so many steps of one drive a seed, turning left and right alternately."""
+    return [step for seed in seeds for step in list(drive(seed, turn_radps * (-1) ** seed))[::every]]
+
+
+def endpoint_error_px(stage: Stage, steps: Sequence[Step]) -> float:
+    """Return the mean length of the error of all vectors, valid or not."""
+    errors = []
+    for step in steps:
+        stage.reset(0)
+        stage.step(step.before, Stamp(0))  # type: ignore[attr-defined]
+        flow = stage.step(step.now, Stamp(PERIOD_US))  # type: ignore[attr-defined]
+        errors.append(np.linalg.norm(flow.uv_px - step.truth.flow_px, axis=-1).mean())
+    return float(np.mean(errors))
+
+
+def step_ms(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -> dict[str, float]:
+    """Return the median time of a step of each stage and, as "cv2", of bare Farneback, interleaved."""
+    spent: dict[str, list[float]] = {name: [] for name in ("cv2", *stages)}
+    for stage in stages.values():
+        stage.reset(0)
+    for turn in range(rounds):
+        step = steps[turn % len(steps)]
+        begin = time.thread_time()
+        cv2.calcOpticalFlowFarneback(step.now.pixels, step.before.pixels, None, flags=0, **FARNEBACK_TUTORIAL)
+        spent["cv2"].append(time.thread_time() - begin)
+        for name, stage in stages.items():
+            begin = time.thread_time()
+            stage.step(step.now, Stamp(turn * PERIOD_US))  # type: ignore[attr-defined]
+            spent[name].append(time.thread_time() - begin)
+    return {name: 1000 * float(np.median(times[2:])) for name, times in spent.items()}
+
+
+def main(first_seed: int = 0, seeds: int = 10) -> None:
+    """Print the figures of ``seeds`` drives from ``first_seed``."""
+    cv2.setNumThreads(1)
+    stages = estimators()
+    shown = {name: collect(turn, range(first_seed, first_seed + seeds)) for name, turn in TURNS_RADPS.items()}
+    for name, steps in shown.items():
+        print(f"{name}: {len(steps)} frames, endpoint error in px (share of Farneback's)")
+        errors = {stage_name: endpoint_error_px(stage, steps) for stage_name, stage in stages.items()}
+        for stage_name, error in errors.items():
+            print(f"  {stage_name:16} {error:6.3f}  ({error / errors['farneback']:.2f})")
+    times = step_ms(stages, shown["straight"])
+    print("time of a step in ms (share of cv2.calcOpticalFlowFarneback's)")
+    for stage_name, ms in times.items():
+        print(f"  {stage_name:16} {ms:6.2f}  ({ms / times['cv2']:.2f})")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
