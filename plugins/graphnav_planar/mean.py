@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from graphnav import Flow, Planar, PlanarModel
-from graphnav_planar.taught import Taught, planar
+from graphnav_planar.taught import Taught, check_size, planar
 from graphnav_planar.terms import MEAN
 
 
@@ -26,7 +26,8 @@ class Mean(Taught):
         ValueError
             The flow is of another image size than the model.
         """
-        return planar(self._model, self._mean_px * (flow.interval_us / self._model.interval_us), flow)
+        check_size(self._model, flow)
+        return planar(self._model, self._mean_px * (flow.interval_us / self._model.interval_us), flow.interval_us)
 
     def _use(self, model: PlanarModel) -> None:
         if MEAN not in model.terms:

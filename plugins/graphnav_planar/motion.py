@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import graphnav
-from graphnav import Flow, Planar, PlanarModel
-from graphnav_planar.taught import Taught, planar
-from graphnav_planar.terms import driving_terms, factors
+from graphnav import Flow, Planar, PlanarModel, param
+from graphnav.grid import coarsen
+from graphnav_planar.refinement import Doubles, correction
+from graphnav_planar.taught import Taught, check_size, planar
+from graphnav_planar.terms import driving_terms, factors, orders
 
 
 class Motion(Taught):
@@ -15,7 +17,18 @@ class Motion(Taught):
 
     Extends [OI, eq. 1], whose mean holds for one constant motion, to a robot that turns. Beyond the motions that were
     taught the basis errs, and what it errs by looks like an obstacle: teach more than the controller may command.
+
+    Odometry that errs by two per cent moves the planar flow by a tenth of a pixel in a turn, as much as a low obstacle
+    does. So the motion is corrected, within ``odometry_error_ratio``, to what most of the flow shows.
     """
+
+    odometry_error_ratio: float = param(
+        0.1,
+        ge=0.0,
+        lt=1.0,
+        doc="share by which the motion may be corrected to fit the flow: what odometry may err by, when teaching and "
+        "now; 0 takes it as it is",
+    )
 
     def step(self, flow: Flow, motion: graphnav.Motion) -> Planar:
         """Return the planar flow of this motion for the grid of ``flow``.
@@ -25,8 +38,19 @@ class Motion(Taught):
         ValueError
             The flow is of another image size than the model.
         """
-        uv_px = factors(self._terms, motion) @ self._basis
-        return planar(self._model, uv_px.reshape(*self._model.valid.shape, 2), flow)
+        check_size(self._model, flow)
+        by_term = factors(self._terms, motion)
+        uv_px = (by_term @ self._basis).reshape(self._shape)
+        if self.odometry_error_ratio:
+            uv_px = uv_px + self._corrected(uv_px, by_term, coarsen(flow, self._model.step_px))
+        return planar(self._model, uv_px, flow.interval_us)
+
+    def _corrected(self, uv_px: Doubles, by_term: Doubles, cells: Flow) -> Doubles:
+        """Return what the correction of the motion adds to the planar flow, (rows, cols, 2)."""
+        rates_px = ((self._orders * by_term) @ self._basis).reshape(2, *self._shape)
+        valid = (cells.valid != 0) & (self._model.valid != 0)
+        shares = correction(rates_px[:, valid], cells.uv_px[valid] - uv_px[valid], self.odometry_error_ratio)
+        return np.tensordot(shares, rates_px, 1)
 
     def _use(self, model: PlanarModel) -> None:
         self._terms = driving_terms(model.terms)
@@ -34,4 +58,6 @@ class Motion(Taught):
             raise self._not_taught("how the flow depends on the motion", model)
         places = [model.terms.index(term) for term in self._terms]
         self._basis = model.basis[places].reshape(len(places), -1).astype(np.float64)
+        self._orders = orders(self._terms)
+        self._shape = (*model.valid.shape, 2)
         self._model = model

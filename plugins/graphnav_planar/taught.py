@@ -38,13 +38,13 @@ class Taught(Stage):
         return ParamError("model", f"{self.model} was not taught {what}: its terms are {', '.join(model.terms)}", TEACH)
 
 
-def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], flow: Flow) -> Planar:
-    """Return the planar flow ``uv_px`` (rows, cols, 2) on the model's grid, to be compared with ``flow``.
+def check_size(model: PlanarModel, flow: Flow) -> None:
+    """See that the flow is of the image size that was taught.
 
     Raises
     ------
     ValueError
-        The flow is of another image size than the model.
+        It is not.
     """
     rows, cols = model.valid.shape
     flow_rows, flow_cols = flow.valid.shape
@@ -53,10 +53,14 @@ def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], flow: Flow) -> P
             f"the planar model is {cols}x{rows} cells of {model.step_px} px, "
             f"but the flow is {flow_cols}x{flow_rows} cells of {flow.step_px} px"
         )
+
+
+def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], interval_us: int) -> Planar:
+    """Return the planar flow ``uv_px``, (rows, cols, 2) on the model's grid, as a message."""
     return Planar(
         planar_uv_px=uv_px.astype(np.float32),
         planar_valid=model.valid,
         residual_px=model.residual_px,
-        interval_us=flow.interval_us,
+        interval_us=interval_us,
         step_px=model.step_px,
     )

@@ -21,7 +21,12 @@ def driving_terms(terms: Sequence[str]) -> list[str]:
     return [term for term in terms if term != MEAN]
 
 
+def orders(terms: Sequence[str]) -> npt.NDArray[np.float64]:
+    """Return the powers of v and of w in each of these driving terms, (2, terms)."""
+    return np.array([[term.count(letter) for term in terms] for letter in "vw"], np.float64)
+
+
 def factors(terms: Sequence[str], motion: Motion) -> npt.NDArray[np.float64]:
     """Return what multiplies each of these driving terms for this motion, (terms,)."""
-    v, w = motion.forward_m, motion.turn_rad
-    return np.array([v ** term.count("v") * w ** term.count("w") for term in terms])
+    v, w = orders(terms)
+    return np.asarray(motion.forward_m**v * motion.turn_rad**w)

@@ -11,7 +11,8 @@ from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground
 
 Doubles = npt.NDArray[np.float64]
 
-_SAMPLE = 250
+_SAMPLE = 200
+_LEAST_AREA = 1e-3
 _SIGMA_OF_MEDIAN = 1.4826
 _INLIER_SIGMAS = 2.5
 
@@ -58,17 +59,23 @@ class Affine(Detector):
     def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:
         """Return the fit (3, 2) to the three vectors that leave the least median, over a sample of all vectors."""
         n = len(places)
-        sample = slice(None, None, max(1, n // _SAMPLE))
         threes = self._rng.integers(0, n, (self.draws, 3))
         corners = places[threes]
-        proper = np.abs(np.linalg.det(corners)) > 1e-3
+        sides = corners[:, 1:, :2] - corners[:, :1, :2]
+        proper = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]) > _LEAST_AREA
         if not proper.any():
             return _least_squares(places, uv)
-        fits = np.linalg.solve(corners[proper], uv[threes[proper]])
-        left = uv[sample] - places[sample] @ fits
-        medians = np.median((left * left).sum(axis=2), axis=1)
-        best: Doubles = fits[np.argmin(medians)]
-        return best
+        fits = np.linalg.solve(corners[proper], uv[threes[proper]]).transpose(2, 0, 1)
+        sample = slice(None, None, max(1, n // _SAMPLE))
+        x, y, _ = places[sample].T.astype(np.float32)
+        squares = np.zeros((fits.shape[1], len(x)), np.float32)
+        for axis in range(2):
+            a, b, c = fits[axis].T[..., None].astype(np.float32)
+            left = a * x + b * y + c - uv[sample, axis].astype(np.float32)
+            squares += left * left
+        middle = len(x) // 2
+        best = np.argmin(np.partition(squares, middle, axis=1)[:, middle])
+        return np.asarray(fits[:, best].T)
 
 
 def _places(valid: npt.NDArray[np.bool_]) -> Doubles:
@@ -88,7 +95,9 @@ def _refitted(fit: Doubles, places: Doubles, uv: Doubles, noise_px: float) -> Do
 
 
 def _least_squares(places: Doubles, uv: Doubles) -> Doubles:
-    return np.asarray(np.linalg.lstsq(places, uv)[0], np.float64)
+    """Return the fit (3, 2); a little ridge keeps it finite where all places lie on one line."""
+    products = places.T @ places
+    return np.asarray(np.linalg.solve(products + 1e-9 * len(places) * np.eye(3), places.T @ uv))
 
 
 def _length(vectors: Doubles) -> Doubles:

@@ -85,6 +85,7 @@ class Ica(Detector):
     def _which(self, components: Doubles, lengths: Doubles) -> int:
         """Return the place of the obstacle's component; ``components`` (2, 2n) are centred, of unit variance."""
         if self.component == "kurtosis":
-            return int(np.argmax((components**4).sum(axis=1)))
+            squares = components * components
+            return int(np.argmax((squares * squares).sum(axis=1)))
         spread = lengths.var(axis=1)
         return int(np.argmax(spread) if self.component == "high_variance" else np.argmin(spread))
