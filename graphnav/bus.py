@@ -17,6 +17,7 @@ GROUP = "udpm://239.255.76.67:7667?ttl=0"
 MAKE_ROUTE = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
 """What a machine without a network needs, as root, before multicast works on it."""
 
+_SELF_TEST = "LCM_SELF_TEST"
 _DEFAULTS = {"ttl": "0", "recv_buf_size": "2097152"}
 
 
@@ -53,8 +54,13 @@ class Bus:
         self._subscribe(re.escape(channel), handler)
 
     def subscribe_all(self, handler: Handler) -> None:
-        """Call ``handler(channel, data)`` for each message of every channel."""
-        self._subscribe(".*", handler)
+        """Call ``handler(channel, data)`` for each message of every channel, but for LCM's own tests of the network."""
+
+        def heard(channel: str, data: bytes) -> None:
+            if channel != _SELF_TEST:
+                handler(channel, data)
+
+        self._subscribe(".*", heard)
 
     def drain(self) -> int:
         """Deliver until nothing waits, what handlers publish included; return the number of messages.

@@ -26,8 +26,9 @@ _MOST_WAITING_BYTES = 8 << 20
 _PER_MESSAGE_BYTES = 256
 _POLL_S = 0.005
 _BREATH_BYTES = 65_536
+_BREATH_MESSAGES = 16
 _BREATH_S = 0.002
-"""After so many bytes the tap pauses so long: a stock receive buffer holds three packets, and readers must run."""
+"""The pause after so many bytes or messages: stock receive buffers hold three packets, stock queues 30 messages."""
 _ABOUT_S = 1.0
 _LAST_WORDS_S = 0.3
 
@@ -65,7 +66,8 @@ class Tap:
         self._put_bytes = self._taken_bytes = 0
         self._dropping = threading.Lock()
         self._closing = threading.Event()
-        self._utime = 0
+        self._utime = self._n_abouts = 0
+        self._about_due_s = 0.0
         bus = Bus(self.url)
         bus.subscribe(ABOUT, self._hear)
         self._thread = threading.Thread(target=self._serve, args=(bus,), name="graphnav-tap", daemon=True)
@@ -93,32 +95,33 @@ class Tap:
 
     def _serve(self, bus: Bus) -> None:
         """Publish until closed; the only thread that touches ``bus`` from here on."""
-        about_due_s = time.monotonic()
+        unrested_bytes = unrested = 0
         stop_s = math.inf
-        unrested_bytes = n_abouts = 0
-        while True:
-            now_s = time.monotonic()
+        while time.monotonic() < stop_s:
             if self._closing.is_set() and stop_s == math.inf:
-                stop_s = now_s + _LAST_WORDS_S
-            if self._about is not None and now_s >= about_due_s:
-                self._send(bus, ABOUT, encode(self._about, self._utime, n_abouts))
-                n_abouts += 1
-                about_due_s = now_s + _ABOUT_S
+                stop_s = time.monotonic() + _LAST_WORDS_S
+            self._announce_again(bus)
             bus.drain()
-            if now_s >= stop_s or (stop_s < math.inf and not self._waiting):
+            if self._waiting:
+                channel, self._utime, data = self._waiting.popleft()
+                self._taken_bytes += len(data) + _PER_MESSAGE_BYTES
+                unrested_bytes += self._send(bus, channel, data)
+                unrested += 1
+                if unrested_bytes >= _BREATH_BYTES or unrested >= _BREATH_MESSAGES:
+                    unrested_bytes = unrested = 0
+                    time.sleep(_BREATH_S)
+            elif self._closing.wait(_POLL_S) and not self._waiting:
                 break
-            if not self._waiting:
-                self._closing.wait(_POLL_S)
-                continue
-            channel, self._utime, data = self._waiting.popleft()
-            self._taken_bytes += len(data) + _PER_MESSAGE_BYTES
-            unrested_bytes += self._send(bus, channel, data)
-            if unrested_bytes >= _BREATH_BYTES:
-                unrested_bytes = 0
-                time.sleep(_BREATH_S)
         for _ in self._waiting:
             self._drop()
         bus.close()
+
+    def _announce_again(self, bus: Bus) -> None:
+        """Repeat what runs if the last time was a second ago."""
+        if self._about is not None and time.monotonic() >= self._about_due_s:
+            self._about_due_s = time.monotonic() + _ABOUT_S
+            self._send(bus, ABOUT, encode(self._about, self._utime, self._n_abouts))
+            self._n_abouts += 1
 
     def _send(self, bus: Bus, channel: str, data: bytes) -> int:
         """Publish a message, thinned if need be; return the bytes that were sent."""

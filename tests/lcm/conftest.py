@@ -6,17 +6,18 @@ import importlib
 import os
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
+import lcm
 import pytest
 
 from graphnav.bus import require_route
 from graphnav.errors import BusError
 
-SCRIPTS = Path(sysconfig.get_path("scripts"))
+TOOLS = Path(lcm.LCM_BIN_DIR)
+"""LCM's tools themselves: the scripts of the same names are Python programs that leave them behind when stopped."""
 TYPES = sorted((Path(__file__).parent / "types").glob("*.lcm"))
 
 
@@ -24,7 +25,7 @@ TYPES = sorted((Path(__file__).parent / "types").glob("*.lcm"))
 def codec_types(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
     """Return the package that lcm-gen makes of the types beside this file."""
     folder = tmp_path_factory.mktemp("lcm")
-    subprocess.run([SCRIPTS / "lcm-gen", "-p", "--ppath", folder, *TYPES], check=True)
+    subprocess.run([TOOLS / "lcm-gen", "-p", "--ppath", folder, *TYPES], check=True)
     sys.path.insert(0, str(folder))
     importlib.import_module("codec_types.deep")
     yield importlib.import_module("codec_types")

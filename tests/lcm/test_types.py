@@ -18,7 +18,7 @@ from graphnav import messages
 from graphnav.codec import codec_of, decode, encode, fingerprint, lcm_name, lcm_text_of, type_named, type_of
 from graphnav.messages import Message
 
-from .conftest import SCRIPTS
+from .conftest import TOOLS
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = [found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__")]
@@ -123,7 +123,7 @@ def test_the_text_of_types_makes_the_same_types(codec_types: ModuleType, tmp_pat
     for number, text in enumerate(renamed.split("package ")[1:]):
         (tmp_path / f"{number}.lcm").write_text(f"package {text}")
     files = map(str, sorted(tmp_path.glob("*.lcm")))
-    subprocess.run([str(SCRIPTS / "lcm-gen"), "-p", "--ppath", str(tmp_path), *files], check=True)
+    subprocess.run([str(TOOLS / "lcm-gen"), "-p", "--ppath", str(tmp_path), *files], check=True)
     sys.path.insert(0, str(tmp_path))
     try:
         importlib.import_module("again_codec_types.deep")
