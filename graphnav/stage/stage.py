@@ -10,7 +10,7 @@ from graphnav.errors import ParamError
 from graphnav.stage.param import param, params_of
 
 
-@dataclass_transform(kw_only_default=True, eq_default=False, field_specifiers=(param,))
+@dataclass_transform(kw_only_default=True, eq_default=False)
 class Stage:
     """A part of a graph that turns messages into messages.
 
