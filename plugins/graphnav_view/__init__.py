@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.hooks import hookimpl
+from graphnav import hookimpl
 
 if TYPE_CHECKING:
     from graphnav import Recording

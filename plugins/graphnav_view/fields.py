@@ -16,6 +16,7 @@ Doubles = npt.NDArray[np.float64]
 
 _ARROWS_ACROSS = 16
 _FIELD = "#27476e"
+_MOST_POINTS = 1500
 _MEAN = "#2a9d8f"
 
 
@@ -111,12 +112,33 @@ def draw_cloud(axes: Axes, frame: Frame) -> str:
     most = float(np.hypot(cloud[:, 0], cloud[:, 1]).max())
     axes.axhline(0, color="#c8c8c8", lw=0.8, zorder=0)
     axes.axvline(0, color="#c8c8c8", lw=0.8, zorder=0)
-    axes.scatter(cloud[:, 0], cloud[:, 1], s=7, color=_FIELD, alpha=0.45, linewidths=0, zorder=2)
+    shown = cloud[:: max(1, len(cloud) // _MOST_POINTS)]
+    axes.scatter(shown[:, 0], shown[:, 1], s=7, color=_FIELD, alpha=0.45, linewidths=0, zorder=2)
     _limits(axes, most)
     axes.set_xticks([])
     axes.set_yticks([])
-    axes.text(0.985, 0.515, "right", transform=axes.transAxes, ha="right", va="bottom", fontsize=8.6, color=ink.QUIET)
-    axes.text(0.515, 0.98, "forward", transform=axes.transAxes, ha="left", va="top", fontsize=8.6, color=ink.QUIET)
+    axes.text(
+        0.985,
+        0.515,
+        "right",
+        transform=axes.transAxes,
+        ha="right",
+        va="bottom",
+        fontsize=8.6,
+        color=ink.QUIET,
+        path_effects=ink.halo(),
+    )
+    axes.text(
+        0.515,
+        0.98,
+        "forward",
+        transform=axes.transAxes,
+        ha="left",
+        va="top",
+        fontsize=8.6,
+        color=ink.QUIET,
+        path_effects=ink.halo(),
+    )
     if most == 0:
         return "no obstacle: every gradient is zero"
     found = principal(cloud, None if steering is None else steering.eigenvalues)
@@ -146,7 +168,7 @@ def draw_cloud(axes: Axes, frame: Frame) -> str:
     axes.plot(*mean, marker="D", ms=7, color=_MEAN, mec="white", mew=1.0, zorder=5)
     first, second = found.eigenvalues
     ratio = "∞" if second <= 1e-9 * first else f"{first / second:.1f}"
-    caption = "one point a cell, in potential per cell; diamond: mean;\n"
+    caption = "one point a cell, potential per cell; diamond: mean;\n"
     return caption + f"v$_1$: first principal direction, λ$_1$/λ$_2$ = {ratio}"
 
 

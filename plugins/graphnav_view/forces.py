@@ -15,7 +15,7 @@ from graphnav_view.telling import Frame, theta_text
 
 Doubles = npt.NDArray[np.float64]
 
-_LONGEST_RATIO = 0.42
+_LONGEST_RATIO = 0.34
 """Length of the longest arrow in the picture's shorter side."""
 
 
@@ -40,7 +40,7 @@ def draw_direction(axes: Axes, frame: Frame) -> str:
     for name, colour in (("r", ink.REPULSIVE), ("w", ink.GUIDING), ("p", ink.CONTROL)):
         if np.hypot(*forces[name]) * scale > 2.0:
             _arrow(axes, origin, tips[name], colour, thick=name == "p")
-    _name_tips(axes, origin, tips, min(rows, cols))
+    _name_tips(axes, origin, tips, rows / (axes.get_window_extent().height / ink.DPI))
     _arc(axes, origin, steering.theta_rad, 0.24 * min(rows, cols))
     axes.plot(*origin, marker="o", ms=5, color="white", mec="black", mew=1.0, zorder=7)
     caption = f"θ = {theta_text(steering.theta_rad)} of forward; red: r, repulsive;\n"
@@ -65,7 +65,7 @@ def _arrow(axes: Axes, start: Doubles, end: Doubles, colour: str, *, thick: bool
     )
 
 
-def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles], size_px: float) -> None:
+def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles], px_per_in: float) -> None:
     """Write the forces' names beyond their tips, moved aside where two would meet."""
     placed: list[Doubles] = []
     for name, colour in (("p", ink.CONTROL), ("r", ink.REPULSIVE), ("w", ink.GUIDING)):
@@ -77,8 +77,8 @@ def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles], size_px: f
         for turn in (0.0, 0.35, -0.35, 0.7, -0.7):
             c, s = math.cos(turn), math.sin(turn)
             turned = np.array([c * along[0] - s * along[1], s * along[0] + c * along[1]])
-            at = origin + (length + 0.085 * size_px) * turned
-            if all(np.hypot(*(at - other)) > 0.12 * size_px for other in placed):
+            at = origin + (length + 0.15 * px_per_in) * turned
+            if all(np.hypot(*(at - other)) > 0.2 * px_per_in for other in placed):
                 break
         placed.append(at)
         axes.text(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import median
+from typing import NamedTuple
 
 from graphnav import Flow, Image, Plane, Potential, State, Steering
 from graphnav_view.signals import Signals
@@ -37,22 +39,39 @@ class Frame:
         return 3, 4
 
 
+class _Glance(NamedTuple):
+    """What decides whether a frame tells much; ``turn_rad`` is the absolute theta."""
+
+    utime: int
+    judged_ratio: float
+    obstacle_ratio: float
+    turn_rad: float
+
+
+def _turn_rad(steering: Steering | None) -> float:
+    return 0.0 if steering is None else abs(steering.theta_rad)
+
+
 def telling_utime(signals: Signals) -> int | None:
     """Return the stamp of the frame to show, None where the log holds nothing that a camera saw.
 
-    Of the frames whose share of obstacle lies between 5 and 50 %, the one that is steered hardest (largest absolute
-    theta, to a hundredth of a radian; the earliest of equals). Without such a frame, the one whose share is nearest to
-    a quarter. Without a plane, the middle frame of the flow, else of the images.
+    Of the frames whose share of obstacle lies between 5 and 50 %, the one that is steered hardest: the largest absolute
+    theta up to a right angle, at which the robot still drives (to a hundredth of a radian; the earliest of equals).
+    Without such a frame, the one whose share is nearest to a quarter. In either case frames of which less was judged
+    than of the median frame (but for a tenth of it) do not count. Without a plane, the middle frame of the flow, else
+    of the images.
     """
-    judged = [
-        (utime, plane.obstacle_ratio, steering.theta_rad if steering is not None else 0.0)
+    glances = [
+        _Glance(utime, float((plane.valid != 0).mean()), plane.obstacle_ratio, _turn_rad(steering))
         for utime, (plane, steering) in signals.joined(Plane, Steering)
     ]
-    shared = [j for j in judged if LEAST_RATIO <= j[1] <= MOST_RATIO]
-    if shared:
-        return max(shared, key=lambda j: (round(abs(j[2]), 2), -j[0]))[0]
-    if judged:
-        return min(judged, key=lambda j: (round(abs(j[1] - 0.25), 3), j[0]))[0]
+    if glances:
+        enough = 0.9 * median(glance.judged_ratio for glance in glances)
+        seen = [glance for glance in glances if glance.judged_ratio >= enough]
+        shared = [g for g in seen if LEAST_RATIO <= g.obstacle_ratio <= MOST_RATIO and g.turn_rad <= math.pi / 2]
+        if shared:
+            return max(shared, key=lambda g: (round(g.turn_rad, 2), -g.utime)).utime
+        return min(seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
     for kind in (Flow, Image):
         stamps = signals.stamps(kind)
         if stamps:

@@ -109,7 +109,7 @@ def plane_tile(stretch: Stretch, camera: Bytes | None, plane: Plane | None) -> B
     cv2.copyTo(cv2.addWeighted(ground, 0.4, red, 0.6, 0), obstacle, ground)
     cv2.copyTo(ground // 3, unjudged, ground)
     rims, _ = cv2.findContours(obstacle, cv2.RETR_LIST, cv2.CHAIN_APPROX_SIMPLE)
-    cv2.drawContours(ground, rims, -1, (255, 255, 255), 1, cv2.LINE_AA)
+    cv2.drawContours(ground, rims, -1, (255, 120, 120), 1, cv2.LINE_AA)
     return stretch.placed(ground)
 
 

@@ -1,0 +1,42 @@
+"""The frame of the panels is the one that tells most, and always the same one."""
+
+from collections.abc import Callable
+
+from graphnav_view.signals import Signals
+from graphnav_view.telling import LEAST_RATIO, MOST_RATIO, frame_at, telling_utime, theta_text
+
+from graphnav import Plane, Steering
+from graphnav.record import Recording
+
+Record = Callable[..., Recording]
+
+
+def test_it_is_steered_hardest_among_those_that_show_ground_and_obstacle(record: Record) -> None:
+    signals = Signals(record(frames=60))
+    utime = telling_utime(signals)
+    assert utime is not None
+    frame = frame_at(signals, utime)
+    assert frame.plane is not None
+    assert frame.steering is not None
+    assert LEAST_RATIO <= frame.plane.obstacle_ratio <= MOST_RATIO
+    thetas = [
+        abs(steering.theta_rad)
+        for _, (plane, steering) in signals.joined(Plane, Steering)
+        if LEAST_RATIO <= plane.obstacle_ratio <= MOST_RATIO
+    ]
+    assert len(thetas) > 10
+    assert abs(frame.steering.theta_rad) >= max(thetas) - 0.01
+
+
+def test_without_planes_it_is_the_middle_one(record: Record) -> None:
+    signals = Signals(record(frames=9, without=("plane.plane", "flow.flow")))
+    assert telling_utime(signals) == 400_000
+
+
+def test_without_anything_seen_there_is_none(record: Record) -> None:
+    unseen = ("plane.plane", "flow.flow", "robot.image", "steer.potential")
+    assert telling_utime(Signals(record(frames=3, without=unseen))) is None
+
+
+def test_angles_read_as_degrees_and_side() -> None:
+    assert [theta_text(t) for t in (0.0, 0.4, -1.2)] == ["0°", "23° left", "69° right"]
