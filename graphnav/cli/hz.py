@@ -1,0 +1,53 @@
+"""``graphnav hz``: the rate of one channel, by its own stamps and as it arrives."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import TYPE_CHECKING
+
+from graphnav.cli.status import OK
+
+if TYPE_CHECKING:
+    from graphnav.spy import ChannelTraffic, Source
+
+_EVERY_S = 1.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
+    parser.add_argument(
+        "source",
+        nargs="?",
+        metavar="SOURCE",
+        help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
+    )
+    parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="end after S seconds (default: Ctrl-C)")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.spy import Source, Traffic  # noqa: PLC0415
+
+    source, traffic = Source(args.source), Traffic()
+    printed_s = time.monotonic()
+    for heard in source.listen(args.for_s):
+        if heard is not None:
+            traffic.hear(heard)
+            continue
+        traffic.check(args.channel, source)
+        if time.monotonic() - printed_s >= _EVERY_S and args.channel in traffic.channels:
+            printed_s = time.monotonic()
+            print(_line(traffic.channels[args.channel], source), flush=True)
+    print(_line(traffic.find(args.channel, source, args.for_s), source))
+    return OK
+
+
+def _line(channel: ChannelTraffic, source: Source) -> str:
+    from graphnav.spy import figures  # noqa: PLC0415
+
+    rate = "no rate yet" if channel.rate_hz is None else f"{channel.rate_hz:.3f} Hz"
+    arriving = f"arriving at {channel.wall_rate_hz:.3f} Hz, " if source.is_live and channel.wall_rate_hz else ""
+    _, *rest = (text for text in figures(channel) if not text.endswith(" Hz"))
+    return f"{channel.name}  {rate}, {arriving}{', '.join(rest)}"

@@ -1,0 +1,86 @@
+"""The fields of a message in few words: arrays summarised, never dumped."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+_LONGEST_TEXT = 60
+
+
+def summarised(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a message's fields as JSON can hold them.
+
+    An array becomes its type, shape, least, mean and greatest; what marks validity also its share of ones, floats that
+    are not finite their share of finite ones. Long texts are cut. Numbers that JSON lacks become null.
+    """
+    return {name: _summary(name, value) for name, value in values.items()}
+
+
+def described(summary: Mapping[str, Any], indent: str = "    ") -> list[str]:
+    """Return the lines that a person reads for `summarised` fields."""
+    width = max((len(name) for name in summary), default=0)
+    lines = []
+    for name, value in summary.items():
+        if isinstance(value, dict) and "shape" not in value:
+            lines += [f"{indent}{name}", *described(value, indent + "    ")]
+        else:
+            lines.append(f"{indent}{name:<{width}}  {_text(value)}")
+    return lines
+
+
+def _summary(name: str, value: Any) -> Any:
+    if isinstance(value, np.ndarray) and value.dtype != object:
+        return _array(name, value)
+    if isinstance(value, np.ndarray | tuple):
+        shape = list(value.shape) if isinstance(value, np.ndarray) else [len(value)]
+        texts = len(value) > 0 and isinstance(np.asarray(value, object).flat[0], str)
+        return {"dtype": "string" if texts else "struct", "shape": shape}
+    if isinstance(value, dict):
+        return summarised(value)
+    if isinstance(value, str) and len(value) > _LONGEST_TEXT:
+        return f"{value[:_LONGEST_TEXT]}... ({len(value)} characters)"
+    return _number(value) if isinstance(value, float) else value
+
+
+def _array(name: str, value: np.ndarray[Any, Any]) -> dict[str, Any]:
+    summary: dict[str, Any] = {"dtype": str(value.dtype), "shape": list(value.shape)}
+    if not value.size:
+        return summary
+    finite = np.isfinite(value)
+    share = float(finite.mean())
+    if share < 1:
+        summary["finite_ratio"] = share
+        value = value[finite]
+    if value.size:
+        least, greatest = value.min().item(), value.max().item()
+        summary |= {"min": least, "mean": float(value.mean(dtype=np.float64)), "max": greatest}
+    if name == "valid" or name.endswith("_valid"):
+        summary["valid_ratio"] = float(np.count_nonzero(value)) / value.size
+    return summary
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if not isinstance(value, dict):
+        return str(value)
+    shape = ", ".join(map(str, value["shape"]))
+    said = [f"{value['dtype']} ({shape})"]
+    if "min" in value:
+        said.append(f"{value['min']:.4g} to {value['max']:.4g}, mean {value['mean']:.4g}")
+    if "valid_ratio" in value:
+        said.append(f"{100 * value['valid_ratio']:.1f} % valid")
+    if "finite_ratio" in value:
+        said.append(f"{100 * value['finite_ratio']:.1f} % finite")
+    return "  ".join(said)

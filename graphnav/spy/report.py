@@ -1,0 +1,64 @@
+"""Traffic as a person or a program reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rich.text import Text
+
+from graphnav.spy.contents import described, summarised
+from graphnav.spy.traffic import ChannelTraffic, Traffic
+
+
+def as_json(traffic: Traffic, source: str) -> dict[str, Any]:
+    """Return everything that was heard, for programs."""
+    return {
+        "source": source,
+        "runs": traffic.runs,
+        "channels": {name: channel_as_json(traffic.channels[name]) for name in sorted(traffic.channels)},
+    }
+
+
+def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return what is known of one channel."""
+    return {
+        "type": channel.type_name,
+        "messages": channel.count,
+        "rate_hz": channel.rate_hz,
+        "wall_rate_hz": channel.wall_rate_hz,
+        "bytes": channel.last_bytes,
+        "lost": channel.lost,
+        "undecodable": channel.undecodable,
+        "fields": summarised(channel.values or {}),
+    }
+
+
+def as_text(traffic: Traffic, heading: str) -> Text:
+    """Return everything that was heard, for people."""
+    lines = [Text(heading), *(Text(f"run {run}", "bold") for run in traffic.runs)]
+    for name in sorted(traffic.channels):
+        channel = traffic.channels[name]
+        lines.append(Text(name, "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
+        lines += map(Text, described(summarised(channel.values or {})))
+    return Text("\n").join(lines)
+
+
+def figures(channel: ChannelTraffic) -> Iterator[str]:
+    """Yield what is known of one channel, in words."""
+    yield channel.type_name or "unknown type"
+    if channel.rate_hz is not None:
+        yield f"{channel.rate_hz:.2f} Hz"
+    yield size_of(channel.last_bytes)
+    yield "1 message" if channel.count == 1 else f"{channel.count} messages"
+    if channel.lost:
+        yield f"{channel.lost} lost"
+    if channel.undecodable:
+        yield f"{channel.undecodable} undecodable"
+
+
+def size_of(n_bytes: int) -> str:
+    """Return a size as people read it."""
+    return (
+        f"{n_bytes} B" if n_bytes < 1000 else f"{n_bytes / 1000:.1f} kB" if n_bytes < 1e6 else f"{n_bytes / 1e6:.2f} MB"
+    )

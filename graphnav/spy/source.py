@@ -1,0 +1,77 @@
+"""Where messages are heard: live on a multicast group, or in a log."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav.bus import GROUP, Bus
+from graphnav.errors import GraphnavError, UserError
+from graphnav.record import Recording
+
+LOG_NAME = "run.lcmlog"
+_PATIENCE_S = 0.1
+
+
+class Heard(NamedTuple):
+    """A message; ``at_s`` is when it arrived, or was recorded, on a clock of any origin."""
+
+    channel: str
+    data: bytes
+    at_s: float
+
+
+class Source:
+    """A multicast group (``udpm://...``), a log, or a run folder; without a name the group where runs are tapped.
+
+    Raises UserError where there is nothing of that name.
+    """
+
+    def __init__(self, name: str | None) -> None:
+        self.name = name or GROUP
+        self.is_live = self.name.startswith("udpm:")
+        self.torn = ""
+        if self.is_live:
+            return
+        path = Path(self.name)
+        self.path = path / LOG_NAME if path.is_dir() else path
+        if not self.path.is_file():
+            what = f"{path} holds no {LOG_NAME}" if path.is_dir() else f"there is no {path}"
+            raise UserError.of(what, "name a run folder, a log or a udpm:// URL")
+
+    def listen(self, for_s: float | None) -> Iterator[Heard | None]:
+        """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""
+        return self._live(for_s) if self.is_live else self._recorded()
+
+    def silence(self, for_s: float | None) -> GraphnavError:
+        """Return the error to raise where nothing at all was heard."""
+        if not self.is_live:
+            return GraphnavError(f"{self.path} holds no messages")
+        within = f" within {for_s:g} s" if for_s else ""
+        return GraphnavError(
+            f"no message on {self.name}{within}\n  start a run that can be watched: graphnav run GRAPH --pace 1"
+        )
+
+    def _live(self, for_s: float | None) -> Iterator[Heard | None]:
+        waiting: deque[Heard] = deque()
+        bus = Bus(self.name)
+        bus.subscribe_all(lambda channel, data: waiting.append(Heard(channel, data, time.monotonic())))
+        end_s = time.monotonic() + for_s if for_s is not None else None
+        try:
+            while (left_s := _PATIENCE_S if end_s is None else end_s - time.monotonic()) > 0:
+                bus.handle(min(left_s, _PATIENCE_S))
+                bus.drain()
+                yield from waiting
+                waiting.clear()
+                yield None
+        finally:
+            bus.close()
+
+    def _recorded(self) -> Iterator[Heard]:
+        with Recording(self.path) as recording:
+            self.torn = str(recording.torn or "")
+            for event in recording.events():
+                yield Heard(event.channel, event.data, event.utime / 1e6)
