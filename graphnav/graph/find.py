@@ -34,22 +34,23 @@ def find_graph(name: str | Path) -> Path:
     path, shipped = Path(name), shipped_graphs()
     candidates = [path] if path.suffix in _SUFFIXES else [path, *(Path(f"{path}{suffix}") for suffix in _SUFFIXES)]
     for candidate in candidates:
-        if _is_file(candidate):
+        if _exists(candidate) and not candidate.is_dir():
             return candidate
     if str(name) in shipped:
         return shipped[str(name)]
-    if path.is_dir():
+    if _exists(path) and path.is_dir():
         near = sorted(p.name for p in path.glob("*.yaml"))
         hint = f"name a file in it: {', '.join(near[:5])}" if near else "name a YAML file"
         raise UserError.of("it is a folder, not a graph", hint, Place(str(name)))
-    known = {*shipped, *(str(p) for suffix in _SUFFIXES for p in path.parent.glob(f"*{suffix}"))}
+    beside = path.parent if _exists(path.parent) else Path()
+    known = {*shipped, *(str(p) for suffix in _SUFFIXES for p in beside.glob(f"*{suffix}"))}
     hint = did_you_mean(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
     raise UserError.of("there is no such graph", hint, Place(str(name)))
 
 
-def _is_file(path: Path) -> bool:
+def _exists(path: Path) -> bool:
     try:
-        return path.exists() and not path.is_dir()
+        return path.exists()
     except (OSError, ValueError):  # a name too long, or with a null character
         return False
 

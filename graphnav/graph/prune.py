@@ -13,9 +13,9 @@ def prune(
 ) -> None:
     """Remove the stages that had readers and have none now, and what the graph says of them.
 
-    Sinks, swapped stages and the last source stay. ``read_before``: the stages that somebody read before the swap.
+    Sinks and the last source stay. ``read_before``: the stages that somebody read before the swap.
     """
-    while unread := _unread(spec, read_before, swapped, classes):
+    while unread := _unread(spec, read_before, classes):
         del spec.stages[unread]
         notices.append(f"{unread}: pruned, nobody reads it any more")
     channels = {f"{s}.{p.name}" for s, cls in classes.items() if s in spec.stages for p in ports_of(cls).outputs}
@@ -33,11 +33,13 @@ def prune(
         spec.deploy = {name: left for name, entry in spec.deploy.items() if (left := _without(entry, pruned))}
 
 
-def _unread(spec: Spec, read_before: set[str], swapped: set[str], classes: Mapping[str, type[Stage]]) -> str | None:
+def _unread(spec: Spec, read_before: set[str], classes: Mapping[str, type[Stage]]) -> str | None:
+    """Return a stage that has outputs, but lost its last reader."""
     read = {str(e.value.data).partition(".")[0] for stage in spec.stages.values() for e in stage.wires.values()}
     sources = [name for name in spec.stages if name in classes and issubclass(classes[name], Source)]
     for name in spec.stages:
-        if name in read_before and name not in read and name not in swapped and sources != [name]:
+        lost = name in read_before and name not in read and name in classes
+        if lost and ports_of(classes[name]).outputs and sources != [name]:
             return name
     return None
 

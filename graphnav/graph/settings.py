@@ -52,7 +52,7 @@ def _setting(param: Param, value: Any, entry: Entry | None, place: Place, folder
     if not has_path(param.type):
         return Setting(value, value, value, origin, place)
     found = resolve_paths(param.type, value, Path.cwd() if origin == SET else folder)
-    return Setting(found.value, value, found.anywhere, origin, place)
+    return Setting(found.value, entry.value.plain() if entry else value, found.anywhere, origin, place)
 
 
 def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOptions:

@@ -18,7 +18,7 @@ Scalar = bool | int | float | str | None
 
 
 def parse_scalar(text: str) -> Scalar:
-    """Return what an unquoted scalar means; whole numbers of more than 300 digits stay text."""
+    """Return what an unquoted scalar means; numbers beyond what a float holds are infinite."""
     if text in _NULL:
         return None
     if text in _TRUE or text in _FALSE:

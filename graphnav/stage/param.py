@@ -178,6 +178,8 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
 def _convert_union(name: str, kind: Any, value: Any) -> Any:
     if value is None and type(None) in get_args(kind):
         return None
+    if isinstance(value, str) and "://" in value and str in get_args(kind):
+        return value  # a Path would lose one of the slashes
     for member in get_args(kind):
         if member is type(None):
             continue

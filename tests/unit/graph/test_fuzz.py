@@ -1,0 +1,77 @@
+"""Whatever a file holds and whatever is set, the answer is a graph or a user's error."""
+
+import contextlib
+from pathlib import Path
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from graphnav.catalog import Catalog
+from graphnav.errors import UserError
+from graphnav.graph import Graph, graph_of
+
+CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+
+KNOWN = """about run stages channels deploy inputs use with in robot flow plane wheels toy.robot toy.matcher
+toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image command twist robot.image flow.flow plane.plane
+wheels.twist noise_px rate_hz layers model limits seed until_s url record all keep host restart CAMERA"""
+WORDS = st.sampled_from(KNOWN.split())
+ATOMS = WORDS | st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
+TREES = st.recursive(
+    ATOMS,
+    lambda tree: st.lists(tree, max_size=3) | st.dictionaries(WORDS | st.text(max_size=4), tree, max_size=4),
+    max_leaves=20,
+)
+STAGE = st.fixed_dictionaries({"use": ATOMS}, optional={"with": TREES, "in": st.dictionaries(WORDS, ATOMS, max_size=3)})
+GRAPHS = st.fixed_dictionaries(
+    {"stages": st.dictionaries(WORDS, STAGE | TREES, max_size=5)},
+    optional=dict.fromkeys(("about", "run", "channels", "deploy", "inputs"), TREES),
+)
+SETS = st.lists(
+    st.builds("{}{}{}={}".format, WORDS, st.sampled_from(["", ".in.", "."]), WORDS, ATOMS) | st.text(max_size=12),
+    max_size=3,
+)
+
+
+def is_answered(data: bytes, toys: Catalog, sets: list[str]) -> None:
+    with contextlib.suppress(UserError):
+        graph = graph_of(data, Path("graph.yaml"), toys, sets)
+        assert isinstance(graph, Graph)
+        graph_of(graph.to_yaml().encode(), Path("graph.yaml"), toys)
+
+
+@CALM
+@given(st.binary(max_size=300))
+def test_bytes(toys: Catalog, data: bytes) -> None:
+    is_answered(data, toys, [])
+
+
+@CALM
+@given(st.text(max_size=300), SETS)
+def test_texts(toys: Catalog, text: str, sets: list[str]) -> None:
+    is_answered(text.encode("utf-8", "replace"), toys, sets)
+
+
+@CALM
+@given(GRAPHS, SETS)
+def test_graphs_of_known_words(toys: Catalog, graph: object, sets: list[str]) -> None:
+    is_answered(as_yaml(graph).encode("utf-8", "replace"), toys, sets)
+
+
+def as_yaml(value: object) -> str:
+    """Return plain data as YAML on one line, words unquoted."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{as_yaml(key)}: {as_yaml(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(as_yaml, value)) + "]"
+    return "null" if value is None else str(value)
+
+
+SYNTAX = "stages:|  robot|toy.robot|: |{|}|[|]|&a |*a|use|,|'|\"|#|- |>|!!int |\t|---|? |%YAML|\x00|é|\ud7ff|\n| "
+PIECES = st.sampled_from([*SYNTAX.split("|"), "|"])
+
+
+@CALM
+@given(st.lists(PIECES))
+def test_pieces_of_yaml(toys: Catalog, pieces: list[str]) -> None:
+    is_answered("".join(pieces).encode(), toys, [])
