@@ -2,7 +2,8 @@
 
 ``python tools/bench_flow.py [first seed] [seeds]`` prints, for straight, gentle and fast turning drives, the mean
 endpoint error of every estimator and its share of Farneback's, then the time of a step and its share of
-``cv2.calcOpticalFlowFarneback``'s on the same frames (medians; one thread).
+``cv2.calcOpticalFlowFarneback``'s with the tutorial's parameters on the same frames (medians of the thread's own
+processor time, so that other programs do not count; one thread).
 """
 
 from __future__ import annotations
@@ -28,7 +29,6 @@ SPEED_MPS = 0.3
 PERIOD_US = 100_000
 WARM_UP_FRAMES = 6
 FRAMES = 40
-FARNEBACK_TUTORIAL = {"pyr_scale": 0.5, "levels": 3, "winsize": 15, "iterations": 3, "poly_n": 5, "poly_sigma": 1.2}
 
 
 @dataclass(frozen=True)
@@ -85,14 +85,14 @@ def endpoint_error_px(stage: Stage, steps: Sequence[Step]) -> float:
 
 
 def step_ms(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -> dict[str, float]:
-    """Return the median time of a step of each stage and, as "cv2", of bare Farneback, interleaved."""
+    """Return the median processor time of a step of each stage and, as "cv2", of bare Farneback, interleaved."""
     spent: dict[str, list[float]] = {name: [] for name in ("cv2", *stages)}
     for stage in stages.values():
         stage.reset(0)
     for turn in range(rounds):
         step = steps[turn % len(steps)]
         begin = time.thread_time()
-        cv2.calcOpticalFlowFarneback(step.now.pixels, step.before.pixels, None, flags=0, **FARNEBACK_TUTORIAL)
+        cv2.calcOpticalFlowFarneback(step.now.pixels, step.before.pixels, None, 0.5, 3, 15, 3, 5, 1.2, 0)
         spent["cv2"].append(time.thread_time() - begin)
         for name, stage in stages.items():
             begin = time.thread_time()

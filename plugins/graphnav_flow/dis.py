@@ -8,7 +8,7 @@ import cv2
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav_flow.frames import Frames, Gray
-from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, texture, trusted
+from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -58,5 +58,5 @@ class Dis(Stage):
         if last is None:
             return None
         uv_px = -self._search.calc(gray, last, None)
-        valid = trusted(uv_px, self.margin_px, texture(gray), self.least_texture)
+        valid = trusted(uv_px, gray, self.margin_px, self.least_texture)
         return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)

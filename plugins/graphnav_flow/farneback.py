@@ -6,7 +6,7 @@ import cv2
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav_flow.frames import Frames, Gray
-from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, texture, trusted
+from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
 
 
 class Farneback(Stage):
@@ -57,5 +57,5 @@ class Farneback(Stage):
             flags=0,
         )
         uv_px = -back_px
-        valid = trusted(uv_px, self.margin_px, texture(gray), self.least_texture)
+        valid = trusted(uv_px, gray, self.margin_px, self.least_texture)
         return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)

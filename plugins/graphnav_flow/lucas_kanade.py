@@ -72,8 +72,7 @@ class LucasKanade(Stage):
             self._refinements = self._buffers(self._last)
             return None
         uv_px = self._solve(self._last, last)
-        texture = self._refinements[0].texture()
-        valid = trusted(uv_px, self.margin_px, texture, self.least_texture)
+        valid = trusted(uv_px, gray, self.margin_px, self.least_texture)
         return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
 
     def _buffers(self, pyramid: Pyramid) -> list[Refinement]:

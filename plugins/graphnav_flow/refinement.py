@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 
 from graphnav_flow.pyramid import Plane32
-from graphnav_flow.validity import least_eigenvalue
 
 # Derivative of the five-point polynomial; halved, because it is applied to the sum of two images.
 _DERIVATIVE = np.array([[1, -8, 0, 8, -1]], np.float32) / np.float32(24)
@@ -58,10 +57,6 @@ class Refinement:
         self._linearize(target)
         self._sum_windows()
         self._correct(u, v)
-
-    def texture(self) -> Plane32:
-        """Return the smaller eigenvalue of the last windows' structure tensor, (gray / px)^2, shape (rows, cols)."""
-        return least_eigenvalue(self._uu, self._uv, self._vv)
 
     def _warp(self, target: Plane32, source: Plane32, u: Plane32, v: Plane32) -> None:
         cv2.scaleAdd(u, self._zoom, self._right, dst=self._map_u)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 Valid = npt.NDArray[np.uint8]
 Uv = npt.NDArray[np.float32]
 
+BLOCK_PX = 4
 MARGIN_PX = 6.0
 MARGIN_DOC = "vectors from or at places nearer to the border than this are not valid"
 LEAST_TEXTURE = 4.0
@@ -47,17 +48,23 @@ def least_eigenvalue(uu: Uv, uv: Uv, vv: Uv) -> Uv:
     return least
 
 
-def texture(gray: npt.NDArray[np.uint8], window_px: int = 9) -> Uv:
-    """Return the smaller eigenvalue of the structure tensor of ``gray``, (gray / px)^2, float32 (rows, cols)."""
-    gu = cv2.Sobel(gray, cv2.CV_32F, 1, 0, ksize=1, scale=0.5)
-    gv = cv2.Sobel(gray, cv2.CV_32F, 0, 1, ksize=1, scale=0.5)
-    window = (window_px, window_px)
-    uu, uv, vv = (cv2.blur(one * other, window) for one, other in ((gu, gu), (gu, gv), (gv, gv)))
-    return least_eigenvalue(uu, uv, vv)
+def texture(gray: npt.NDArray[np.uint8]) -> Uv:
+    """Return the smaller eigenvalue of the structure tensor of ``gray``, (gray / px)^2, float32 (rows, cols).
+
+    Averaged over 3x3 blocks of 4x4 pixels, a fifth of the cost of a window around every pixel.
+    """
+    gu = cv2.Sobel(gray, cv2.CV_16S, 1, 0, ksize=1)
+    gv = cv2.Sobel(gray, cv2.CV_16S, 0, 1, ksize=1)
+    rows, cols = gray.shape
+    blocks = (max(1, cols // BLOCK_PX), max(1, rows // BLOCK_PX))
+    products = (cv2.multiply(one, other, scale=0.25, dtype=cv2.CV_32F) for one, other in ((gu, gu), (gu, gv), (gv, gv)))
+    uu, uv, vv = (cv2.blur(cv2.resize(p, blocks, interpolation=cv2.INTER_AREA), (3, 3)) for p in products)
+    fine: Uv = cv2.resize(least_eigenvalue(uu, uv, vv), (cols, rows))
+    return fine
 
 
-def trusted(uv_px: Uv, margin_px: float, eigenvalue: Uv, least_texture: float) -> Valid:
-    """Return 1 where a vector is valid by both parts of the rule, uint8 (rows, cols)."""
+def trusted(uv_px: Uv, gray: npt.NDArray[np.uint8], margin_px: float, least_texture: float) -> Valid:
+    """Return 1 where a vector on the image ``gray`` is valid by both parts of the rule, uint8 (rows, cols)."""
     inside = came_from_inside(uv_px, margin_px)
-    inside &= eigenvalue >= least_texture
+    inside &= texture(gray) >= least_texture
     return inside

@@ -1,0 +1,89 @@
+"""One rule of validity for all estimators and for the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+import pytest
+from graphnav_flow.dis import Dis
+from graphnav_flow.farneback import Farneback
+from graphnav_flow.lucas_kanade import LucasKanade
+from graphnav_flow.truth import Truth
+from graphnav_flow.validity import came_from_inside, least_eigenvalue, texture
+
+import graphnav
+from graphnav import Stage
+
+if TYPE_CHECKING:
+    from tests.plugins.flow.conftest import Pair
+
+
+def uniform(u: float, v: float, shape: tuple[int, int] = (20, 30)) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
+    return np.full((*shape, 2), (u, v), np.float32)
+
+
+def test_the_margin_holds_for_the_pixel_and_for_its_source() -> None:
+    valid = came_from_inside(uniform(5.0, 0.0), 3.0)
+    rows, cols = np.nonzero(valid)
+    assert (rows.min(), rows.max()) == (3, 16)
+    assert (cols.min(), cols.max()) == (8, 26)
+
+
+def test_what_moves_up_came_from_below() -> None:
+    valid = came_from_inside(uniform(0.0, -4.0), 0.0)
+    assert valid[:16].all()
+    assert not valid[16:].any()
+
+
+@pytest.mark.parametrize("margin_px", [0.0, 0.5, 1.0, 9.0, 10.0, 15.0, 1000.0])
+def test_the_margin_counts_pixel_centres(margin_px: float) -> None:
+    at = np.minimum(np.arange(30), 29 - np.arange(30))
+    down = np.minimum(np.arange(20), 19 - np.arange(20))
+    expected = (at >= margin_px)[None] & (down >= margin_px)[:, None]
+    assert np.array_equal(came_from_inside(uniform(0.0, 0.0), margin_px), expected)
+
+
+def test_the_least_eigenvalue_is_numpys() -> None:
+    rng = np.random.default_rng(0)
+    root = rng.standard_normal((5, 7, 2, 2)).astype(np.float32)
+    matrices = root @ np.swapaxes(root, -1, -2)
+    least = least_eigenvalue(*(np.ascontiguousarray(matrices[..., i, j]) for i, j in ((0, 0), (0, 1), (1, 1))))
+    assert least == pytest.approx(np.linalg.eigvalsh(matrices)[..., 0], abs=1e-5)
+
+
+def test_texture_of_noise_is_half_its_variance() -> None:
+    noise = np.rint(128 + 6 * np.random.default_rng(0).standard_normal((120, 160))).astype(np.uint8)
+    assert texture(noise).mean() == pytest.approx(18, rel=0.2)
+
+
+@pytest.mark.parametrize("estimator", [LucasKanade, Farneback, Dis])
+def test_estimators_and_truth_agree_on_what_came_from_inside(
+    estimator: type[Stage], warped_pair: Callable[..., Pair]
+) -> None:
+    pair = warped_pair(lambda x, y: (x + 6.0, y - 4.0))
+    shape = pair.now.shape
+    truth = graphnav.Truth(
+        obstacle=np.zeros(shape, np.uint8),
+        depth_m=np.ones(shape, np.float32),
+        flow_px=pair.flow_px.astype(np.float32),
+        interval_us=100_000,
+    )
+    oracle = Truth().step(truth)
+    assert oracle.interval_us == 100_000
+    assert np.array_equal(oracle.uv_px, truth.flow_px)
+    estimated = pair.estimate(estimator())
+    sure = cv2.erode(oracle.valid, np.ones((3, 3), np.uint8))
+    possible = cv2.dilate(oracle.valid, np.ones((3, 3), np.uint8))
+    assert np.mean(estimated.valid[sure > 0]) > 0.99
+    assert not estimated.valid[possible == 0].any()
+
+
+def test_valid_vectors_err_less_than_the_others(driven_pairs: Callable[..., list[Pair]]) -> None:
+    stage = LucasKanade()
+    for pair in driven_pairs(1.5, 4):
+        flow = pair.estimate(stage)
+        error = pair.error_px(flow)
+        assert error[flow.valid > 0].mean() < 0.25 * error[flow.valid == 0].mean()
