@@ -1,4 +1,34 @@
-"""The keys of a map file."""
+"""The keys of a map file.
+
+Lengths are metres in W, angles degrees counterclockwise. A number may everywhere be a range ``[low, high]``, drawn
+from the run's seed; so may each coordinate of a point. Everything but ``start`` may be left out, and ``start`` too
+where there is a ``corridor``::
+
+    about: one line for people
+    textures:                      # gray of 255; "floor", "wall" and "obstacle" are the defaults of what they name
+      floor: {mean: 125, contrast: 34, grain_m: 0.16}
+      brick: {mean: [90, 120]}
+    view: {light_ratio: 1, noise_ratio: 1}   # factors on the world's own parameters
+    walls:
+      - along: [[0, 0], [2, 0], {arc: {center_m: [2, 1], radius_m: 1, from_deg: -90, to_deg: 0}}]
+        height_m: 0.35
+        thickness_m: 0.1
+        closed: false
+        texture: brick
+    obstacles:                     # each has one shape: circle, box or polygon
+      - {circle: {center_m: [1, [0.4, 0.6]], radius_m: 0.2}, height_m: 0.5, texture: obstacle}
+      - {box: {center_m: [3, 0], size_m: [0.4, 0.2], turn_deg: 30}}
+      - {polygon: {points_m: [[4, 0], [5, 0], [4, 1]]}}
+      - circle: {center_m: [1, 2], radius_m: 0.2}
+        moves: {through_m: [[2, 2]], speed_mps: 0.2, around: false, ahead_m: 0}   # there and back, or around
+    pillars: {count: [20, 40], radius_m: [0.1, 0.25], gap_m: 0.8, field: {corner_m: [0, 0], size_m: [8, 6]}}
+    corridor:                      # brings walls, start and goal; begins at the origin, along x
+      {turn: left, radius_m: 3, half_width_m: 0.7, bend_deg: 90, run_in_m: 1.5, run_out_m: 0.5,
+       start_offset_m: 0, start_heading_deg: 0, height_m: 0.35, thickness_m: 0.1}
+    start: {at_m: [0, 0], heading_deg: 0}
+    goal: {box: {center_m: [8, 3], size_m: [1, 6]}}          # one shape
+    passage: {margin_m: 0.1, straight_blocked: true}         # redraw until a path this much wider leads to the goal
+"""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class MapText:
     ) -> dict[str, yaml.Node]:
         """Return a mapping's known keys; note unknown, repeated and missing ones."""
         if not isinstance(node, yaml.MappingNode):
-            self.wrong(node, f"{what} must be a mapping, not {_shown(node)}", f"its keys are {_listed(known)}")
+            self.wrong(node, f"{what} must be a mapping, not {_written(node)}", f"its keys are {_listed(known)}")
             return {}
         found: dict[str, yaml.Node] = {}
         lines: dict[str, int] = {}
@@ -71,7 +71,7 @@ class MapText:
     def items(self, node: yaml.Node, what: str) -> list[yaml.Node]:
         """Return the items of a list."""
         if not isinstance(node, yaml.SequenceNode):
-            self.wrong(node, f"{what} must be a list, not {_shown(node)}", "begin each item with '- '")
+            self.wrong(node, f"{what} must be a list, not {_written(node)}", "begin each item with '- '")
             return []
         return list(node.value)
 
@@ -84,19 +84,19 @@ class MapText:
         self, node: yaml.Node, key: str, *, least: float = -math.inf, above: float = -math.inf, whole: bool = False
     ) -> tuple[float, float]:
         """Return the ends of a range, twice the same for a single number; NaN if it is neither."""
-        name = key.rsplit(".", 1)[-1]
+        name = _label(key)
         ends = [node]
         if isinstance(node, yaml.SequenceNode):
             if len(node.value) != 2:
                 hint = "write one number, or a range [low, high]"
-                self.wrong(node, f"'{name}' must be a number, not a list of {len(node.value)}", hint)
+                self.wrong(node, f"{name} must be a number, not a list of {len(node.value)}", hint)
                 return math.nan, math.nan
             ends = node.value
         numbers = [self._scalar(end, name, least, above, whole=whole) for end in ends]
         low, high = numbers[0], numbers[-1]
         if low > high:
             hint = f"write [{high:g}, {low:g}]"
-            self.wrong(node, f"the range of '{name}' begins with its larger end", hint)
+            self.wrong(node, f"the range of {name} begins with its larger end", hint)
             return math.nan, math.nan
         return low, high
 
@@ -112,9 +112,9 @@ class MapText:
 
     def pair(self, node: yaml.Node, key: str, *, above: float = -math.inf) -> tuple[float, float]:
         """Return two numbers, each of which may be a range."""
-        name = key.rsplit(".", 1)[-1]
+        name = _label(key)
         if not isinstance(node, yaml.SequenceNode) or len(node.value) != 2:
-            self.wrong(node, f"'{name}' must be two numbers, not {_shown(node)}", "write [x, y]")
+            self.wrong(node, f"{name} must be two numbers, not {_written(node)}", "write [x, y]")
             return math.nan, math.nan
         x, y = (self.number(part, f"{key}.{axis}", above=above) for part, axis in zip(node.value, "xy", strict=True))
         return x, y
@@ -123,14 +123,16 @@ class MapText:
         """Return true or false."""
         if isinstance(node, yaml.ScalarNode) and node.value in {"true", "false"}:
             return bool(node.value == "true")
-        self.wrong(node, f"'{key.rsplit('.', 1)[-1]}' must be true or false, not {_shown(node)}")
+        self.wrong(node, f"{_label(key)} must be true or false, not {_written(node)}")
         return False
 
     def word(self, node: yaml.Node, what: str, known: Collection[str]) -> str:
         """Return one of the known words; the first of them if it is none."""
         if isinstance(node, yaml.ScalarNode) and node.value in known:
             return str(node.value)
-        self.wrong(node, f"{what} must be {_listed(known)}, not {_shown(node)}", _nearest(str(node.value), known))
+        near = difflib.get_close_matches(str(node.value), known, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else ""
+        self.wrong(node, f"{what} must be {_listed(known)}, not {_written(node)}", hint)
         return next(iter(known))
 
     def _scalar(self, node: yaml.Node, name: str, least: float, above: float, *, whole: bool) -> float:
@@ -139,41 +141,48 @@ class MapText:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            self.wrong(node, f"'{name}' must be a number, not {_shown(node)}")
+            self.wrong(node, f"{name} must be a number, not {_written(node)}", "write a number or a range [low, high]")
             return math.nan
         if whole and value != round(value):
-            self.wrong(node, f"'{name}' must be a whole number, not {value:g}")
+            self.wrong(node, f"{name} must be a whole number, not {value:g}")
             return math.nan
         if value < least or value <= above:
             bound = f"at least {least:g}" if value < least else f"above {above:g}"
-            self.wrong(node, f"'{name}' is {value:g}, but must be {bound}")
+            self.wrong(node, f"{name} is {value:g}, but must be {bound}")
             return math.nan
         return value
 
 
+def shown(path: Path) -> str:
+    """Return a path as messages show it: relative where it lies below the working folder."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(path)
+
+
 def compose(path: Path) -> tuple[yaml.Node | None, list[Problem]]:
     """Return the root node of a YAML file, or None and what keeps it from being read."""
+    file = shown(path)
     try:
         text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        return None, [Problem(Place(str(path)), "there is no such map", "give the path of a map's YAML file")]
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not text in UTF-8"
-        return None, [Problem(Place(str(path)), f"the map cannot be read: {reason}", "give a map's YAML file")]
+        return None, [Problem(Place(file), f"the map cannot be read: {reason}", "give a map's YAML file")]
     try:
         refused = _refused(text)
         if refused is not None:
             event, what, hint = refused
-            return None, [Problem(_at(path, event.start_mark), what, hint)]
+            return None, [Problem(_at(file, event.start_mark), what, hint)]
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
-        where = _at(path, error.problem_mark or error.context_mark)
+        where = _at(file, error.problem_mark or error.context_mark)
         return None, [Problem(where, f"this is not YAML: {error.problem}", "check indentation, brackets and quotes")]
     except yaml.YAMLError as error:
         what = f"this is not YAML: {str(error).splitlines()[0]}"
-        return None, [Problem(Place(str(path)), what, "save the map as plain text in UTF-8")]
+        return None, [Problem(Place(file), what, "save the map as plain text in UTF-8")]
     if root is None:
-        return None, [Problem(Place(str(path)), "the map is empty", "give it at least a start")]
+        return None, [Problem(Place(file), "the map is empty", "give it at least a start")]
     return root, []
 
 
@@ -196,14 +205,24 @@ def _refused(text: str) -> tuple[yaml.Event, str, str] | None:
     return None
 
 
-def _at(path: Path, mark: Any) -> Place:
-    return Place(str(path), mark.line + 1, mark.column + 1) if mark else Place(str(path))
+def _at(file: str, mark: Any) -> Place:
+    return Place(file, mark.line + 1, mark.column + 1) if mark else Place(file)
 
 
 def numbered(nodes: Sequence[yaml.Node], key: str) -> Iterator[tuple[str, yaml.Node]]:
     """Yield the nodes of a list with the key of each."""
     for index, node in enumerate(nodes):
         yield f"{key}.{index}", node
+
+
+def _label(key: str) -> str:
+    """Return how messages name what a key stands for: ``'radius_m'``, ``x of 'center_m'``, ``a point of 'along'``."""
+    *before, last = key.split(".")
+    if last.isdigit():
+        return f"a point of '{before[-1]}'"
+    if last in {"x", "y"} and before:
+        return f"{last} of '{next(name for name in reversed(before) if not name.isdigit())}'"
+    return f"'{last}'"
 
 
 def _listed(names: Collection[str]) -> str:
@@ -216,7 +235,7 @@ def _nearest(name: str, known: Collection[str]) -> str:
     return f"did you mean '{near[0]}'?" if near else f"use {_listed(known)}"
 
 
-def _shown(node: yaml.Node) -> str:
+def _written(node: yaml.Node) -> str:
     if isinstance(node, yaml.MappingNode):
         return "a mapping"
     if isinstance(node, yaml.SequenceNode):

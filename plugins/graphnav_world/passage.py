@@ -17,6 +17,8 @@ Doubles = npt.NDArray[np.float64]
 Floats = npt.NDArray[np.float32]
 
 CELL_M = 0.025
+STRIDE = 2
+"""Cells that a step of the search covers."""
 MARGIN_M = 1.0
 Cell = tuple[int, int]
 
@@ -111,8 +113,8 @@ class Passage:
 
 def _neighbours(cell: Cell, free: npt.NDArray[np.bool_]) -> Iterator[tuple[Cell, float]]:
     row, col = cell
-    for down in (-1, 0, 1):
-        for right in (-1, 0, 1):
+    for down in (-STRIDE, 0, STRIDE):
+        for right in (-STRIDE, 0, STRIDE):
             near = row + down, col + right
             inside = 0 <= near[0] < free.shape[0] and 0 <= near[1] < free.shape[1]
             if (down or right) and inside and free[near]:

@@ -44,7 +44,7 @@ def read_pillars(text: MapText, node: yaml.Node, textures: tuple[str, ...]) -> l
     places, radii = next((one for one in placed if one[0] is not None), (None, np.zeros(0)))
     if places is None:
         hint = "give a larger field, a smaller gap or fewer pillars"
-        text.wrong(found["count"], f"{int(count)} pillars with gaps of {gap:g} m do not fit into the field", hint)
+        text.wrong(found["count"], f"{_counted(int(count))} with gaps of {gap:g} m cannot be placed in the field", hint)
         return []
     return [
         Body.prism(outlines.circle(x + corner[0], y + corner[1], radius), height, texture)
@@ -72,3 +72,7 @@ def spread(radii: Doubles, gap_m: float, size_m: Doubles, rng: np.random.Generat
         push = between / np.maximum(far, 1e-9)[..., None] * lack[..., None]
         at = np.clip(at + 0.5 * push.sum(axis=1) / np.maximum(1, (lack > 0).sum(axis=1))[:, None], lows, highs)
     return None
+
+
+def _counted(count: int) -> str:
+    return "1 pillar" if count == 1 else f"{count} pillars"

@@ -194,9 +194,9 @@ class Renderer:
         turn, shift = before.camera_from(now)
         flow = np.empty((rows, cols, 2), np.float32)
         past = [inverse * t for t in shift]
-        for one, q in zip(past, turn, strict=True):
-            one += self._x * q[0]
-            one += self._y * q[1] + q[2]
+        for axis, (x, y, one) in enumerate(turn):
+            past[axis] += self._x * x
+            past[axis] += self._y * y + one
         for body, moved_W in now.moved_since(before):
             at = bodies[self._faces.body[face[bodies]] == body]
             moved_C = (before.R_WC.T @ moved_W).astype(np.float32)

@@ -134,7 +134,7 @@ class Pymunk(Source):
 
     def _load(self, seed: int) -> WorldMap:
         if not self.map.is_file():
-            raise ParamError("map", f"there is no map '{self.map}'", "give the path of a map's YAML file")
+            raise ParamError("map", f"'map' names no file: {self.map}", "give the path of a map's YAML file")
         return load_map(self.map, seed, self.robot_radius_m)
 
     def _look(self, now: Placed) -> Frame:

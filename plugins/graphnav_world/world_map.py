@@ -7,7 +7,7 @@ from pathlib import Path
 
 from graphnav import Problem, UserError
 from graphnav_world.map_file import MapDraw, read_map
-from graphnav_world.map_text import MapText, compose
+from graphnav_world.map_text import MapText, compose, shown
 from graphnav_world.passage import Passage
 from graphnav_world.scene import Kind
 
@@ -36,7 +36,7 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
     root, problems = compose(path)
     for attempt in range(ATTEMPTS if root else 0):
         assert root is not None
-        text = MapText(str(path), seed, attempt)
+        text = MapText(shown(path), seed, attempt)
         draw = read_map(text, root)
         problems = text.problems
         if problems or draw is None:

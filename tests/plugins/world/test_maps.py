@@ -1,0 +1,137 @@
+"""Maps: what is wrong with one is said with its place; what one draws follows from the seed alone.
+
+To write the golden texts anew, and then read them::
+
+    python tests/plugins/world/test_maps.py
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from graphnav_world import outlines
+from graphnav_world.passage import Passage
+from graphnav_world.scene import Kind
+from graphnav_world.world_map import WorldMap, load_map
+
+from graphnav import UserError
+
+HERE = Path(__file__).parent
+BROKEN = HERE / "broken_maps"
+CASES = sorted(path.stem for path in BROKEN.glob("*.yaml"))
+RADIUS_M = 0.2
+
+
+def message_of(case: str) -> str:
+    with pytest.raises(UserError) as caught:
+        load_map(Path(f"{case}.yaml"), seed=0, robot_radius_m=RADIUS_M)
+    return f"{caught.value}\n"
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_refused_with_the_golden_message(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(BROKEN)
+    assert message_of(case) == Path(f"{case}.txt").read_text(encoding="utf-8")
+
+
+def test_every_text_has_its_map() -> None:
+    assert sorted(path.stem for path in BROKEN.glob("*.txt")) == CASES
+
+
+@pytest.mark.parametrize("name", ["corridor_ccw", "pillars", "approach", "crossing"])
+def test_a_seed_draws_one_world_and_another_seed_another(name: str, maps: Path) -> None:
+    one, same, other = (_digest(load_map(maps / f"{name}.yaml", seed, RADIUS_M)) for seed in (5, 5, 6))
+    assert one == same
+    assert one != other
+
+
+def test_a_draw_does_not_depend_on_draws_elsewhere(tmp_path: Path) -> None:
+    text = "start: {{at_m: [0, {start}]}}\nobstacles:\n  - {{circle: {{center_m: [[2, 3], 0], radius_m: 0.2}}}}\n"
+    path = tmp_path / "map.yaml"
+    centers = []
+    for start in ("0", "[-0.5, 0.5]"):
+        path.write_text(text.format(start=start))
+        centers.append(load_map(path, 3, RADIUS_M).draw.bodies[0].outline.mean(axis=0))
+    assert (centers[0] == centers[1]).all()
+    assert 2.0 < centers[0][0] < 3.0
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(("name", "side"), [("corridor_ccw", 1), ("corridor_cw", -1)])
+def test_corridors_bend_as_their_name_says(name: str, side: int, seed: int, maps: Path) -> None:
+    world = load_map(maps / f"{name}.yaml", seed, RADIUS_M)
+    draw = world.draw
+    goal = draw.goal_m
+    bend = np.arctan2(*(goal[1] - goal[0])[::-1]) * side % (2 * np.pi)
+    assert np.pi / 2 <= bend <= np.pi
+    width = np.linalg.norm(goal[3] - goal[0])
+    assert 1.1 <= width <= 1.8
+    for end in (goal[0] * 0.5 + goal[1] * 0.5, goal[2] * 0.5 + goal[3] * 0.5):
+        beside = min(outlines.distance(part, *end) for part in draw.bodies[0].parts)
+        assert beside < 0.01, "the goal spans the corridor from wall to wall"
+    straight = outlines.distance(goal, *draw.start[:2])
+    assert straight < world.shortest_m < 5.9 * np.pi + 5
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_pillars_stand_apart_block_the_straight_way_and_leave_one(seed: int, maps: Path) -> None:
+    world = load_map(maps / "pillars.yaml", seed, RADIUS_M)
+    pillars = [body for body in world.draw.bodies if body.kind == Kind.OBSTACLE]
+    assert 20 <= len(pillars) <= 40
+    centers = [body.outline.mean(axis=0) for body in pillars]
+    radii = [np.linalg.norm(body.outline - center, axis=1).max() for body, center in zip(pillars, centers, strict=True)]
+    assert min(radii) >= 0.1
+    assert max(radii) <= 0.25
+    gaps = [
+        np.linalg.norm(a - b) - r - s for (a, r), (b, s) in itertools.combinations(zip(centers, radii, strict=True), 2)
+    ]
+    assert min(gaps) >= 0.8
+    low, high = np.min(centers, axis=0) - max(radii), np.max(centers, axis=0) + max(radii)
+    assert (low > -0.16).all()
+    assert (high < (8.16, 6.16)).all()
+    passage = Passage(world.draw.bodies, world.draw.start, world.draw.goal_m)
+    assert passage.leads_to_goal(RADIUS_M + 0.1)
+    assert passage.straight_is_blocked(RADIUS_M)
+
+
+def test_the_shortest_path_goes_around_a_corner(tmp_path: Path) -> None:
+    path = tmp_path / "map.yaml"
+    path.write_text(
+        "start: {at_m: [0, 0]}\n"
+        "goal: {box: {center_m: [2.5, 0], size_m: [1, 1]}}\n"
+        "obstacles: [{box: {center_m: [1, 0], size_m: [0.2, 1.6]}}]\n"
+    )
+    around = 2 * np.hypot(0.9, 1.0 - 0.0) + 0.2
+    straight_after = np.hypot(0.9, 0.5) + 0.2 + np.hypot(0.9, 1.0)
+    length = load_map(path, 0, RADIUS_M).shortest_m
+    assert straight_after * 0.97 < length < around * 1.05
+
+
+def test_a_concave_polygon_is_tiled_by_convex_parts() -> None:
+    star = np.array([[0, 0], [2, 1], [4, 0], [3, 2], [4, 4], [2, 3], [0, 4], [1, 2]], np.float64)
+    parts = outlines.convex_parts(star)
+    assert sum(outlines.signed_area(part) for part in parts) == pytest.approx(outlines.signed_area(star))
+    rng = np.random.default_rng(0)
+    for x, y in rng.uniform(-0.5, 4.5, (200, 2)):
+        assert outlines.contains(star, x, y) == any(outlines.contains(part, x, y) for part in parts)
+
+
+def _digest(world: WorldMap) -> bytes:
+    draw = world.draw
+    arrays = [np.array(draw.start), draw.goal_m, *(body.outline for body in draw.bodies)]
+    speeds = [body.patrol.ahead_m for body in draw.bodies if body.patrol]
+    return b"".join(array.tobytes() for array in arrays) + repr((draw.textures, draw.light_ratio, speeds)).encode()
+
+
+def _write_texts() -> None:
+    with contextlib.chdir(BROKEN):
+        for case in CASES:
+            Path(f"{case}.txt").write_text(message_of(case), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    _write_texts()
