@@ -37,9 +37,10 @@ def main(args: argparse.Namespace) -> int:
             traffic.hear(heard)
             continue
         traffic.check(args.channel, source)
-        if time.monotonic() - printed_s >= _EVERY_S and args.channel in traffic.channels:
+        channel = traffic.channels.get(args.channel)
+        if channel is not None and channel.count and time.monotonic() - printed_s >= _EVERY_S:
             printed_s = time.monotonic()
-            print(_line(traffic.channels[args.channel], source), flush=True)
+            print(_line(channel, source), flush=True)
     print(_line(traffic.find(args.channel, source, args.for_s), source))
     return OK
 

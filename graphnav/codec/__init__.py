@@ -5,7 +5,7 @@ from graphnav.codec.definition import lcm_text_of
 from graphnav.codec.envelope import decode, encode
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.known import message_class_of, type_named, type_of
-from graphnav.codec.layout import fingerprint, lcm_name
+from graphnav.codec.layout import fields_of, fingerprint, lcm_name
 
 __all__ = [
     "Codec",
@@ -14,6 +14,7 @@ __all__ = [
     "codec_of",
     "decode",
     "encode",
+    "fields_of",
     "fingerprint",
     "lcm_name",
     "lcm_text_of",

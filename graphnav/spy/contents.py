@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from graphnav.codec import fields_of
+
 _LONGEST_TEXT = 60
 
 
@@ -21,12 +23,20 @@ def summarised(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: _summary(name, value) for name, value in values.items()}
 
 
+def declared(lcm_class: type) -> dict[str, Any]:
+    """Return the types of the fields of a message that nobody has heard yet, as its definition has them."""
+    return {
+        field.name: {"type": field.primitive + "".join(f"[{dim}]" for dim in field.dims)}
+        for field in fields_of(lcm_class)
+    }
+
+
 def described(summary: Mapping[str, Any], indent: str = "    ") -> list[str]:
     """Return the lines that a person reads for `summarised` fields."""
     width = max((len(name) for name in summary), default=0)
     lines = []
     for name, value in summary.items():
-        if isinstance(value, dict) and "shape" not in value:
+        if isinstance(value, dict) and not {"shape", "type"} & value.keys():
             lines += [f"{indent}{name}", *described(value, indent + "    ")]
         else:
             lines.append(f"{indent}{name:<{width}}  {_text(value)}")
@@ -75,9 +85,11 @@ def _text(value: Any) -> str:
         return f"{value:.6g}"
     if not isinstance(value, dict):
         return str(value)
+    if "type" in value:
+        return str(value["type"])
     shape = ", ".join(map(str, value["shape"]))
     said = [f"{value['dtype']} ({shape})"]
-    if "min" in value:
+    if "min" in value and "valid_ratio" not in value:
         said.append(f"{value['min']:.4g} to {value['max']:.4g}, mean {value['mean']:.4g}")
     if "valid_ratio" in value:
         said.append(f"{100 * value['valid_ratio']:.1f} % valid")

@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.text import Text
 
-from graphnav.spy.contents import described, summarised
+from graphnav.spy.contents import declared, described, summarised
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 
 
@@ -30,7 +30,7 @@ def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
         "bytes": channel.last_bytes,
         "lost": channel.lost,
         "undecodable": channel.undecodable,
-        "fields": summarised(channel.values or {}),
+        "fields": fields_of_channel(channel),
     }
 
 
@@ -40,8 +40,15 @@ def as_text(traffic: Traffic, heading: str) -> Text:
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
         lines.append(Text(name, "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
-        lines += map(Text, described(summarised(channel.values or {})))
+        lines += map(Text, described(fields_of_channel(channel)))
     return Text("\n").join(lines)
+
+
+def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return the contents of a channel's newest message, or how its type declares them where none was heard."""
+    if channel.values is not None:
+        return summarised(channel.values)
+    return declared(channel.lcm_class) if channel.lcm_class is not None else {}
 
 
 def figures(channel: ChannelTraffic) -> Iterator[str]:
@@ -49,12 +56,15 @@ def figures(channel: ChannelTraffic) -> Iterator[str]:
     yield channel.type_name or "unknown type"
     if channel.rate_hz is not None:
         yield f"{channel.rate_hz:.2f} Hz"
+    if not channel.count:
+        yield "not heard"
+        return
     yield size_of(channel.last_bytes)
     yield "1 message" if channel.count == 1 else f"{channel.count} messages"
     if channel.lost:
         yield f"{channel.lost} lost"
     if channel.undecodable:
-        yield f"{channel.undecodable} undecodable"
+        yield f"{channel.undecodable} undecodable" if channel.lcm_class else "type not installed"
 
 
 def size_of(n_bytes: int) -> str:

@@ -46,14 +46,15 @@ class Source:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""
         return self._live(for_s) if self.is_live else self._recorded()
 
-    def silence(self, for_s: float | None) -> GraphnavError:
-        """Return the error to raise where nothing at all was heard."""
+    def silence(self, for_s: float | None, channel: str | None = None) -> GraphnavError:
+        """Return the error to raise where nothing was heard, or nothing on a channel."""
         if not self.is_live:
-            return GraphnavError(f"{self.path} holds no messages")
-        within = f" within {for_s:g} s" if for_s else ""
-        return GraphnavError(
-            f"no message on {self.name}{within}\n  start a run that can be watched: graphnav run GRAPH --pace 1"
-        )
+            what = f"no message on channel '{channel}' in {self.name}" if channel else f"{self.name} is empty"
+            return GraphnavError(what)
+        what = f"no message on channel '{channel}' of {self.name}" if channel else f"no message on {self.name}"
+        within = f" within {for_s:g} s" if for_s is not None else ""
+        hint = "" if channel else "\n  start a run that can be watched: graphnav run GRAPH --pace 1"
+        return GraphnavError(what + within + hint)
 
     def _live(self, for_s: float | None) -> Iterator[Heard | None]:
         waiting: deque[Heard] = deque()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from typing import Any
 
-from graphnav.codec import DecodeError, codec_of, decode, type_named, type_of
+from graphnav.codec import DecodeError, codec_of, decode, fingerprint, lcm_name, type_named, type_of
 from graphnav.errors import UserError
 from graphnav.messages import About
 from graphnav.record import ABOUT
@@ -13,29 +13,37 @@ from graphnav.spy.source import Heard, Source
 
 
 class Traffic:
-    """All channels, by name, and the runs that said that they publish there."""
+    """All channels, by name, and the runs that said that they publish there.
+
+    ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not.
+    """
 
     def __init__(self) -> None:
         self.channels: dict[str, ChannelTraffic] = {}
         self.runs: list[str] = []
-        self._told: dict[str, str] = {}
+        self.told = False
 
     def find(self, name: str, source: Source, for_s: float | None) -> ChannelTraffic:
-        """Return a channel that was heard, else raise what a user must know: UserError if there are others."""
-        if name in self.channels:
+        """Return a channel that was heard.
+
+        Raises UserError where there is no such channel, GraphnavError where nothing came.
+        """
+        if name in self.channels and self.channels[name].count:
             return self.channels[name]
         if not self.channels:
             raise source.silence(for_s)
-        raise self._unknown(name, source, sorted(self.channels))
+        if name not in self.channels:
+            raise self._unknown(name, source)
+        raise source.silence(for_s, name)
 
     def check(self, name: str, source: Source) -> None:
-        """Raise UserError where the runs that were heard have no such channel; waiting for it would be in vain."""
-        if self._told and name not in self._told and name not in self.channels:
-            raise self._unknown(name, source, sorted({*self._told, *self.channels}))
+        """Raise UserError where the runs that were heard have no such channel: waiting for it would be in vain."""
+        if self.told and name not in self.channels:
+            raise self._unknown(name, source)
 
-    def _unknown(self, name: str, source: Source, names: list[str]) -> UserError:
-        close = difflib.get_close_matches(name, names, 1)
-        hint = f"did you mean '{close[0]}'?" if close else f"channels are {', '.join(names)}"
+    def _unknown(self, name: str, source: Source) -> UserError:
+        close = difflib.get_close_matches(name, self.channels, 1)
+        hint = f"did you mean '{close[0]}'?" if close else f"channels are {', '.join(sorted(self.channels))}"
         return UserError.of(f"{source.name} has no channel '{name}'", hint)
 
     def hear(self, heard: Heard) -> ChannelTraffic:
@@ -45,7 +53,7 @@ class Traffic:
         channel = self.channels.get(heard.channel)
         if channel is None:
             channel = self.channels[heard.channel] = ChannelTraffic(heard.channel)
-        channel.hear(heard, self._told.get(heard.channel))
+        channel.hear(heard)
         return channel
 
     def _learn(self, data: bytes) -> None:
@@ -53,7 +61,10 @@ class Traffic:
             about = decode(About, data)[2]
         except DecodeError:
             return
-        self._told |= dict(zip(about.channels, about.types, strict=False))
+        self.told = True
+        for name, type_name in zip(about.channels, about.types, strict=False):
+            channel = self.channels.setdefault(name, ChannelTraffic(name, type_name))
+            channel.type_name = channel.type_name or type_name
         if about.run_id and about.run_id not in self.runs:
             self.runs.append(about.run_id)
 
@@ -64,24 +75,24 @@ class ChannelTraffic:
     ``values`` are the fields of the newest message that could be decoded; ``decodes`` says whether that is the newest.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, told: str | None = None) -> None:
         self.name = name
-        self.type_name: str | None = None
+        self.type_name = told
+        self.lcm_class = type_named(told) if told else None
         self.count = self.undecodable = self.total_bytes = self.last_bytes = 0
         self.values: dict[str, Any] | None = None
         self.decodes = False
-        self._lcm_class: type | None = None
         self._stamps = Span()
         self._arrivals = Span()
         self._seqs = Span()
 
-    def hear(self, heard: Heard, told: str | None) -> None:
-        """Count a message, whose type somebody may have told."""
+    def hear(self, heard: Heard) -> None:
+        """Count a message."""
         self.count += 1
         self.last_bytes = len(heard.data)
         self.total_bytes += self.last_bytes
         self._arrivals.add(heard.at_s)
-        values = self._decoded(heard.data, told)
+        values = self._decoded(heard.data)
         self.decodes = values is not None
         if values is None:
             self.undecodable += 1
@@ -109,14 +120,14 @@ class ChannelTraffic:
         """Messages per second as they arrived."""
         return self._arrivals.rate()
 
-    def _decoded(self, data: bytes, told: str | None) -> dict[str, Any] | None:
-        if self._lcm_class is None or data[:8] != codec_of(self._lcm_class).fingerprint:
-            self._lcm_class = (type_named(told) if told else None) or type_of(data)
-            self.type_name = told or (codec_of(self._lcm_class).name if self._lcm_class else self.type_name)
-        if self._lcm_class is None:
-            return None
+    def _decoded(self, data: bytes) -> dict[str, Any] | None:
+        if self.lcm_class is None or data[:8] != fingerprint(self.lcm_class):
+            found = type_of(data)
+            if found is None:
+                return None
+            self.lcm_class, self.type_name = found, lcm_name(found)
         try:
-            return codec_of(self._lcm_class).decode(data)
+            return codec_of(self.lcm_class).decode(data)
         except DecodeError:
             return None
 

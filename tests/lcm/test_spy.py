@@ -1,0 +1,285 @@
+"""Watching: every channel with type, rate, size and contents, live and in logs."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graphnav.bus import Bus
+from graphnav.cli import main
+from graphnav.codec import encode, lcm_name
+from graphnav.messages import About, Flow, Message, State, Twist
+from graphnav.record import ABOUT, LogWriter
+from graphnav.spy import Heard, Traffic, described, summarised
+from graphnav.tap import Tap
+
+TYPES: dict[str, type[Message]] = {"flow.flow": Flow, "control.twist": Twist, "robot.state": State}
+SAID = About("stages: {}\n", "", "", 7, tuple(TYPES), tuple(lcm_name(m.lcm_class) for m in TYPES.values()))
+FLOW = Flow(
+    uv_px=np.linspace(-1, 1, 24, dtype=np.float32).reshape(3, 4, 2),
+    valid=np.array([[1, 1, 1, 0]] * 3, dtype=np.uint8),
+    interval_us=100_000,
+)
+
+
+def twist_at(k: int, period_us: int = 100_000) -> bytes:
+    """Return the k-th command."""
+    return encode(Twist(0.1, 0.2), period_us * k, k)
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """Return a run folder whose log holds 21 flows and commands at 10 Hz, and one promised channel without messages."""
+    with LogWriter(tmp_path / "run.lcmlog") as writer:
+        writer.write(ABOUT, 0, encode(SAID, 0, 0))
+        for k in range(21):
+            writer.write("flow.flow", 100_000 * k, encode(FLOW, 100_000 * k, k))
+            writer.write("control.twist", 100_000 * k, twist_at(k))
+    return tmp_path
+
+
+def test_arrays_are_summarised() -> None:
+    summary = summarised({"uv_px": FLOW.uv_px, "valid": FLOW.valid, "empty": np.zeros((0, 3))})
+    assert summary["uv_px"] == {"dtype": "float32", "shape": [3, 4, 2], "min": -1, "mean": pytest.approx(0), "max": 1}
+    assert summary["valid"]["valid_ratio"] == 0.75
+    assert summary["empty"] == {"dtype": "float64", "shape": [0, 3]}
+
+
+def test_what_is_not_finite_is_left_out_and_said() -> None:
+    summary = summarised({"depth_m": np.array([1, np.inf, np.nan, 3], np.float32), "x_m": float("nan")})
+    assert summary["depth_m"] == {"dtype": "float32", "shape": [4], "finite_ratio": 0.5, "min": 1, "mean": 2, "max": 3}
+    assert summary["x_m"] is None
+    json.dumps(summary, allow_nan=False)
+    assert summarised({"all": np.full(3, np.nan)})["all"]["finite_ratio"] == 0
+
+
+def test_texts_and_structs_are_short() -> None:
+    summary = summarised({"text": "x" * 1000, "names": ("a", "b"), "one": {"p": np.zeros(2)}, "many": ({}, {})})
+    assert summary["text"] == "x" * 60 + "... (1000 characters)"
+    assert summary["names"] == {"dtype": "string", "shape": [2]}
+    assert summary["many"] == {"dtype": "struct", "shape": [2]}
+    assert summary["one"]["p"]["shape"] == [2]
+
+
+def test_a_person_reads_one_line_a_field() -> None:
+    lines = described(summarised({"uv_px": FLOW.uv_px, "valid": FLOW.valid, "converged": True, "mu": 0.5}))
+    assert lines == [
+        "    uv_px      float32 (3, 4, 2)  -1 to 1, mean 0",
+        "    valid      uint8 (3, 4)  75.0 % valid",
+        "    converged  True",
+        "    mu         0.5",
+    ]
+
+
+def test_the_rate_is_that_of_the_stamps() -> None:
+    traffic = Traffic()
+    for k in range(21):
+        traffic.hear(Heard("x", twist_at(k), 7 * k))
+    channel = traffic.channels["x"]
+    assert channel.rate_hz == pytest.approx(10)
+    assert channel.wall_rate_hz == pytest.approx(1 / 7)
+    assert channel.type_name == "graphnav_lcm.twist_t"
+
+
+def test_lost_messages_are_counted_and_leave_the_rate_as_it_is() -> None:
+    traffic = Traffic()
+    for k in (5, 6, 9, 10, 14):
+        traffic.hear(Heard("x", twist_at(k), k))
+    assert traffic.channels["x"].lost == 5
+    assert traffic.channels["x"].rate_hz == pytest.approx(10)
+
+
+def test_a_new_run_starts_the_count_anew() -> None:
+    traffic = Traffic()
+    for k in (500, 501, 502, 0, 1, 2):
+        traffic.hear(Heard("x", twist_at(k), k))
+    assert traffic.channels["x"].lost == 0
+    assert traffic.channels["x"].rate_hz == pytest.approx(10)
+    assert traffic.channels["x"].count == 6
+
+
+def test_what_cannot_be_decoded_is_counted() -> None:
+    traffic = Traffic()
+    for data in (twist_at(0), twist_at(1)[:-1], b"", bytes(40), twist_at(2)):
+        traffic.hear(Heard("x", data, 0))
+    for data in (b"garbage", encode(SAID, 0, 0)[:-5]):
+        traffic.hear(Heard(ABOUT, data, 0))
+    assert traffic.channels["x"].undecodable == 3
+    assert traffic.channels["x"].count == 5
+    assert traffic.channels[ABOUT].undecodable == 2
+
+
+def test_one_message_has_no_rate() -> None:
+    traffic = Traffic()
+    traffic.hear(Heard("x", twist_at(3), 0))
+    assert traffic.channels["x"].rate_hz is None
+
+
+def test_spy_lists_the_channels_of_a_log(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["spy", str(log)]) == 0
+    said = capsys.readouterr().out
+    assert f"{log}: 4 channels\n" in said
+    assert "flow.flow  graphnav_lcm.flow_t, 10.00 Hz, 152 B, 21 messages\n" in said
+    assert "    uv_px        float32 (3, 4, 2)  -1 to 1, mean 0\n" in said
+    assert "robot.state  graphnav_lcm.state_t, not heard\n" in said
+    assert "    moving        double[n_moving][3]" in said
+
+
+def test_spy_tells_programs_the_same(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["spy", "--json", str(log / "run.lcmlog")]) == 0
+    channels = json.loads(capsys.readouterr().out)["channels"]
+    assert set(channels) == {ABOUT, *TYPES}
+    assert channels["flow.flow"] | {"fields": None, "wall_rate_hz": None} == {
+        "type": "graphnav_lcm.flow_t",
+        "messages": 21,
+        "rate_hz": pytest.approx(10),
+        "wall_rate_hz": None,
+        "bytes": 152,
+        "lost": 0,
+        "undecodable": 0,
+        "fields": None,
+    }
+    assert channels["flow.flow"]["fields"]["rows"] == 3
+
+
+def test_hz_tells_the_rate_in_a_log(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hz", "control.twist", str(log)]) == 0
+    assert capsys.readouterr().out == "control.twist  10.000 Hz, 40 B, 21 messages\n"
+
+
+def test_echo_prints_messages_of_a_log(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["echo", "control.twist", str(log), "-n", "2"]) == 0
+    first = "control.twist  graphnav_lcm.twist_t, 40 B\n    utime        0\n    seq          0\n"
+    said = capsys.readouterr().out
+    assert said.startswith(first)
+    assert said.count("v_mps        0.1\n") == 2
+    assert main(["echo", "control.twist", str(log), "--json"]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["fields"]["seq"] for line in lines] == list(range(21))
+
+
+def test_echo_shows_a_damaged_message(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with LogWriter(tmp_path / "log") as writer:
+        writer.write("x", 0, twist_at(0)[:-1])
+        writer.write("x", 0, twist_at(1))
+    assert main(["echo", "x", str(tmp_path / "log")]) == 0
+    assert capsys.readouterr().out.splitlines()[:2] == ["x  graphnav_lcm.twist_t, 39 B", "    undecodable"]
+
+
+def test_a_torn_log_is_shown_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = log / "run.lcmlog"
+    path.write_bytes(path.read_bytes()[:-3])
+    assert main(["spy", str(path)]) == 0
+    assert "the last event, 78 bytes from byte" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", [["hz", "flow.flo"], ["echo", "flow.flo"]])
+def test_a_channel_that_is_not_there_is_a_users_error(
+    log: Path, capsys: pytest.CaptureFixture[str], command: list[str]
+) -> None:
+    assert main([*command, str(log)]) == 2
+    assert capsys.readouterr().err == f"{log} has no channel 'flow.flo'\n  did you mean 'flow.flow'?\n"
+
+
+def test_a_promised_channel_without_messages_is_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hz", "robot.state", str(log)]) == 1
+    assert capsys.readouterr().err == f"no message on channel 'robot.state' in {log}\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "status", "text"),
+    [
+        ("nothing", 2, "there is no {}\n  name a run folder, a log or a udpm:// URL\n"),
+        (".", 2, "{} holds no run.lcmlog\n  name a run folder, a log or a udpm:// URL\n"),
+        ("empty", 1, "{} is empty\n"),
+        ("foreign", 1, "{} is no LCM log\n"),
+    ],
+)
+def test_a_source_that_is_none_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, status: int, text: str
+) -> None:
+    (tmp_path / "empty").touch()
+    (tmp_path / "foreign").write_text("stages: {}\n")
+    assert main(["spy", str(tmp_path / name)]) == status
+    assert capsys.readouterr().err == text.format(tmp_path / name)
+
+
+def test_a_silent_group_is_said(group: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["spy", "--once", "--for", "0.05", group]) == 1
+    assert capsys.readouterr().err.startswith(f"no message on {group} within 0.05 s\n  start a run")
+
+
+@pytest.fixture
+def live(group: str) -> Iterator[str]:
+    """Return the group of a run that goes on, stamped 10 Hz, until the test ends; one message in 50 is garbage."""
+    over = threading.Event()
+
+    def run() -> None:
+        tap = Tap("thin", "run-1", group)
+        tap.announce(SAID)
+        big = Flow(np.zeros((120, 160, 2), np.float32), np.ones((120, 160), np.uint8), 100_000)
+        k = 0
+        while not over.wait(0.005):
+            tap.write("flow.flow", 100_000 * k, encode(big, 100_000 * k, k))
+            tap.write("control.twist", 100_000 * k, twist_at(k) if k % 50 else b"garbage")
+            k += 1
+        tap.close()
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    yield group
+    over.set()
+    thread.join()
+
+
+def test_a_live_run_is_seen(live: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["spy", "--json", "--for", "1.5", live]) == 0
+    seen: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert seen["runs"] == ["run-1"]
+    channels = seen["channels"]
+    assert set(channels) == {ABOUT, *TYPES}
+    assert {name: channels[name]["type"] for name in TYPES} == dict(zip(SAID.channels, SAID.types, strict=True))
+    assert channels["flow.flow"]["rate_hz"] == pytest.approx(10, rel=0.02)
+    assert channels["control.twist"]["rate_hz"] == pytest.approx(10, rel=0.02)
+    assert channels["flow.flow"]["fields"]["uv_px"]["shape"] == [60, 80, 2]
+    assert channels["flow.flow"]["fields"]["step_px"] == 2
+    assert channels["robot.state"]["messages"] == 0
+
+
+def test_a_live_channel_is_measured_and_echoed(live: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hz", "control.twist", live, "--for", "0.5"]) == 0
+    assert "control.twist  10.000 Hz, arriving at " in capsys.readouterr().out
+    assert main(["echo", "flow.flow", live, "-n", "3", "--json"]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["fields"]["uv_px"]["shape"] for line in lines] == [[60, 80, 2]] * 3
+
+
+def test_a_live_channel_that_the_run_does_not_have_is_said_at_once(
+    live: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["echo", "flow.flaw", live]) == 2
+    assert "did you mean 'flow.flow'?" in capsys.readouterr().err
+
+
+def test_garbage_on_the_group_harms_nobody(group: str, capsys: pytest.CaptureFixture[str]) -> None:
+    over = threading.Event()
+
+    def shout() -> None:
+        bus = Bus(group)
+        while not over.wait(0.005):
+            bus.publish("noise", b"\xff" * 33)
+            bus.publish(ABOUT, b"\xff" * 33)
+        bus.close()
+
+    thread = threading.Thread(target=shout)
+    thread.start()
+    assert main(["spy", "--once", "--for", "0.3", group]) == 0
+    over.set()
+    thread.join()
+    assert "noise  unknown type, " in capsys.readouterr().out
