@@ -43,6 +43,20 @@ def draw_bodies(axes: Axes, world: Map, moving: Doubles, to_axes: Transform | No
     _fill(axes, [moved(o, p) for o, p in zip(outlines(world, MOVING), moving, strict=False)], MOVING, transform)
 
 
+def nearest_point(world: Map, moving: Doubles, point: Doubles) -> Doubles:
+    """Return the place on any body's outline that is nearest to ``point``, (2,), which itself it is without bodies."""
+    bodies = [*outlines(world, WALL), *outlines(world, OBSTACLE)]
+    bodies += [moved(outline, pose) for outline, pose in zip(outlines(world, MOVING), moving, strict=False)]
+    if not bodies:
+        return point
+    begin = np.concatenate(bodies)
+    side = np.concatenate([np.roll(outline, -1, axis=0) for outline in bodies]) - begin
+    along = ((point - begin) * side).sum(axis=1) / np.maximum((side**2).sum(axis=1), 1e-12)
+    on_side: Doubles = begin + np.clip(along, 0.0, 1.0)[:, None] * side
+    nearest: Doubles = on_side[np.argmin(np.hypot(*(on_side - point).T))]
+    return nearest
+
+
 def _fill(axes: Axes, polygons: list[Doubles], kind: int, transform: Transform) -> None:
     if polygons:
         bodies = PolyCollection(

@@ -15,8 +15,10 @@ from graphnav_view.telling import Frame, theta_text
 
 Doubles = npt.NDArray[np.float64]
 
-_LONGEST_RATIO = 0.34
+_LONGEST_RATIO = 0.36
 """Length of the longest arrow in the picture's shorter side."""
+_NAME_IN = 0.16
+"""How far a force's name is from its tip."""
 
 
 def draw_direction(axes: Axes, frame: Frame) -> str:
@@ -40,7 +42,7 @@ def draw_direction(axes: Axes, frame: Frame) -> str:
     for name, colour in (("r", ink.REPULSIVE), ("w", ink.GUIDING), ("p", ink.CONTROL)):
         if np.hypot(*forces[name]) * scale > 2.0:
             _arrow(axes, origin, tips[name], colour, thick=name == "p")
-    _name_tips(axes, origin, tips, rows / (axes.get_window_extent().height / ink.DPI))
+    _name_tips(axes, origin, tips)
     _arc(axes, origin, steering.theta_rad, 0.24 * min(rows, cols))
     axes.plot(*origin, marker="o", ms=5, color="white", mec="black", mew=1.0, zorder=7)
     caption = f"θ = {theta_text(steering.theta_rad)} of forward; red: r, repulsive;\n"
@@ -48,39 +50,41 @@ def draw_direction(axes: Axes, frame: Frame) -> str:
 
 
 def _arrow(axes: Axes, start: Doubles, end: Doubles, colour: str, *, thick: bool) -> None:
+    length_pt = 72 * float(np.hypot(*(end - start))) / _px_per_in(axes)
     axes.add_patch(
         FancyArrowPatch(
             (start[0], start[1]),
             (end[0], end[1]),
             arrowstyle="-|>",
-            mutation_scale=18,
+            mutation_scale=min(20.0 if thick else 15.0, 0.7 * length_pt),
             shrinkA=0,
             shrinkB=0,
             color=colour,
-            lw=3.2 if thick else 2.4,
-            zorder=6 if thick else 5,
+            lw=3.4 if thick else 2.2,
+            zorder=5 if thick else 6,
             joinstyle="miter",
-            path_effects=ink.halo(5.4 if thick else 4.4, "black"),
+            path_effects=ink.halo(5.6 if thick else 4.0, "black"),
         )
     )
 
 
-def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles], px_per_in: float) -> None:
-    """Write the forces' names beyond their tips, moved aside where two would meet."""
-    placed: list[Doubles] = []
+def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles]) -> None:
+    """Write the forces' names by their tips: beyond them, or beside them where there is more room."""
+    px_per_in = _px_per_in(axes)
+    taken: list[Doubles] = []
     for name, colour in (("p", ink.CONTROL), ("r", ink.REPULSIVE), ("w", ink.GUIDING)):
         along = tips[name] - origin
         length = float(np.hypot(*along))
         if length <= 2.0:
             continue
         along /= length
-        for turn in (0.0, 0.35, -0.35, 0.7, -0.7):
-            c, s = math.cos(turn), math.sin(turn)
-            turned = np.array([c * along[0] - s * along[1], s * along[0] + c * along[1]])
-            at = origin + (length + 0.15 * px_per_in) * turned
-            if all(np.hypot(*(at - other)) > 0.2 * px_per_in for other in placed):
-                break
-        placed.append(at)
+        aside = np.array([-along[1], along[0]])
+        places = [tips[name] + _NAME_IN * px_per_in * way for way in (along, aside - along, -aside - along)]
+        shafts = [other for key, tip in tips.items() if key != name for other in np.linspace(origin, tip, 12)]
+        rooms = [_room(place, [*taken, *shafts]) for place in places]
+        roomy = [place for place, room in zip(places, rooms, strict=True) if room > 0.8 * _NAME_IN * px_per_in]
+        at = roomy[0] if roomy else places[int(np.argmax(rooms))]
+        taken.append(at)
         axes.text(
             at[0],
             at[1],
@@ -93,6 +97,16 @@ def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles], px_per_in:
             zorder=9,
             path_effects=ink.halo(3.0, "black"),
         )
+
+
+def _room(place: Doubles, others: list[Doubles]) -> float:
+    """Return the distance of a place from the nearest of the others."""
+    return min((float(np.hypot(*(place - other))) for other in others), default=math.inf)
+
+
+def _px_per_in(axes: Axes) -> float:
+    """Return how many of the picture's pixels an inch of paper shows."""
+    return abs(float(np.ptp(axes.get_ylim()))) / (axes.get_window_extent().height / ink.DPI)
 
 
 def _arc(axes: Axes, origin: Doubles, theta_rad: float, radius_px: float) -> None:

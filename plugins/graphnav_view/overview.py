@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 
 from graphnav import Map
 from graphnav_view import ink
-from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, draw_bodies, moved, outlines
+from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, draw_bodies, moved, nearest_point, outlines
 from graphnav_view.outcome import outcome_text
 from graphnav_view.signals import Signals
 from graphnav_view.track import Track, track_of
@@ -129,7 +129,8 @@ def _draw_ends(axes: Axes, world: Map, track: Track) -> None:
     axes.add_patch(Circle((x, y), radius, facecolor=(1, 1, 1, 0.55), edgecolor=ink.ROBOT, lw=1.6, zorder=6))
     axes.plot([x, x + radius * math.cos(yaw)], [y, y + radius * math.sin(yaw)], color=ink.ROBOT, lw=1.6, zorder=6)
     if track.last.contact:
-        axes.plot([x], [y], marker="X", markersize=13, color=ink.CONTACT, markeredgecolor="white", zorder=8)
+        touched = nearest_point(world, track.last.moving, track.pose[-1, :2])
+        axes.plot(*touched, marker="X", markersize=13, color=ink.CONTACT, markeredgecolor="white", zorder=8)
 
 
 def _colourbar(figure: Figure, axes: Axes, norm: Normalize) -> None:
@@ -203,7 +204,8 @@ def _legend(figure: Figure, world: Map, track: Track) -> None:
     keys.append(Line2D([], [], ls="", marker="o", ms=10, mfc="white", mec=ink.ROBOT, mew=1.6, label="robot at the end"))
     if track.last.contact:
         keys.append(Line2D([], [], ls="", marker="X", ms=11, color=ink.CONTACT, mec="white", label="contact"))
-    columns = max(2, min(len(keys), int(figure.get_figwidth() / 1.3)))
+    lines = math.ceil(len(keys) / int(figure.get_figwidth() / 1.3))
+    columns = math.ceil(len(keys) / lines)
     figure.legend(
         handles=keys,
         loc="lower center",

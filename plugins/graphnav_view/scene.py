@@ -83,7 +83,15 @@ def _draw_path(axes: Axes, scene: Scene, to_axes: Affine2D) -> None:
 def _scale_bar(axes: Axes, half_width: float, behind: float) -> None:
     length = next((m for m in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0) if m >= 0.3 * half_width), 5.0)
     right, low = half_width * 0.93, -behind * 0.82
-    axes.plot([right - length, right], [low, low], color="black", lw=3, solid_capstyle="butt", zorder=9)
+    axes.plot(
+        [right - length, right],
+        [low, low],
+        color="black",
+        lw=3,
+        solid_capstyle="butt",
+        zorder=9,
+        path_effects=ink.halo(6),
+    )
     axes.text(
         right - length / 2,
         low + 0.05 * behind,

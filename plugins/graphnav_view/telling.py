@@ -40,29 +40,32 @@ class Frame:
 
 
 class _Glance(NamedTuple):
-    """What decides whether a frame tells much; ``turn_rad`` is the absolute theta."""
+    """What decides whether a frame tells much; ``turn_rad`` and ``push`` without their sides."""
 
     utime: int
     judged_ratio: float
     obstacle_ratio: float
     turn_rad: float
+    push: float
 
 
-def _turn_rad(steering: Steering | None) -> float:
-    return 0.0 if steering is None else abs(steering.theta_rad)
+def _turn(steering: Steering | None) -> tuple[float, float]:
+    return (0.0, 0.0) if steering is None else (abs(steering.theta_rad), abs(float(steering.repulsive[0])))
 
 
 def telling_utime(signals: Signals) -> int | None:
     """Return the stamp of the frame to show, None where the log holds nothing that a camera saw.
 
-    Of the frames whose share of obstacle lies between 5 and 50 %, the one that is steered hardest: the largest absolute
-    theta up to a right angle, at which the robot still drives (to a hundredth of a radian; the earliest of equals).
+    Of the frames whose share of obstacle lies between 5 and 50 %, and whose theta is at most a right angle, at which
+    the robot still drives: the one that is pushed aside hardest (the repulsive force's largest component to a side, to
+    a hundredth; the earliest of equals). Theta itself would favour frames in which the forces nearly cancel.
+
     Without such a frame, the one whose share is nearest to a quarter. In either case frames of which less was judged
     than of the median frame (but for a tenth of it) do not count. Without a plane, the middle frame of the flow, else
     of the images.
     """
     glances = [
-        _Glance(utime, float((plane.valid != 0).mean()), plane.obstacle_ratio, _turn_rad(steering))
+        _Glance(utime, float((plane.valid != 0).mean()), plane.obstacle_ratio, *_turn(steering))
         for utime, (plane, steering) in signals.joined(Plane, Steering)
     ]
     if glances:
@@ -70,7 +73,7 @@ def telling_utime(signals: Signals) -> int | None:
         seen = [glance for glance in glances if glance.judged_ratio >= enough]
         shared = [g for g in seen if LEAST_RATIO <= g.obstacle_ratio <= MOST_RATIO and g.turn_rad <= math.pi / 2]
         if shared:
-            return max(shared, key=lambda g: (round(g.turn_rad, 2), -g.utime)).utime
+            return max(shared, key=lambda g: (round(g.push, 2), -g.utime)).utime
         return min(seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
     for kind in (Flow, Image):
         stamps = signals.stamps(kind)

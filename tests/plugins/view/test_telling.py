@@ -11,7 +11,7 @@ from graphnav.record import Recording
 Record = Callable[..., Recording]
 
 
-def test_it_is_steered_hardest_among_those_that_show_ground_and_obstacle(record: Record) -> None:
+def test_it_is_pushed_aside_hardest_among_those_that_show_ground_and_obstacle(record: Record) -> None:
     signals = Signals(record(frames=60))
     utime = telling_utime(signals)
     assert utime is not None
@@ -19,13 +19,13 @@ def test_it_is_steered_hardest_among_those_that_show_ground_and_obstacle(record:
     assert frame.plane is not None
     assert frame.steering is not None
     assert LEAST_RATIO <= frame.plane.obstacle_ratio <= MOST_RATIO
-    thetas = [
-        abs(steering.theta_rad)
+    pushes = [
+        abs(steering.repulsive[0])
         for _, (plane, steering) in signals.joined(Plane, Steering)
         if LEAST_RATIO <= plane.obstacle_ratio <= MOST_RATIO
     ]
-    assert len(thetas) > 10
-    assert abs(frame.steering.theta_rad) >= max(thetas) - 0.01
+    assert len(pushes) > 10
+    assert abs(frame.steering.repulsive[0]) >= max(pushes) - 0.01
 
 
 def test_without_planes_it_is_the_middle_one(record: Record) -> None:
