@@ -9,13 +9,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav_world.textures import TEXEL_M, Texture
+from graphnav_world.textures import BLOCK, TEXEL_M, Texture
 
 Bytes = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float32]
 
 LEVELS = 6
-BLOCK = 2 ** (LEVELS - 1)
 PAD = 2
 LARGEST_TEXELS = 3072
 BODY_TEXELS = (2048, 512)

@@ -18,7 +18,8 @@ Floats = npt.NDArray[np.float32]
 
 CELL_M = 0.025
 STRIDE = 2
-"""Cells that a step of the search covers."""
+STEPS = [(down, right, math.hypot(down, right)) for down in (-STRIDE, 0, STRIDE) for right in (-STRIDE, 0, STRIDE)]
+"""Of the search, in cells: down, right, length."""
 MARGIN_M = 1.0
 Cell = tuple[int, int]
 
@@ -86,6 +87,7 @@ class Passage:
     def _search(self, free: npt.NDArray[np.bool_]) -> list[Cell]:
         """Return the cells of a shortest 8-connected way (Dijkstra), empty if there is none."""
         start = self._start_cell()
+        reachable = np.pad(free, STRIDE)[STRIDE:, STRIDE:]  # beyond either end it reads the rim, which is not free
         best: dict[Cell, float] = {start: 0.0}
         came: dict[Cell, Cell] = {}
         queue = [(0.0, start)]
@@ -95,8 +97,10 @@ class Passage:
                 continue
             if self._in_goal[cell]:
                 return [*reversed(list(_back(came, cell)))]
-            for near, step in _neighbours(cell, free):
-                if length + step < best.get(near, math.inf):
+            row, col = cell
+            for down, right, step in STEPS:
+                near = row + down, col + right
+                if length + step < best.get(near, math.inf) and reachable[near]:
                     best[near], came[near] = length + step, cell
                     heapq.heappush(queue, (length + step, near))
         return []
@@ -109,16 +113,6 @@ class Passage:
         """Return grid coordinates (col, row)."""
         cells: Doubles = (points_m - self._corner) / CELL_M
         return cells
-
-
-def _neighbours(cell: Cell, free: npt.NDArray[np.bool_]) -> Iterator[tuple[Cell, float]]:
-    row, col = cell
-    for down in (-STRIDE, 0, STRIDE):
-        for right in (-STRIDE, 0, STRIDE):
-            near = row + down, col + right
-            inside = 0 <= near[0] < free.shape[0] and 0 <= near[1] < free.shape[1]
-            if (down or right) and inside and free[near]:
-                yield near, math.hypot(down, right)
 
 
 def _back(came: dict[Cell, Cell], cell: Cell) -> Iterator[Cell]:

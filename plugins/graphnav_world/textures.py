@@ -13,43 +13,51 @@ Bytes = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float32]
 
 TEXEL_M = 0.005
+LARGEST_GRAIN = 7
+"""As a power of two, in texels."""
+BLOCK = 2**LARGEST_GRAIN
+"""Widths and heights of textures, in texels, are multiples of this."""
 OCTAVE_GAIN = 1.15
 """How much stronger noise of twice the grain is."""
-RIM = 7
-"""Lattice values around the noise: what blur and interpolation reach for."""
+RIM = 4
+"""Texels around a texture that blur and interpolation reach for."""
+BLUR_PX, BLUR_GAIN = 1.0, 3.545
+"""Blur that makes noise of two texels' grain, and what restores its standard deviation (2 sqrt(pi) sigma)."""
 
 
 @dataclass(frozen=True)
 class Texture:
-    """How a surface looks: mean gray and standard deviation, both of 255, and the size of its largest grains."""
+    """How a surface looks: mean gray and standard deviation, both of 255, and the size of its largest grains.
+
+    Grains of more than 0.64 m count as 0.64 m.
+    """
 
     mean: float = 120.0
     contrast: float = 32.0
     grain_m: float = 0.15
 
     def pixels(self, width: int, height: int, rng: np.random.Generator) -> Bytes:
-        """Return gray uint8 (height, width) that tiles: octaves of noise from one texel up to ``grain_m``."""
-        total = np.zeros((height, width), np.float32)
-        for octave in range(max(1, round(math.log2(self.grain_m / TEXEL_M)) + 1)):
-            total += _noise(width, height, 2**octave, rng) * np.float32(OCTAVE_GAIN**octave)
+        """Return gray uint8 (height, width) that tiles: octaves of noise from one texel up to ``grain_m``.
+
+        Built from coarse to fine: each level is the coarser one enlarged, plus noise of two texels' grain.
+        """
+        octaves = min(max(1, round(math.log2(self.grain_m / TEXEL_M))), LARGEST_GRAIN)
+        total = np.zeros((height >> octaves, width >> octaves), np.float32)
+        for level in reversed(range(octaves)):
+            total = _enlarged(total)
+            white = rng.random(total.shape, dtype=np.float32)
+            white -= np.float32(0.5)
+            grains = cv2.GaussianBlur(np.pad(white, RIM, mode="wrap"), (0, 0), BLUR_PX)[RIM:-RIM, RIM:-RIM]
+            cv2.scaleAdd(grains, BLUR_GAIN * OCTAVE_GAIN ** (level + 1), total, total)
+        total += white
         total -= total.mean()
         total *= np.float32(self.contrast) / total.std()
         total += np.float32(self.mean)
         return np.clip(total, 0, 255, out=total).astype(np.uint8)
 
 
-def _noise(width: int, height: int, grain: int, rng: np.random.Generator) -> Floats:
-    """Return noise with grains of this many texels, (height, width), that tiles and has no preferred direction.
-
-    Drawn and blurred on a lattice of two values a grain, on which it is smooth, then interpolated.
-    """
-    if grain == 1:
-        return rng.standard_normal((height, width), dtype=np.float32)
-    rows, cols = math.ceil(2 * height / grain), math.ceil(2 * width / grain)
-    lattice = np.pad(rng.standard_normal((rows, cols), dtype=np.float32), RIM, mode="wrap")
-    lattice = cv2.GaussianBlur(lattice, (RIM, RIM), 1.0)
-    to_lattice = np.array([[cols / width, 0.0, RIM], [0.0, rows / height, RIM]])
-    flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
-    fine: Floats = cv2.warpAffine(lattice, to_lattice, (width, height), flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    fine /= fine.std()
-    return fine
+def _enlarged(field: Floats) -> Floats:
+    """Return a field that tiles at twice the size."""
+    padded = np.pad(field, RIM, mode="wrap")
+    twice: Floats = cv2.resize(padded, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC)
+    return twice[2 * RIM : -2 * RIM, 2 * RIM : -2 * RIM].copy()
