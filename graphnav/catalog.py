@@ -126,8 +126,11 @@ class Catalog:
             )
         if family in self._entry_points:
             self.load(family)
-        self._files.setdefault(family, []).append(str(path))
         self._register(family, module, str(path))
+        if not self._plugins.get_hookcallers(module):
+            hint = "write @hookimpl above def graphnav_stages() -> list[type[Stage]]"
+            raise CatalogError(f"plugin {path}: it has no hook", hint)
+        self._files.setdefault(family, []).append(str(path))
         self._loaded.add(family)
         return family
 
@@ -214,8 +217,4 @@ def _import_file(path: Path) -> ModuleType:
         lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
         where = f"{path}:{lines[-1]}" if lines else str(path)
         raise CatalogError(f"plugin {where}: {type(error).__name__}: {error}") from error
-    if not any(hasattr(module, name) for name in ("graphnav_stages", "graphnav_draw")):
-        raise CatalogError(
-            f"plugin {path}: it has no hook", "write @hookimpl above def graphnav_stages() -> list[type[Stage]]"
-        )
     return module

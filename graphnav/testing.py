@@ -71,9 +71,10 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
 
 
 def _check_declaration(cls: type[Stage]) -> None:
-    doc = inspect.getdoc(cls) if "__doc__" in vars(cls) else None
-    _require(bool(doc), cls, "has no docstring; its first line is what 'graphnav stages' shows")
-    _require(bool(doc) and str(doc).splitlines()[0].endswith("."), cls, "the docstring's first line is no sentence")
+    doc = inspect.getdoc(cls) or ""
+    is_written = bool(doc) and not doc.startswith(f"{cls.__name__}(")  # as dataclasses write where it is missing
+    _require(is_written, cls, "has no docstring; its first line is what 'graphnav stages' shows")
+    _require(doc.splitlines()[0].endswith("."), cls, "the docstring's first line is no sentence")
     ports = ports_of(cls)
     plain = [port.name for port in ports.inputs if not port.latest]
     if issubclass(cls, Source):

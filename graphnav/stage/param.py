@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+import sys
 import types
 from dataclasses import dataclass
 from pathlib import Path
@@ -164,15 +165,21 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
         return _convert_union(name, kind, value)
     elif kind is float:
         if isinstance(value, int | float) and not isinstance(value, bool):
-            if not math.isfinite(value):
-                raise ParamError(name, f"'{name}' is {value}, but must be finite")
-            return float(value)
+            return _as_float(name, value)
     elif kind is Path:
         if isinstance(value, str | Path) and str(value):
             return Path(value)
     elif type(value) is kind:
         return value
     raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}", _hint(kind, value))
+
+
+def _as_float(name: str, value: float) -> float:
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ParamError(name, f"'{name}' is {value}, but must be finite")
+    if abs(value) > sys.float_info.max:
+        raise ParamError(name, f"'{name}' is too large a number")
+    return float(value)
 
 
 def _convert_union(name: str, kind: Any, value: Any) -> Any:

@@ -1,0 +1,72 @@
+"""The JSON Schema accepts every graph that loads and refuses those that a schema can refuse."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from graphnav.catalog import Catalog
+from graphnav.cli import main
+from graphnav.graph import graph_schema, shipped_graphs
+from graphnav.spec import parse_yaml
+
+ERRORS = Path(__file__).parent.parent.parent / "errors"
+
+REFUSED = """
+channel_name_empty channel_name_reserved channel_name_too_long channel_name_with_space deploy_wrong empty inputs_wrong
+key_not_a_text many missing_parameter not_a_choice not_a_mapping only_a_text out_of_bounds reference_not_a_text
+seed_wrong stage_a_text stage_empty stage_name_wrong stages_a_list stages_empty stages_missing stage_without_family
+unconnected_input unconnected_input_with_choice unconnected_input_without_writer family_without_stage
+unknown_family unknown_input unknown_key unknown_parameter unknown_parameter_far_from_all unknown_run_key unknown_stage
+unknown_stage_key use_missing use_not_a_text whole_number_expected with_not_a_mapping wrong_length wrong_type
+yes_is_a_text number_in_quotes only_a_comment
+""".split()  # noqa: SIM905
+"""The broken graphs in which a word, not the meaning of the wires, is wrong."""
+
+
+@pytest.fixture(scope="module")
+def toy_schema(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Return the schema of graphs of the toys, without those that are declared wrongly."""
+    path = tmp_path_factory.mktemp("toys") / "toys.py"
+    path.write_text(
+        (ERRORS / "stages.py").read_text().replace("Idle,", "").replace("Eager,", "").replace("Untyped,", "")
+    )
+    catalog = Catalog()
+    catalog.add_file(path)
+    return graph_schema(catalog)
+
+
+def plain(path: Path) -> Any:
+    return parse_yaml(path.read_bytes(), path.name)[0].plain()
+
+
+def is_valid(graph: Any, schema: dict[str, Any]) -> bool:
+    return bool(jsonschema.Draft202012Validator(schema).is_valid(graph))
+
+
+def test_the_command_prints_a_valid_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    jsonschema.Draft202012Validator.check_schema(schema)
+    for name, path in shipped_graphs().items():
+        assert is_valid(plain(path), schema), name
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_wrong_word_is_refused(toy_schema: dict[str, Any], case: str) -> None:
+    assert not is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)
+
+
+@pytest.mark.parametrize("case", ["type_mismatch", "loop", "two_writers", "unknown_reference", "ambiguous_swap"])
+def test_what_only_the_wires_tell_is_left_to_the_check(toy_schema: dict[str, Any], case: str) -> None:
+    assert is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)
+
+
+def test_words_are_described_for_editors(toy_schema: dict[str, Any]) -> None:
+    params = toy_schema["$defs"]["toy.matcher"]["properties"]["with"]["properties"]
+    assert params["layers"] == {
+        "type": "integer", "description": "layers of the pyramid", "minimum": 1, "maximum": 8, "default": 3,
+    }  # fmt: skip

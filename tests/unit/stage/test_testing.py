@@ -1,0 +1,157 @@
+"""The public check of stages finds what breaks their contract."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graphnav import Image, Latest, ParamError, Source, Stage, param
+from graphnav.testing import check_stage
+
+
+def picture() -> Image:
+    return Image(pixels=np.zeros((4, 6), np.uint8))
+
+
+class Good(Stage):
+    """The same picture."""
+
+    gain: float = param(1.0, ge=0.0, doc="dimensionless")
+
+    def step(self, image: Image) -> Image:
+        return image
+
+
+class NoDoc(Good):
+    def step(self, image: Image) -> Image:
+        return image
+
+
+class NoSentence(Good):
+    """No sentence"""
+
+
+class WrongUnit(Stage):
+    """Its parameter names a unit that is written otherwise."""
+
+    wait_ms: float = param(1.0, doc="how long")
+
+    def step(self, image: Image) -> Image:
+        return image
+
+
+class WrongDefault(Stage):
+    """Its default is out of bounds."""
+
+    gain: float = param(-1.0, ge=0.0, doc="dimensionless")
+
+    def step(self, image: Image) -> Image:
+        return image
+
+
+class NeverFires(Stage):
+    """Nothing fires it."""
+
+    def step(self, image: Latest[Image]) -> Image:
+        return image.value or picture()
+
+
+class WritesInputs(Stage):
+    """It scribbles."""
+
+    def step(self, image: Image) -> Image:
+        image.pixels[0, 0] = 1
+        return image
+
+
+class Forgetful(Stage):
+    """Its reset does not start anew."""
+
+    steps = 0
+
+    def step(self, image: Image) -> Image:
+        Forgetful.steps += 1
+        return Image(pixels=image.pixels + np.uint8(Forgetful.steps))
+
+
+class WrongType(Stage):
+    """It returns something else."""
+
+    def step(self, image: Image) -> Image:
+        return image.pixels  # type: ignore[return-value]
+
+
+class BadFigures(Stage):
+    """Its figures are no numbers."""
+
+    def step(self, image: Image) -> None:
+        return None
+
+    def summary(self) -> Mapping[str, float]:
+        return {"share": "half"}  # type: ignore[dict-item]
+
+
+class Stopped(Source):
+    """It never fires."""
+
+    def rate(self) -> float:
+        return 0.0
+
+    def step(self) -> Image:
+        return picture()
+
+
+class NeedsFile(Source):
+    """It plays a file."""
+
+    path: Path = param(Path("nowhere.jpg"), doc="what to play")
+
+    def check(self) -> None:
+        if not self.path.exists():
+            raise ParamError("path", "there is no such file")
+
+    def step(self) -> Image:
+        return picture()
+
+
+def test_a_good_stage_passes() -> None:
+    check_stage(Good, {"image": picture()}, {"image": picture()}, gain=0.5)
+
+
+@pytest.mark.parametrize(
+    ("cls", "said"),
+    [
+        (NoDoc, "has no docstring"),
+        (NoSentence, "first line is no sentence"),
+        (WrongUnit, "parameter 'wait_ms' has no suffix of graphnav's units"),
+        (WrongDefault, "the default does not fit"),
+        (NeverFires, "nothing fires it"),
+        (Forgetful, "the same seed gave another output in step 1"),
+        (WrongType, "output 'image' is ndarray"),
+        (BadFigures, "figure 'share' of summary() is 'half'"),
+    ],
+)
+def test_what_breaks_the_contract_is_told(cls: type[Stage], said: str) -> None:
+    with pytest.raises(AssertionError) as caught:
+        check_stage(cls, {"image": picture()})
+    assert str(caught.value).startswith(f"{cls.__qualname__}: ")
+    assert said in str(caught.value)
+
+
+def test_a_source_has_a_rate() -> None:
+    with pytest.raises(AssertionError, match="rate\\(\\) is 0"):
+        check_stage(Stopped, {})
+
+
+def test_inputs_are_read_only() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        check_stage(WritesInputs, {"image": picture()})
+
+
+def test_files_that_are_not_here_end_the_check_unless_they_were_given() -> None:
+    check_stage(NeedsFile)
+    given: dict[str, Any] = {"path": "also_nowhere.jpg"}
+    with pytest.raises(AssertionError, match="there is no such file"):
+        check_stage(NeedsFile, **given)
