@@ -10,7 +10,6 @@ from typing import Any
 
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.layout import Field, fields_of, fingerprint, lcm_name
-from graphnav.codec.nested import Shape
 from graphnav.codec.parts import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, Text, Values
 
 
@@ -81,7 +80,7 @@ class Codec:
         return values, at
 
     def _check_names(self, fields: Mapping[str, Any]) -> None:
-        if not isinstance(fields, Mapping):
+        if type(fields) is not dict and not isinstance(fields, Mapping):
             raise EncodeError(f"{self.name}: expected a mapping, found {fields!r}")
         if not self._known.issuperset(fields):
             raise EncodeError(f"{self.name} has no field {', '.join(sorted(set(fields) - self._known))}")
@@ -89,13 +88,15 @@ class Codec:
     def _take_arrays(self, fields: Mapping[str, Any]) -> Values:
         """Return the fields with arrays as their parts want them and with every size."""
         values = dict(fields)
-        sizes: dict[str, int] = {name: fields[name] for name in self._sizes if name in fields}
+        sizes = {name: values[name] for name in self._sizes if name in values}
         for array in self._arrays:
             try:
-                shape, values[array.name] = array.take(fields[array.name])
+                shape, values[array.name] = array.take(values[array.name])
             except EncodeError as error:
                 raise EncodeError(f"{array.name}: {error}") from error
-            _agree(array, shape, sizes)
+            for dim, size in zip(array.dims, shape):  # noqa: B905, take returns as many sizes, and strict costs time
+                if dim != size and size is not None and (isinstance(dim, int) or sizes.setdefault(dim, size) != size):
+                    raise EncodeError(f"{array.name}: expected shape {_wanted(array, sizes)}, found {shape}")
         for name in self._sizes:
             values[name] = sizes.get(name, 0)
         return values
@@ -129,12 +130,7 @@ def codec_of(lcm_class: type) -> Codec:
     return Codec(lcm_class)
 
 
-def _agree(array: ArrayPart, shape: Shape, sizes: dict[str, int]) -> None:
-    """Check a shape against the sizes known so far and add those that it tells."""
-    for dim, size in zip(array.dims, shape, strict=True):
-        if size is None:
-            continue
-        expected = dim if isinstance(dim, int) else sizes.setdefault(dim, size)
-        if expected != size:
-            wanted = ", ".join(f"{dim}={sizes[dim]}" if dim in sizes else str(dim) for dim in array.dims)
-            raise EncodeError(f"{array.name}: expected shape ({wanted}), found {shape}")
+def _wanted(array: ArrayPart, sizes: Mapping[str, int]) -> str:
+    """Return the shape that an array should have, as far as the other fields tell it."""
+    known: Mapping[Any, int] = sizes
+    return f"({', '.join(f'{dim}={known[dim]}' if dim in known else str(dim) for dim in array.dims)})"

@@ -128,7 +128,7 @@ def test_spy_lists_the_channels_of_a_log(log: Path, capsys: pytest.CaptureFixtur
     assert "flow.flow  graphnav_lcm.flow_t, 10.00 Hz, 152 B, 21 messages\n" in said
     assert "    uv_px        float32 (3, 4, 2)  -1 to 1, mean 0\n" in said
     assert "robot.state  graphnav_lcm.state_t, not heard\n" in said
-    assert "    moving        double[n_moving][3]" in said
+    assert "    moving       double[n_moving][3]\n" in said
 
 
 def test_spy_tells_programs_the_same(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
