@@ -1,1 +1,14 @@
-"""Stages of the family ``io``."""
+"""Stages of the family ``io``: images from files, cameras and streams."""
+
+from __future__ import annotations
+
+from graphnav import Stage, hookimpl
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    """Return the stages; their modules are imported only now."""
+    from graphnav_io.images import Images  # noqa: PLC0415
+    from graphnav_io.video import Video  # noqa: PLC0415
+
+    return [Images, Video]

@@ -1,0 +1,128 @@
+"""Pictures in files, read one after the other."""
+
+from __future__ import annotations
+
+import glob
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from graphnav import ParamError
+from graphnav_io.frames import Pixels
+from graphnav_io.quiet import quiet
+
+SUFFIXES = frozenset((".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm"))
+
+
+def is_pictures(path: Path) -> bool:
+    """Return whether ``path`` is a folder or a pattern and no single file."""
+    return path.is_dir() or (glob.has_magic(str(path)) and not path.exists())
+
+
+def find_pictures(path: Path) -> list[Path]:
+    """Return the pictures in a folder (by suffix), or whatever files a pattern matches, in natural order.
+
+    Raises
+    ------
+    ParamError
+        There is no such folder, or no picture in it.
+    """
+    if path.is_dir():
+        try:
+            found = [file for file in path.iterdir() if file.suffix.lower() in SUFFIXES]
+        except OSError as error:
+            raise ParamError("path", f"'{path}' cannot be read: {error.strerror}") from error
+        if not found:
+            raise ParamError("path", f"there is no picture in '{path}'", f"use files that end in {_suffixes()}")
+    elif path.is_file():
+        found = [path]
+    elif glob.has_magic(str(path)):
+        found = [Path(file) for file in glob.glob(str(path), recursive=True) if Path(file).is_file()]
+        if not found:
+            raise ParamError("path", f"no file matches '{path}'", "check the pattern")
+    else:
+        raise ParamError(
+            "path", f"there is no folder '{path}'", "give a folder of pictures or a pattern like run/*.jpg"
+        )
+    return sorted(found, key=_natural)
+
+
+def read_picture(file: Path) -> Pixels:
+    """Return a picture as it is: uint8, (rows, cols) or (rows, cols, 3) red-green-blue.
+
+    Raises
+    ------
+    ValueError
+        It cannot be read or decoded, or was cut off.
+    """
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise ValueError(f"'{file}' cannot be read: {error.strerror}") from error
+    if not data:
+        raise ValueError(f"'{file}' is empty")
+    if not _is_whole(data):
+        raise ValueError(f"'{file}' is cut off")
+    with quiet():
+        pixels: Pixels | None = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
+    if pixels is None:
+        raise ValueError(f"'{file}' is no picture that OpenCV can read")
+    return pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
+
+
+def check_pictures(path: Path) -> None:
+    """Look for pictures and at the first one.
+
+    Raises
+    ------
+    ParamError
+        There is none, or the first cannot be decoded.
+    """
+    try:
+        read_picture(find_pictures(path)[0])
+    except ValueError as error:
+        raise ParamError("path", str(error)) from error
+
+
+class PictureFrames:
+    """Frames from picture files; they have no rate of their own."""
+
+    rate_hz = 0.0
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        self._left = list(reversed(files))
+
+    @property
+    def at_end(self) -> bool:
+        """Whether all files were read."""
+        return not self._left
+
+    def read(self) -> Pixels | None:
+        """Return the next file's picture, None after the last."""
+        return read_picture(self._left.pop()) if self._left else None
+
+    def close(self) -> None:
+        """Release nothing: no file stays open."""
+
+
+def _natural(file: Path) -> list[tuple[int, str]]:
+    """Order frame_2 before frame_10."""
+    parts = re.split(r"(\d+)", str(file))
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts] + [(-1, str(file))]
+
+
+def _is_whole(data: bytes) -> bool:
+    """Return whether a JPEG or PNG has its end; decoders fill what lacks with gray and only grumble."""
+    if data.startswith(b"\xff\xd8"):
+        return data.rfind(b"\xff\xd9") > data.rfind(b"\xff\xda")
+    if data.startswith(b"\x89PNG"):
+        return b"IEND" in data[-64:]
+    return True
+
+
+def _suffixes() -> str:
+    *first, last = (suffix[1:] for suffix in sorted(SUFFIXES))
+    return ", ".join(first) + " or " + last

@@ -1,0 +1,72 @@
+"""A source of images: a video file, a camera or a stream."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from graphnav import Image, ParamError, Source, param
+from graphnav_io.capture import open_capture
+from graphnav_io.frames import Frames
+from graphnav_io.pictures import PictureFrames, check_pictures, find_pictures, is_pictures
+from graphnav_io.playback import next_image
+from graphnav_io.shape import GRAY_DOC, SCALE_DOC, SIZE_DOC, Shape, check_shape
+
+PICTURES_HZ = 10.0
+
+
+class Video(Source):
+    """A video file, a camera or a stream, one frame a firing, in red-green-blue; the last one ends the run.
+
+    A folder or pattern of pictures is read as `Images` reads it. A frame that cannot be decoded, and a file that ends
+    before the last frame that it announces, stop the run.
+    """
+
+    path: Path = param(doc="a video file, a camera's number, a URL, or a folder or pattern of pictures")
+    rate_hz: float = param(
+        0.0,
+        ge=0.0,
+        le=10_000.0,
+        doc="firings per second, one frame each; 0: what the video says, 10 for pictures",
+    )
+    size: tuple[int, int] | None = param(None, ge=1, le=16384, doc=SIZE_DOC)
+    scale: float = param(1.0, gt=0.0, le=16.0, doc=SCALE_DOC)
+    gray: bool = param(False, doc=GRAY_DOC)
+
+    def check(self) -> None:
+        """Open the video and look at its first frame."""
+        check_shape(self.size, self.scale)
+        if is_pictures(self.path):
+            check_pictures(self.path)
+            return
+        frames = open_capture(self.path)
+        frames.close()
+        if not (self.rate_hz or frames.rate_hz):
+            raise ParamError("path", f"'{self.path}' tells no frame rate", "set 'rate_hz'")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Open the video at its first frame."""
+        self.close()
+        self._frames: Frames | None = self._open()
+        self._shape = Shape(self.size, self.scale, gray=self.gray)
+
+    def rate(self) -> float:
+        """Return the given rate, else the video's own."""
+        assert self._frames is not None
+        return self.rate_hz or self._frames.rate_hz or PICTURES_HZ
+
+    def step(self) -> Image:
+        """Return the next frame."""
+        assert self._frames is not None
+        return next_image(self._frames, self._shape)
+
+    def close(self) -> None:
+        """Release the file or device."""
+        frames: Frames | None = getattr(self, "_frames", None)
+        if frames is not None:
+            frames.close()
+        self._frames = None
+
+    def _open(self) -> Frames:
+        if is_pictures(self.path):
+            return PictureFrames(find_pictures(self.path))
+        return open_capture(self.path)
