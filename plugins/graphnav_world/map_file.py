@@ -101,6 +101,14 @@ def read_map(text: MapText, root: yaml.Node) -> MapDraw | None:
     return MapDraw(bodies, start, start_place, goal, goal_place, textures, light, noise, margin, blocked)
 
 
+def extent_m(draw: MapDraw) -> tuple[float, float]:
+    """Return how far a draw reaches along x and y, moving obstacles' paths included."""
+    paths = [body.patrol.through_m for body in draw.bodies if body.patrol]
+    points = np.concatenate([[draw.start[:2]], draw.goal_m, *(body.outline for body in draw.bodies), *paths])
+    width, height = points.max(axis=0) - points.min(axis=0)
+    return float(width), float(height)
+
+
 def _bodies(
     text: MapText, found: dict[str, yaml.Node], corridor: Corridor | None, names: tuple[str, ...]
 ) -> list[Body]:

@@ -50,7 +50,12 @@ def read_wall(text: MapText, node: yaml.Node, key: str, textures: tuple[str, ...
         return None
     if closed and np.linalg.norm(points[-1] - points[0]) < 1e-9:
         points = points[:-1]
-    return Body.wall(outlines.strip(points, thickness, closed=closed), height, texture)
+    strip = outlines.strip(points, thickness, closed=closed)
+    if strip.is_folded:
+        hint = "give a smaller thickness_m, or a wider bend"
+        text.wrong(found["along"], f"a wall {thickness:g} m thick cannot bend as sharply as this line", hint)
+        return None
+    return Body.wall(strip, height, texture)
 
 
 def read_obstacle(text: MapText, node: yaml.Node, key: str, textures: tuple[str, ...]) -> Body | None:

@@ -65,11 +65,23 @@ class Passage:
         return bool((self._in_goal & (label == label[row, col])).any())
 
     def straight_is_blocked(self, radius_m: float) -> bool:
-        """Whether a robot of this radius touches something on the straight way to the middle of the goal."""
-        start, goal = np.array(self._start[:2]), self._goal.mean(axis=0)
-        steps = np.linspace(0, 1, max(2, math.ceil(np.linalg.norm(goal - start) / CELL_M)))
-        cells = np.round(self._cells(start + steps[:, None] * (goal - start))).astype(int)
-        return bool((self._clearance_m[cells[:, 1], cells[:, 0]] <= radius_m - CELL_M).any())
+        """Whether a robot of this radius reaches the goal neither straight ahead nor straight to its middle."""
+        x, y, yaw = self._start
+        to_middle = self._goal.mean(axis=0) - (x, y)
+        ahead = np.array([math.cos(yaw), math.sin(yaw)])
+        return not any(self._is_free_to_goal(way / np.linalg.norm(way), radius_m) for way in (to_middle, ahead))
+
+    def _is_free_to_goal(self, direction: Doubles, radius_m: float) -> bool:
+        rows, cols = self._in_goal.shape
+        steps = np.arange(rows + cols)[:, None] * CELL_M
+        col, row = np.round(self._cells(np.array(self._start[:2]) + steps * direction)).astype(int).T
+        inside = (col >= 0) & (row >= 0) & (col < cols) & (row < rows)
+        col, row = col[inside], row[inside]
+        arrived = np.flatnonzero(self._in_goal[row, col])
+        if not len(arrived):
+            return False
+        before = self._clearance_m[row[: arrived[0]], col[: arrived[0]]]
+        return bool((before > radius_m - CELL_M).all())
 
     def shortest_m(self, radius_m: float) -> float:
         """Return the length of the shortest way, found on the grid and pulled taut; 0 if there is none."""

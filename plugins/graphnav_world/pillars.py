@@ -16,6 +16,7 @@ from graphnav_world.scene import Body
 Doubles = npt.NDArray[np.float64]
 
 PILLAR_HEIGHT_M = 0.5
+MOST = 1000
 ROUNDS = 400
 DRAWS = 20
 
@@ -27,6 +28,9 @@ def read_pillars(text: MapText, node: yaml.Node, textures: tuple[str, ...]) -> l
     if not {"count", "radius_m", "gap_m", "field"} <= found.keys():
         return []
     count = text.number(found["count"], "pillars.count", least=1, whole=True)
+    if count > MOST:
+        text.wrong(found["count"], f"'count' is {int(count)}, but must be at most {MOST}")
+        return []
     gap = text.number(found["gap_m"], "pillars.gap_m", least=0)
     field = text.mapping(found["field"], "the field", ("corner_m", "size_m"), ("corner_m", "size_m"))
     height = read_height(text, found, "pillars", PILLAR_HEIGHT_M)

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graphnav import Problem, UserError
-from graphnav_world.map_file import MapDraw, read_map
+from graphnav_world.map_file import MapDraw, extent_m, read_map
 from graphnav_world.map_text import MapText, compose, shown
 from graphnav_world.passage import Passage
 from graphnav_world.scene import Kind
 
 ATTEMPTS = 300
+LARGEST_M = 100.0
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,11 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
         draw = read_map(text, root)
         problems = text.problems
         if problems or draw is None:
+            break
+        largest = max(extent_m(draw))
+        if largest > LARGEST_M:
+            what = f"the map extends over {largest:.0f} m, but must fit into {LARGEST_M:.0f} m"
+            problems = [Problem(text.place(root), what, "bring everything nearer together")]
             break
         passage = Passage(draw.bodies, draw.start, draw.goal_m)
         misfit = _misfit(draw, passage, robot_radius_m)

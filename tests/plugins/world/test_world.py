@@ -85,9 +85,11 @@ def test_odometry_errs_by_its_scale_and_noise(maps: Path) -> None:
     assert spreads == pytest.approx(0.01, abs=0.004)
 
 
+@pytest.mark.parametrize("seed", [3, 4, 5])
 @pytest.mark.parametrize("name", ["corridor_ccw", "corridor_cw", "pillars", "approach"])
-def test_straight_ahead_ends_in_contact(name: str, maps: Path) -> None:
-    outputs, outcome = drive(Pymunk(map=maps / f"{name}.yaml", size=(32, 24)), Twist(v_mps=0.5, omega_radps=0.0), 400)
+def test_straight_ahead_ends_in_contact(name: str, seed: int, maps: Path) -> None:
+    world = Pymunk(map=maps / f"{name}.yaml", size=(32, 24))
+    outputs, outcome = drive(world, Twist(v_mps=0.5, omega_radps=0.0), 400, seed)
     assert outcome == "contact"
     assert outputs[-1].state.contact
     assert not outputs[-2].state.contact
