@@ -61,6 +61,9 @@ class Drive:
     graph: dict[str, Any] = field(default_factory=lambda: GRAPH)
     copies: dict[str, str] = field(default_factory=dict)
     """Further channels, and of which one they are a copy."""
+    step_px: int = 1
+    """Grids are thinned by this, as the tap does."""
+    about: bool = True
 
 
 @pytest.fixture
@@ -82,12 +85,14 @@ def write_log(path: Path, drive: Drive) -> Path:
         types=tuple(f"graphnav_lcm.{kind.lcm_class.__name__}" for kind in types.values()),
     )
     with LogWriter(path) as log:
-        log.write(ABOUT, 0, encode(about, 0, 0))
+        if drive.about:
+            log.write(ABOUT, 0, encode(about, 0, 0))
         for k in range(drive.frames):
             tick = _tick(k, drive)
             tick |= {name: tick[of] for name, of in drive.copies.items() if of in tick}
             for channel, message in tick.items():
                 if channel in types:
+                    message = message.thin(drive.step_px) if message.grid else message  # noqa: PLW2901
                     log.write(channel, k * PERIOD_US, encode(message, k * PERIOD_US, k))
     return path
 

@@ -82,6 +82,12 @@ def test_a_log_of_small_messages_gives_a_map_only(record: Record, tmp_path: Path
     assert drawn(record(frames=6, without=large), tmp_path / "out") == ["map.png"]
 
 
+def test_what_a_logger_caught_of_the_tap_is_drawn(record: Record, tmp_path: Path) -> None:
+    """Thinned grids, and a log that does not begin with what made it."""
+    caught = record(frames=8, step_px=3, about=False)
+    assert drawn(caught, tmp_path / "out", video=True) == ["map.png", "panels.png", "video.mp4"]
+
+
 def test_a_run_of_one_frame_is_drawn(record: Record, tmp_path: Path) -> None:
     assert drawn(record(frames=1), tmp_path / "out", video=True) == ["map.png", "panels.png", "video.mp4"]
 
