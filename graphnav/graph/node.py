@@ -87,7 +87,8 @@ class Node:
         return issubclass(self.stage_class, Source)
 
     def problem(self, error: ParamError) -> Problem:
-        """Return a parameter's error as a problem at the parameter's place."""
+        """Return a parameter's error as a problem at the parameter's place; a default is named, for it has none."""
         setting = self.settings.get(error.param)
-        what = error.what if f"'{error.param}'" in error.what else f"'{error.param}': {error.what}"
+        is_written = setting is not None and setting.origin != "default"
+        what = error.what if is_written or f"'{error.param}'" in error.what else f"'{error.param}': {error.what}"
         return Problem(setting.place if setting else self.place, f"{self.use}: {what}", error.hint)

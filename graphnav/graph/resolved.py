@@ -17,7 +17,7 @@ def resolved_yaml(graph: Graph, *, portable_paths: bool) -> str:
 
 def _lines(graph: Graph, *, portable_paths: bool) -> Iterator[str]:
     yield "# The graph as it ran: every parameter with its value."
-    yield from (f"# {line}" for notice in graph.notices for line in notice.splitlines())
+    yield from (f"# {notice if notice.isprintable() else ascii(notice)}" for notice in graph.notices)
     if graph.about:
         yield f"about: {write_value(graph.about)}"
     yield "run:"

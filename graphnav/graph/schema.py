@@ -67,7 +67,10 @@ def _stage(uses: list[str]) -> Schema:
         "with": {"type": ["object", "null"], "description": "parameters"},
         "in": {"type": ["object", "null"], "description": "what each input reads: stage.port"},
     }
-    which = [{"if": {"properties": {"use": {"const": use}}}, "then": {"$ref": f"#/$defs/{use}"}} for use in uses]
+    which = [
+        {"if": {"properties": {"use": {"const": use}}, "required": ["use"]}, "then": {"$ref": f"#/$defs/{use}"}}
+        for use in uses
+    ]
     return {**_object(words, required=["use"]), "allOf": which}
 
 

@@ -13,19 +13,23 @@ import pytest
 
 from graphnav.cli import main
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
 CASES = sorted(path.stem for path in HERE.glob("*.yaml"))
 OPTION = "# --set "
 
 
 def message_of(case: str) -> tuple[int, str]:
-    """Return the exit status and what ``graphnav check`` prints to stderr; the working folder is this one."""
+    """Return the exit status and what ``graphnav check`` prints to stderr, paths from the root of the sources.
+
+    The working folder is this one.
+    """
     lines = Path(f"{case}.yaml").read_bytes().decode("utf-8", "replace").splitlines()
     options = [word for line in lines if line.startswith(OPTION) for word in ("--set", line.removeprefix(OPTION))]
     said = io.StringIO()
     with contextlib.redirect_stderr(said):
         status = main(["check", f"{case}.yaml", "--plugin", "stages.py", *options])
-    return status, said.getvalue()
+    return status, said.getvalue().replace(f"{ROOT}/", "")
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -43,7 +43,7 @@ def test_a_swap_is_told(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_a_parameter_names_is_looked_at(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "graph", "--plugin", str(TOYS), "--set", "robot.map=nowhere.yaml"]) == 2
     said = capsys.readouterr().err
-    assert said == "--set robot.map=nowhere.yaml: toy.robot: 'map': there is no map nowhere.yaml\n  name a file\n"
+    assert said == "--set robot.map=nowhere.yaml: toy.robot: there is no map nowhere.yaml\n  name a file\n"
 
 
 def test_a_missing_plugin_is_a_users_error(capsys: pytest.CaptureFixture[str]) -> None:
