@@ -40,7 +40,12 @@ def bodies() -> list[Body]:
     ]
     pillars = [
         Body.prism(outlines.circle(x, y, radius), height, "obstacle")
-        for x, y, radius, height in ((0.35, 0.2, 0.06, 0.3), (0.55, -0.25, 0.07, 0.4), (0.75, 0.1, 0.08, 0.25))
+        for x, y, radius, height in (
+            (0.35, 0.2, 0.06, 0.3),
+            (0.55, -0.25, 0.07, 0.4),
+            (0.7, 0.1, 0.08, 0.25),
+            (0.2, -0.1, 0.05, 0.2),
+        )
     ]
     return [*walls, *boxes, *pillars]
 
