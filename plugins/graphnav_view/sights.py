@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Rectangle
+from matplotlib.patches import Circle, PathPatch
+from matplotlib.path import Path
 
 from graphnav import Image
 from graphnav_view import ink
@@ -92,21 +93,15 @@ def draw_plane(axes: Axes, frame: Frame) -> str:
 
 
 def hatch_unjudged(axes: Axes, valid: npt.NDArray[Any], step_px: int) -> None:
-    """Hatch the cells that were not judged, as few rectangles as their rows allow."""
+    """Hatch the cells that were not judged, as one shape of runs along the rows."""
+    runs = []
     for row, cells in enumerate(valid == 0):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], cells, [False]]).astype(np.int8)))
-        for begin, end in edges.reshape(-1, 2):
-            axes.add_patch(
-                Rectangle(
-                    (begin * step_px - 0.5, row * step_px - 0.5),
-                    (end - begin) * step_px,
-                    step_px,
-                    facecolor="none",
-                    edgecolor="#8a8a8a",
-                    lw=0.0,
-                    hatch="/////",
-                )
-            )
+        edges = np.flatnonzero(np.diff(cells.astype(np.int8), prepend=0, append=0)) * step_px - 0.5
+        top, low = row * step_px - 0.5, (row + 1) * step_px - 0.5
+        runs += [[(x0, top), (x1, top), (x1, low), (x0, low)] for x0, x1 in edges.reshape(-1, 2)]
+    if runs:
+        outline = Path.make_compound_path_from_polys(np.array(runs))
+        axes.add_patch(PathPatch(outline, facecolor="none", edgecolor="#8a8a8a", lw=0.0, hatch="/////"))
 
 
 def extent_px(shape: tuple[int, ...], step_px: int) -> tuple[float, float, float, float]:
