@@ -8,7 +8,7 @@ import sys
 import traceback
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from graphnav.cli.options import add_graph_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
@@ -82,7 +82,7 @@ def main(args: argparse.Namespace) -> int:
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
 
 
-def _open_tap(mode: str, run_id: str, console: Console) -> LiveSink | None:
+def _open_tap(mode: Literal["thin", "full", "none"], run_id: str, console: Console) -> LiveSink | None:
     """Return the tap, or None where it is off or there is no multicast, which is said once."""
     from graphnav.errors import BusError  # noqa: PLC0415
     from graphnav.tap import TAP_URL, Tap  # noqa: PLC0415

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from graphnav.codec.errors import DecodeError, EncodeError
+from graphnav.codec.flat import flat_decoder, flat_encoder, is_flat
 from graphnav.codec.layout import Field, fields_of, fingerprint, lcm_name
 from graphnav.codec.parts import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, Text, Values
 
@@ -28,6 +29,8 @@ class Codec:
         self.fields = tuple(field.name for field in fields)
         self._known = frozenset(self.fields)
         self._sizes = tuple({dim for field in fields for dim in field.dims if isinstance(dim, str)})
+        self._flat_encode = flat_encoder(fields, self.fingerprint) if is_flat(fields) else None
+        self._flat_decode = flat_decoder(fields, self.fingerprint) if is_flat(fields) else None
         self.least_bytes = 0
         self._parts: list[Part] = []
         self._arrays: list[ArrayPart] = []
@@ -40,12 +43,16 @@ class Codec:
 
         Raises EncodeError, naming the field.
         """
+        if self._flat_encode is not None and (data := self._flat_encode(fields)) is not None:
+            return data
         out: list[Any] = [self.fingerprint]
         self.encode_into(fields, out)
         return b"".join(out)
 
     def decode(self, data: bytes) -> Values:
         """Return all fields of a message; raises DecodeError for anything that is none of this type."""
+        if self._flat_decode is not None and (flat := self._flat_decode(data)) is not None:
+            return flat
         if data[:8] != self.fingerprint:
             raise DecodeError(f"no {self.name}: it begins with {data[:8].hex()}, not {self.fingerprint.hex()}")
         try:

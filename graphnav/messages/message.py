@@ -89,5 +89,5 @@ class Message:
 
 
 def _is_finite(array: npt.NDArray[Any]) -> bool:
-    """Whether no element is a NaN or an infinity; the sum of squares tells at a tenth of the cost, unless it overflows."""
+    """Whether no element is a NaN or an infinity; the sum of squares tells it cheaply, unless it overflows."""
     return math.isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())

@@ -1,0 +1,123 @@
+"""Encoders and decoders written out for one type: the common case, without loops and look-ups.
+
+They cover types of scalars and arrays of numbers. Whatever they do not expect (another dtype, sizes that disagree,
+bytes that are damaged, an empty array), they answer with None, and the general codec takes over: it moves it or says
+what is wrong.
+"""
+
+from __future__ import annotations
+
+import itertools
+import struct
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from graphnav.codec.layout import PRIMITIVES, Field
+
+FlatEncoder = Callable[[Mapping[str, Any]], bytes | None]
+FlatDecoder = Callable[[bytes], dict[str, Any] | None]
+
+_MISFITS = (struct.error, KeyError, TypeError, ValueError, AttributeError, OverflowError)
+
+
+def is_flat(fields: list[Field]) -> bool:
+    """Whether a type has nothing but scalars and arrays of numbers."""
+    return bool(fields) and all(f.struct is None and f.primitive != "string" and 0 not in f.dims for f in fields)
+
+
+def flat_encoder(fields: list[Field], fingerprint: bytes) -> FlatEncoder:
+    """Return a function from fields to bytes, or None for what it does not expect."""
+    known = frozenset(field.name for field in fields)
+    sizes = {dim: f"n{place}" for place, dim in enumerate(sorted(_sizes(fields)))}
+    names: dict[str, Any] = {
+        "ndarray": np.ndarray,
+        "contiguous": np.ascontiguousarray,
+        "fp": fingerprint,
+        "known": known,
+    }
+    checks, pieces = ["if not known.issuperset(f): return None"], ["fp"]
+    bound: set[str] = set()
+    for place, field in enumerate(field for field in fields if field.dims):
+        names[f"native{place}"], names[f"wire{place}"] = _dtypes(field)
+        axes = [f"a{place}_{axis}" for axis in range(len(field.dims))]
+        checks += [
+            f"x{place} = f[{field.name!r}]",
+            f"if type(x{place}) is not ndarray or x{place}.dtype is not native{place}: return None",
+            f"{', '.join(axes)}, = x{place}.shape",
+        ]
+        for axis, dim in zip(axes, field.dims, strict=True):
+            if isinstance(dim, str) and dim not in bound:
+                bound.add(dim)
+                checks += [f"{sizes[dim]} = {axis}", f"if {dim!r} in f and f[{dim!r}] != {axis}: return None"]
+            else:
+                checks.append(f"if {axis} != {sizes.get(dim, dim)}: return None")  # type: ignore[arg-type]
+    arrays = itertools.count()
+    for run, (is_scalar, group) in enumerate(itertools.groupby(fields, lambda field: not field.dims)):
+        if is_scalar:
+            scalars = list(group)
+            names[f"pack{run}"] = _packer(scalars).pack
+            values = ", ".join(sizes.get(field.name) or f"f[{field.name!r}]" for field in scalars)
+            pieces.append(f"pack{run}({values})")
+        else:
+            for place in itertools.islice(arrays, len(list(group))):
+                one_byte = names[f"native{place}"].itemsize == 1
+                array = f"contiguous(x{place})" if one_byte else f"x{place}.astype(wire{place}, 'C')"
+                pieces.append(array)
+    body = [*checks, f"return b''.join(({', '.join(pieces)},))"]
+    encode: FlatEncoder = _function("f", body, names)
+    return encode
+
+
+def flat_decoder(fields: list[Field], fingerprint: bytes) -> FlatDecoder:
+    """Return a function from bytes to fields, or None for what it does not expect."""
+    variables = {field.name: f"v{place}" for place, field in enumerate(fields)}
+    names: dict[str, Any] = {"frombuffer": np.frombuffer, "fp": fingerprint}
+    body = ["if d[:8] != fp: return None", "end = 8"]
+    for run, (is_scalar, group) in enumerate(itertools.groupby(fields, lambda field: not field.dims)):
+        if is_scalar:
+            scalars = list(group)
+            packer = names[f"scalars{run}"] = _packer(scalars)
+            targets = "".join(f"{variables[field.name]}, " for field in scalars)
+            body += [f"{targets}= scalars{run}.unpack_from(d, end)", f"end += {packer.size}"]
+            continue
+        for field in group:
+            v = variables[field.name]
+            native, names[f"wire_{v}"] = _dtypes(field)
+            names[f"native_{v}"] = native
+            dims = [str(dim) if isinstance(dim, int) else variables[dim] for dim in field.dims]
+            body += [f"if {variables[dim]} <= 0: return None" for dim in field.dims if isinstance(dim, str)]
+            body += [
+                f"count = {' * '.join(dims)}",
+                f"if end + count * {native.itemsize} > len(d): return None",
+                f"{v} = frombuffer(d, wire_{v}, count, end).reshape(({', '.join(dims)},))",
+            ]
+            if native.itemsize > 1:
+                body += [f"{v} = {v}.astype(native_{v})", f"{v}.setflags(write=False)"]
+            body.append(f"end += count * {native.itemsize}")
+    result = ", ".join(f"{name!r}: {v}" for name, v in variables.items())
+    body += ["if end != len(d): return None", f"return {{{result}}}"]
+    decode: FlatDecoder = _function("d", body, names)
+    return decode
+
+
+def _function(argument: str, body: list[str], names: dict[str, Any]) -> Any:
+    """Return the compiled function; what does not fit its straight path makes it return None."""
+    lines = [f"def move({argument}):", " try:", *(f"  {line}" for line in body), " except misfits:", "  return None"]
+    names["misfits"] = _MISFITS
+    exec("\n".join(lines), names)  # noqa: S102 - every word of it comes from an lcm-gen class
+    return names["move"]
+
+
+def _packer(scalars: list[Field]) -> struct.Struct:
+    return struct.Struct(">" + "".join(PRIMITIVES[field.primitive] for field in scalars))
+
+
+def _dtypes(field: Field) -> tuple[np.dtype[Any], np.dtype[Any]]:
+    native = np.dtype(PRIMITIVES[field.primitive].replace("q", "i8"))
+    return native, native.newbyteorder(">")
+
+
+def _sizes(fields: list[Field]) -> set[str]:
+    return {dim for field in fields for dim in field.dims if isinstance(dim, str)}
