@@ -1,1 +1,12 @@
-"""Stages of the family ``steer``."""
+"""From the dominant plane to the direction to drive in; the family ``steer``."""
+
+from graphnav import Stage, hookimpl
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    """Return the stages of the family."""
+    from graphnav_steer.forward import Forward  # noqa: PLC0415  # only graphs that use the family pay for it
+    from graphnav_steer.pca import Pca  # noqa: PLC0415
+
+    return [Forward, Pca]

@@ -1,0 +1,56 @@
+"""The control law of [OI] for a robot that cannot drive sideways."""
+
+from __future__ import annotations
+
+import math
+
+from graphnav import Stage, Stamp, Steering, Twist, param
+
+
+class Nonholonomic(Stage):
+    """Speeds of a unicycle from the direction of the control force.
+
+    T = T_m cos(theta) and R = R_m sin(theta) [OI, section 3], T the forward speed and R the turning rate. Beyond a
+    right angle the law as printed would drive backwards, blind, and turn the slower the more there is to turn: there T
+    is 0 and R keeps its full value, so that the robot turns on the spot.
+
+    ``floor_ratio`` and ``smoothing_s`` are departures from [OI], off by default.
+
+    References
+    ----------
+    .. [OI] N. Ohnishi, A. Imiya, Combination of Supervised and Unsupervised Methods for Navigation Path Mining,
+       section 3.
+    """
+
+    max_speed_mps: float = param(0.3, gt=0.0, doc="T_m, speed straight ahead")
+    max_turn_radps: float = param(1.2, gt=0.0, doc="R_m, turning rate at a right angle and beyond")
+    floor_ratio: float = param(
+        0.0, ge=0.0, le=1.0, doc="least speed as a share of max_speed_mps; above 0 the robot never stands to turn"
+    )
+    smoothing_s: float = param(
+        0.0, ge=0.0, doc="time constant of a low-pass on the command; more is smoother and later, 0 is none"
+    )
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
+        """Forget the last command."""
+        self._last: tuple[int, Twist] | None = None
+
+    def step(self, steering: Steering, stamp: Stamp) -> Twist:
+        """Return the command."""
+        theta_rad = steering.theta_rad
+        speed_ratio = max(math.cos(theta_rad), self.floor_ratio)
+        turn_ratio = math.sin(theta_rad) if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
+        wanted = Twist(v_mps=self.max_speed_mps * speed_ratio, omega_radps=self.max_turn_radps * turn_ratio)
+        twist = self._smoothed(wanted, stamp)
+        self._last = stamp, twist
+        return twist
+
+    def _smoothed(self, wanted: Twist, stamp: int) -> Twist:
+        if self.smoothing_s == 0.0 or self._last is None:
+            return wanted
+        before, last = self._last
+        kept = math.exp(-(stamp - before) * 1e-6 / self.smoothing_s)
+        return Twist(
+            v_mps=wanted.v_mps + kept * (last.v_mps - wanted.v_mps),
+            omega_radps=wanted.omega_radps + kept * (last.omega_radps - wanted.omega_radps),
+        )

@@ -1,0 +1,61 @@
+"""How far a flow is from the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+import graphnav
+from graphnav import Stage, Truth, param
+from graphnav.grid import coarsen
+from graphnav_score.pixels import cell_factor
+
+
+class Flow(Stage):
+    """How far a flow is from the truth, over all valid vectors of all frames.
+
+    A coarser flow than the truth is compared with the truth's mean over its cells. Its figures:
+
+    - ``frames``, ``valid_ratio``: share of vectors that are valid.
+    - ``epe_px``: mean length of the error (end-point error), ``outlier_ratio``: share of vectors that are off by more
+      than ``outlier_px``. Left out without a valid vector.
+    """
+
+    outlier_px: float = param(1.0, gt=0.0, doc="error above which a vector is an outlier")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget everything counted."""
+        self._frames = self._vectors = self._valid = self._outliers = 0
+        self._sum_px = 0.0
+
+    def step(self, flow: graphnav.Flow, truth: Truth) -> None:
+        """Count this frame.
+
+        Raises
+        ------
+        ValueError
+            The flow's grid does not fit the truth.
+        """
+        cell_factor(truth, flow.valid.shape, flow.step_px)
+        everywhere = np.ones(truth.obstacle.shape, np.uint8)
+        true = graphnav.Flow(
+            uv_px=truth.flow_px, valid=everywhere, interval_us=truth.interval_us, step_px=truth.step_px
+        )
+        error = flow.uv_px - coarsen(true, flow.step_px).uv_px
+        off_px = np.hypot(error[..., 0], error[..., 1])[flow.valid != 0]
+        self._frames += 1
+        self._vectors += flow.valid.size
+        self._valid += off_px.size
+        self._outliers += int(np.count_nonzero(off_px > self.outlier_px))
+        self._sum_px += float(off_px.sum(dtype=np.float64))
+
+    def summary(self) -> Mapping[str, float]:
+        """Return the figures that are defined."""
+        figures = {"frames": float(self._frames)}
+        if self._vectors:
+            figures["valid_ratio"] = self._valid / self._vectors
+        if self._valid:
+            figures["epe_px"] = self._sum_px / self._valid
+            figures["outlier_ratio"] = self._outliers / self._valid
+        return figures

@@ -1,0 +1,132 @@
+"""How a drive went: success, safety, length, time, smoothness."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Latest, Map, Stage, Stamp, State, param
+
+
+class Navigation(Stage):
+    """How a drive went.
+
+    Its figures:
+
+    - ``success``, ``collision``, ``timeout``: one of them is 1: at the goal without a contact, touched something,
+      neither. Without a goal on the map there is no ``success`` and no ``timeout``.
+    - ``least_clearance_m``, ``mean_clearance_m``: from the robot's rim to what is nearest.
+    - ``path_length_m``, ``duration_s``, ``mean_jerk_mps3`` (length of the velocity's second derivative).
+    - ``spl``: success x shortest path / max(path, shortest path) [SPL].
+    - ``barn``: success x optimal time / clip(time, 2 x, 8 x optimal time), 0.5 at best [BARN]; the optimal time is that
+      of the shortest path at ``optimal_speed_mps``.
+
+    ``spl`` and ``barn`` need the map.
+
+    References
+    ----------
+    .. [SPL] P. Anderson et al., On Evaluation of Embodied Navigation Agents, 2018, arXiv:1807.06757.
+    .. [BARN] X. Xiao et al., Autonomous Ground Navigation in Highly Constrained Spaces: Lessons Learned From the
+       Benchmark Autonomous Robot Navigation Challenge at ICRA 2022, IEEE RAM 29(4), 2022.
+    """
+
+    optimal_speed_mps: float = param(
+        0.5, gt=0.0, doc="speed of the drive that `barn` calls optimal; more makes the score stricter"
+    )
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget the last drive."""
+        self._map: Map | None = None
+        self._states = 0
+        self._first_us = self._last_us = 0
+        self._at_goal = self._contact = False
+        self._least_clearance_m, self._sum_clearance_m = math.inf, 0.0
+        self._path_m = 0.0
+        self._place_m = np.zeros(2)
+        self._jerk = MeanJerk()
+
+    def step(self, state: State, map: Latest[Map], stamp: Stamp) -> None:  # noqa: A002  # the port's name
+        """Count this state."""
+        self._map = map.value or self._map
+        place_m = np.array([state.x_m, state.y_m])
+        if not self._states:
+            self._first_us, self._place_m = stamp, place_m
+        self._path_m += float(np.hypot(*(place_m - self._place_m)))
+        self._place_m, self._last_us = place_m, stamp
+        self._states += 1
+        self._at_goal |= state.at_goal
+        self._contact |= state.contact
+        self._least_clearance_m = min(self._least_clearance_m, state.clearance_m)
+        self._sum_clearance_m += state.clearance_m
+        velocity = state.v_mps * np.array([math.cos(state.yaw_rad), math.sin(state.yaw_rad)])
+        self._jerk.add(velocity, stamp * 1e-6)
+
+    def summary(self) -> Mapping[str, float]:
+        """Return the figures of the drive so far, none before its first state."""
+        if not self._states:
+            return {}
+        duration_s = (self._last_us - self._first_us) * 1e-6
+        figures = {
+            "collision": float(self._contact),
+            "least_clearance_m": self._least_clearance_m,
+            "mean_clearance_m": self._sum_clearance_m / self._states,
+            "path_length_m": self._path_m,
+            "duration_s": duration_s,
+        }
+        if self._jerk.mean_mps3 is not None:
+            figures["mean_jerk_mps3"] = self._jerk.mean_mps3
+        has_goal = self._at_goal if self._map is None else len(self._map.goal_m) > 0
+        if self._map is not None and not has_goal:
+            return figures
+        success = self._at_goal and not self._contact
+        figures = {
+            "success": float(success),
+            "timeout": float(not success and not self._contact),
+            **figures,
+        }
+        if self._map is not None:
+            figures["spl"] = success * spl(self._map.shortest_m, self._path_m)
+            figures["barn"] = success * barn(self._map.shortest_m / self.optimal_speed_mps, duration_s)
+        return figures
+
+
+class MeanJerk:
+    """Mean length of the second derivative of a velocity (x, y), m/s^3, by differences."""
+
+    def __init__(self) -> None:
+        self._velocity: tuple[npt.NDArray[np.float64], float] | None = None
+        self._acceleration: tuple[npt.NDArray[np.float64], float] | None = None
+        self._sum, self._count = 0.0, 0
+
+    @property
+    def mean_mps3(self) -> float | None:
+        """The mean; None for fewer than three velocities."""
+        return self._sum / self._count if self._count else None
+
+    def add(self, velocity_mps: npt.NDArray[np.float64], time_s: float) -> None:
+        """Count a velocity; times have to grow."""
+        if self._velocity is not None:
+            before, then_s = self._velocity
+            acceleration, middle_s = (velocity_mps - before) / (time_s - then_s), (time_s + then_s) / 2
+            if self._acceleration is not None:
+                earlier, earlier_s = self._acceleration
+                self._sum += float(np.hypot(*(acceleration - earlier))) / (middle_s - earlier_s)
+                self._count += 1
+            self._acceleration = acceleration, middle_s
+        self._velocity = velocity_mps, time_s
+
+
+def spl(shortest_m: float, path_m: float) -> float:
+    """Return shortest / max(path, shortest) of a successful drive; 1 where it began at its goal."""
+    longer = max(path_m, shortest_m)
+    return shortest_m / longer if longer > 0 else 1.0
+
+
+def barn(optimal_s: float, duration_s: float) -> float:
+    """Return optimal / clip(time, 2 x optimal, 8 x optimal) of a successful drive, 0.125 to 0.5."""
+    if optimal_s == 0:
+        return 0.5
+    return optimal_s / min(max(duration_s, 2 * optimal_s), 8 * optimal_s)

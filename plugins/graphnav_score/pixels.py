@@ -1,0 +1,45 @@
+"""True pixels under the cells of a grid: the way in which grids of cells are compared with the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Truth
+from graphnav.grid import block_sum
+
+Counts = npt.NDArray[np.int64]
+
+
+def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
+    """Return how many of the truth's rows make one row of a grid of this shape and step.
+
+    Raises
+    ------
+    ValueError
+        The grid is of another image, or its cells are no multiple of the truth's.
+    """
+    factor, rest = divmod(step_px, truth.step_px)
+    rows, cols = truth.obstacle.shape
+    if rest or not factor or tuple(shape) != (-(-rows // factor), -(-cols // factor)):
+        raise ValueError(
+            f"a grid of {shape[1]}x{shape[0]} cells of {step_px} px cannot be compared with a truth of "
+            f"{cols}x{rows} cells of {truth.step_px} px"
+        )
+    return factor
+
+
+def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Counts, Counts]:
+    """Return how many true pixels of each cell are obstacle and how many are ground, both ``shape``.
+
+    The same as repeating each cell over its pixels: cells at the rim that are cut off count what is there.
+
+    Raises
+    ------
+    ValueError
+        The grid does not fit the truth.
+    """
+    factor = cell_factor(truth, shape, step_px)
+    is_obstacle = (truth.obstacle != 0).astype(np.int64)
+    obstacle = block_sum(is_obstacle, factor)
+    return obstacle, block_sum(np.ones_like(is_obstacle), factor) - obstacle

@@ -1,0 +1,111 @@
+"""How well a detector tells obstacle from ground."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+import graphnav
+from graphnav import Stage, Truth, param
+from graphnav_score.pixels import Counts, count_pixels
+from graphnav_score.roc import Roc
+
+Cells = npt.NDArray[np.bool_]
+
+FALSE_ALARM_RATIO = 0.05
+
+
+class Plane(Stage):
+    """How well a detector tells obstacle from ground.
+
+    Compares at the truth's pixels: every cell speaks for all of its pixels, only cells that the detector judged count,
+    and the pixels of all frames are pooled. A frame counts if between ``min_obstacle_ratio`` and ``max_obstacle_ratio``
+    of its true picture is obstacle: beyond one half the ground is not the dominant plane. Its figures:
+
+    - ``frames``: how many counted, ``judged_ratio``: share of their pixels that was judged.
+    - ``auroc``: of the score, and ``recall_at_5_false_alarms_ratio``: share of obstacle found where the score is split
+      so that 5 % of the ground is called obstacle.
+    - ``balanced_accuracy_ratio``, ``iou_ratio``: of the map; the mean of both recalls, and intersection over union of
+      obstacle.
+    - ``false_obstacle_ratio``: share of ground called obstacle, over these frames and those without any obstacle.
+    - ``flicker_ratio``: share of cells whose map changed since the last frame although the truth did not; all frames.
+
+    A figure that is not defined (no such frame, no obstacle, no ground) is left out.
+    """
+
+    min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="least true share of obstacle in a frame that counts")
+    max_obstacle_ratio: float = param(0.5, ge=0.0, le=1.0, doc="greatest true share of obstacle in a frame that counts")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget everything counted."""
+        self._roc = Roc()
+        self._frames = 0
+        self._pixels = 0
+        # Pixels by what they are and what they are called: rows ground, obstacle; columns called ground, obstacle.
+        self._confusion = np.zeros((2, 2), np.int64)
+        self._empty = np.zeros(2, np.int64)
+        self._last: tuple[Cells, Cells, Cells] | None = None
+        self._changed = self._kept = 0
+
+    def step(self, plane: graphnav.Plane, truth: Truth) -> None:
+        """Count this frame.
+
+        Raises
+        ------
+        ValueError
+            The plane's grid does not fit the truth.
+        """
+        obstacle, ground = count_pixels(truth, plane.obstacle.shape, plane.step_px)
+        judged, called = plane.valid != 0, plane.obstacle != 0
+        self._watch_flicker(judged, called, obstacle > ground)
+        pixels = int(obstacle.sum() + ground.sum())
+        obstacle_ratio = int(obstacle.sum()) / max(pixels, 1)
+        if obstacle_ratio == 0.0:
+            self._empty += _split(ground, judged, called)
+        if not self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio:
+            return
+        self._frames += 1
+        self._pixels += pixels
+        self._roc.add(plane.score[judged], obstacle[judged], ground[judged])
+        self._confusion += [_split(ground, judged, called), _split(obstacle, judged, called)]
+
+    def summary(self) -> Mapping[str, float]:
+        """Return the figures that are defined."""
+        (kept, false), (missed, hit) = self._confusion.tolist()
+        ground_recall, recall = _share(kept, kept + false), _share(hit, hit + missed)
+        # A frame without obstacle that counts (min_obstacle_ratio 0) must not count twice.
+        empty = self._empty if self.min_obstacle_ratio > 0 else np.zeros(2, np.int64)
+        figures = {
+            "judged_ratio": _share(int(self._confusion.sum()), self._pixels),
+            "auroc": self._roc.area(),
+            "recall_at_5_false_alarms_ratio": self._roc.recall(FALSE_ALARM_RATIO),
+            "balanced_accuracy_ratio": _mean(ground_recall, recall),
+            "iou_ratio": _share(hit, hit + missed + false),
+            "false_obstacle_ratio": _share(false + int(empty[1]), kept + false + int(empty.sum())),
+            "flicker_ratio": _share(self._changed, self._changed + self._kept),
+        }
+        return {"frames": float(self._frames)} | {name: value for name, value in figures.items() if value is not None}
+
+    def _watch_flicker(self, judged: Cells, called: Cells, true: Cells) -> None:
+        if self._last is not None and self._last[0].shape == judged.shape:
+            was_judged, was_called, was_true = self._last
+            steady = judged & was_judged & (true == was_true)
+            changed = int(np.count_nonzero(steady & (called != was_called)))
+            self._changed += changed
+            self._kept += int(np.count_nonzero(steady)) - changed
+        self._last = judged, called, true
+
+
+def _split(pixels: Counts, judged: Cells, called: Cells) -> Counts:
+    """Return how many of the judged pixels are called ground and how many obstacle, (2,)."""
+    return np.array([pixels[judged & ~called].sum(), pixels[judged & called].sum()])
+
+
+def _share(part: int, whole: int) -> float | None:
+    return part / whole if whole else None
+
+
+def _mean(one: float | None, other: float | None) -> float | None:
+    return None if one is None or other is None else (one + other) / 2

@@ -1,0 +1,60 @@
+"""A receiver operating characteristic of any number of scores in constant memory."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+KEPT_BITS = 18
+"""Of a float32's 32: sign, exponent and nine bits of the mantissa, so that a bin is at most 0.2 % wide."""
+
+
+class Roc:
+    """Counts of obstacle and of ground over a score, in bins that are dense wherever the scores are.
+
+    A bin holds the scores whose float32 begins with the same bits, so that their scale does not matter (but scores
+    that all lie within one percent of each other, far from zero, are not told apart). Ties inside a bin count half,
+    as in the rank statistic. 4 MB.
+    """
+
+    def __init__(self) -> None:
+        self._obstacle, self._ground = np.zeros((2, 1 << KEPT_BITS), np.int64)
+
+    def add(
+        self, score: npt.NDArray[np.float32], obstacle: npt.NDArray[np.int64], ground: npt.NDArray[np.int64]
+    ) -> None:
+        """Count ``obstacle`` and ``ground`` pixels at each ``score``; all (n,), scores finite."""
+        bins = _bins(score)
+        np.add.at(self._obstacle, bins, obstacle)
+        np.add.at(self._ground, bins, ground)
+
+    def area(self) -> float | None:
+        """Return the area under the curve (AUROC), None unless there is obstacle and ground."""
+        if not self._is_defined():
+            return None
+        below = np.cumsum(self._ground) - self._ground
+        pairs = float(self._obstacle.sum()) * float(self._ground.sum())
+        return float(self._obstacle @ (below + self._ground / 2)) / pairs
+
+    def recall(self, false_alarm_ratio: float) -> float | None:
+        """Return the share of obstacle found where this share of the ground is called obstacle, interpolated."""
+        if not self._is_defined():
+            return None
+        alarms, found = (
+            np.concatenate([[0.0], np.cumsum(counts[::-1]) / counts.sum()]) for counts in (self._ground, self._obstacle)
+        )
+        after = int(np.searchsorted(alarms, false_alarm_ratio, side="right"))
+        if after == len(alarms):
+            return 1.0
+        share = (false_alarm_ratio - alarms[after - 1]) / (alarms[after] - alarms[after - 1])
+        return float(found[after - 1] + share * (found[after] - found[after - 1]))
+
+    def _is_defined(self) -> bool:
+        return bool(self._obstacle.any() and self._ground.any())
+
+
+def _bins(score: npt.NDArray[np.float32]) -> npt.NDArray[np.int64]:
+    """Return the bin of every score; greater scores have no smaller bins (negative floats count backwards)."""
+    bits = (score + np.float32(0.0)).astype(np.float32).view(np.int32).astype(np.int64)
+    ordered = np.where(bits < 0, -(bits & 0x7FFFFFFF), bits) + (1 << 31)
+    return np.asarray(ordered >> (32 - KEPT_BITS))

@@ -1,0 +1,68 @@
+"""The obstacle potential and its gradient: a Gaussian over a grid as products of small matrices."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Doubles = npt.NDArray[np.float64]
+Border = Literal["zero", "nearest"]
+
+OBSTACLE_LEVEL = 255.0
+"""What an obstacle weighs in the potential [OI, eq. 4]."""
+REACH = 5.0
+"""Where the Gaussian is cut, in standard deviations; what is lost is below one millionth."""
+
+
+class Field(NamedTuple):
+    """``potential`` (rows, cols) and its ``gradient`` (rows, cols, 2), right and down, per cell."""
+
+    potential: Doubles
+    gradient: Doubles
+
+
+def obstacle_field(weighted: Doubles, sigma_cells: float, border: Border) -> Field:
+    """Return G_sigma * (255 d) and its gradient [OI, eq. 4 to 6].
+
+    ``weighted``: (rows, cols), d, or d times a weight. ``border``: what is assumed beyond the grid, "zero" (no
+    obstacle, as the integral says) or "nearest" (the outermost cell goes on). The Gaussian is normalised; the gradient
+    is the convolution with its derivative, so that no differences are taken at the border. Matrices are kept from
+    call to call.
+    """
+    rows, cols = weighted.shape
+    smooth_y, slope_y = _matrices(rows, sigma_cells, border)
+    smooth_x, slope_x = _matrices(cols, sigma_cells, border)
+    level = OBSTACLE_LEVEL * weighted
+    along_x, along_y = level @ smooth_x.T, smooth_y @ level
+    gradient = np.empty((rows, cols, 2))
+    gradient[..., 0] = along_y @ slope_x.T
+    gradient[..., 1] = slope_y @ along_x
+    return Field(smooth_y @ along_x, gradient)
+
+
+@lru_cache(maxsize=16)
+def _matrices(cells: int, sigma_cells: float, border: Border) -> tuple[Doubles, Doubles]:
+    """Return what smooths a column of ``cells`` values and what gives the slope of the result, both (cells, cells)."""
+    reach = math.ceil(REACH * sigma_cells)
+    distance = np.arange(-reach - cells, reach + cells + 1, dtype=np.float64)
+    kernel = np.exp(-0.5 * (distance / sigma_cells) ** 2)
+    kernel /= kernel.sum()
+    slope = -distance / sigma_cells**2 * kernel
+    return _toeplitz(kernel, cells, border), _toeplitz(slope, cells, border)
+
+
+def _toeplitz(kernel: Doubles, cells: int, border: Border) -> Doubles:
+    """Return the matrix whose row i holds ``kernel`` centred on i; with "nearest" its ends are added to the edges."""
+    middle = len(kernel) // 2
+    inside = np.arange(cells)
+    matrix: Doubles = kernel[middle + inside[:, None] - inside[None, :]]
+    if border == "nearest":
+        tail = np.cumsum(kernel)
+        matrix[:, 0] += kernel.sum() - tail[middle + inside]
+        matrix[:, -1] += tail[middle + inside - cells]
+    matrix.setflags(write=False)
+    return matrix

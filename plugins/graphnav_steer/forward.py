@@ -1,0 +1,20 @@
+"""Straight ahead, whatever comes: the control that has to fail."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphnav import Plane, Stage, Steering
+from graphnav_steer.axes import AHEAD
+
+
+class Forward(Stage):
+    """Always straight ahead.
+
+    A control: worlds that this stage survives test nothing.
+    """
+
+    def step(self, plane: Plane) -> Steering:  # noqa: ARG002  # the plane only says when to steer
+        """Return no repulsive force and the guiding force (0, 1)."""
+        nothing = np.zeros(2)
+        return Steering(repulsive=nothing, guiding=AHEAD, control=AHEAD, theta_rad=0.0, eigenvalues=nothing)

@@ -1,0 +1,51 @@
+"""The one direction that a field of gradients points in: its first principal direction."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Doubles = npt.NDArray[np.float64]
+About = Literal["centroid", "zero"]
+
+NOTHING = 1e-6
+"""What counts as zero, relative to the gradients' root mean square."""
+
+
+class Principal(NamedTuple):
+    """``direction``: unit vector (2,) to the obstacle, None if there is none. ``eigenvalues``: (2,), largest first."""
+
+    direction: Doubles | None
+    eigenvalues: Doubles
+
+
+def principal_direction(gradient: Doubles, about: About, isotropic_ratio: float) -> Principal:
+    """Return v1 of [OI, eq. 7], signed to agree with the mean gradient.
+
+    ``gradient``: (..., 2). ``about``: whether M is the covariance ("centroid", as eq. 7 has it) or the second moment
+    ("zero"). Where v1 is arbitrary, because lambda1 < ``isotropic_ratio`` * lambda2, or where the mean gradient gives
+    it no sign, the direction is the mean gradient's own. Without a mean gradient either there is none: obstacles
+    everywhere, or nowhere.
+    """
+    g = gradient.reshape(-1, 2)
+    mean = g.mean(axis=0)
+    second = g.T @ g / len(g)
+    nothing = NOTHING * math.sqrt(float(second[0, 0] + second[1, 1]))
+    M = second - np.outer(mean, mean) if about == "centroid" else second
+    v1, eigenvalues = _first_eigenvector(M)
+    agreement = float(v1 @ mean)
+    if eigenvalues[0] < isotropic_ratio * eigenvalues[1] or abs(agreement) <= nothing:
+        length = float(np.hypot(*mean))
+        return Principal(mean / length if length > nothing else None, eigenvalues)
+    return Principal(v1 if agreement > 0 else -v1, eigenvalues)
+
+
+def _first_eigenvector(M: Doubles) -> tuple[Doubles, Doubles]:
+    """Return the unit vector of the largest eigenvalue of a symmetric 2 x 2 matrix, and both eigenvalues."""
+    a, b, c = float(M[0, 0]), float(M[0, 1]), float(M[1, 1])
+    half, radius = (a + c) / 2, math.hypot((a - c) / 2, b)
+    turn = 0.5 * math.atan2(2 * b, a - c)
+    return np.array([math.cos(turn), math.sin(turn)]), np.array([half + radius, max(half - radius, 0.0)])

@@ -1,0 +1,141 @@
+"""Figures of a drive, worked by hand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from graphnav_score.navigation import MeanJerk, Navigation, barn, spl
+
+from graphnav import Latest, Map, Stamp, State
+
+
+class At(NamedTuple):
+    """A state in short."""
+
+    x_m: float
+    y_m: float = 0.0
+    clearance_m: float = 1.0
+    contact: bool = False
+    at_goal: bool = False
+
+
+def map_of(shortest_m: float, *, goal: bool = True) -> Map:
+    return Map(
+        kind=np.zeros(0, np.uint8),
+        height_m=np.zeros(0),
+        vertices_m=np.zeros((0, 2)),
+        body=np.zeros(0, np.int32),
+        start=np.zeros(3),
+        goal_m=np.zeros((4 if goal else 0, 2)),
+        robot_radius_m=0.2,
+        shortest_m=shortest_m,
+        footprint_m=np.zeros((0, 2)),
+    )
+
+
+def drive(states: Sequence[At], world: Map | None, period_s: float = 1.0) -> Mapping[str, float]:
+    stage = Navigation(optimal_speed_mps=0.5)
+    stage.reset(seed=0)
+    for k, at in enumerate(states):
+        state = State(
+            x_m=at.x_m,
+            y_m=at.y_m,
+            yaw_rad=0.0,
+            v_mps=1.0,
+            omega_radps=0.0,
+            clearance_m=at.clearance_m,
+            contact=at.contact,
+            at_goal=at.at_goal,
+            moving=np.zeros((0, 3)),
+        )
+        sampled = Latest(world, 0.0) if world is not None and k == 0 else Latest[Map]()
+        stage.step(state, sampled, Stamp(round(k * period_s * 1e6)))
+    return stage.summary()
+
+
+def test_success() -> None:
+    states = [At(0), At(3, clearance_m=0.4), At(3, 4, clearance_m=0.6), At(3, 5, at_goal=True)]
+    figures = drive(states, map_of(6.0), period_s=10.0)
+    assert (figures["success"], figures["collision"], figures["timeout"]) == (1.0, 0.0, 0.0)
+    assert figures["least_clearance_m"] == 0.4
+    assert figures["mean_clearance_m"] == pytest.approx(0.75)
+    assert figures["path_length_m"] == pytest.approx(8.0)
+    assert figures["duration_s"] == pytest.approx(30.0)
+    assert figures["spl"] == pytest.approx(6 / 8)
+    # Optimal 6 m at 0.5 m/s, 12 s; 30 s lies between 2 and 8 times that.
+    assert figures["barn"] == pytest.approx(12 / 30)
+    assert figures["mean_jerk_mps3"] == 0.0
+
+
+def test_contact_is_no_success_and_no_timeout() -> None:
+    figures = drive([At(0), At(1, contact=True, clearance_m=0.0)], map_of(6.0))
+    assert (figures["success"], figures["collision"], figures["timeout"]) == (0.0, 1.0, 0.0)
+    assert figures["spl"] == figures["barn"] == figures["least_clearance_m"] == 0.0
+
+
+def test_neither_goal_nor_contact_is_a_timeout() -> None:
+    figures = drive([At(0), At(1)], map_of(6.0))
+    assert (figures["success"], figures["collision"], figures["timeout"]) == (0.0, 0.0, 1.0)
+
+
+def test_without_a_goal_there_is_no_success() -> None:
+    figures = drive([At(0), At(1)], map_of(0.0, goal=False))
+    assert figures["collision"] == 0.0
+    assert not {"success", "timeout", "spl", "barn"} & figures.keys()
+
+
+def test_without_the_map_there_is_no_shortest_path() -> None:
+    figures = drive([At(0), At(1, at_goal=True)], None)
+    assert figures["success"] == 1.0
+    assert not {"spl", "barn"} & figures.keys()
+
+
+def test_before_the_first_state_there_are_no_figures() -> None:
+    assert drive([], map_of(6.0)) == {}
+
+
+def test_every_figure_is_a_finite_float() -> None:
+    for states in ([At(0)], [At(0, at_goal=True)], [At(0), At(0)]):
+        figures = drive(states, map_of(0.0))
+        assert all(type(value) is float and math.isfinite(value) for value in figures.values())
+
+
+@pytest.mark.parametrize(
+    ("shortest_m", "path_m", "expected"), [(4.0, 8.0, 0.5), (4.0, 4.0, 1.0), (4.0, 3.9, 1.0), (0.0, 0.0, 1.0)]
+)
+def test_spl(shortest_m: float, path_m: float, expected: float) -> None:
+    assert spl(shortest_m, path_m) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("optimal_s", "duration_s", "expected"),
+    [
+        (10.0, 5.0, 0.5),
+        (10.0, 20.0, 0.5),
+        (10.0, 40.0, 0.25),
+        (10.0, 80.0, 0.125),
+        (10.0, 999.0, 0.125),
+        (0.0, 1.0, 0.5),
+    ],
+)
+def test_barn(optimal_s: float, duration_s: float, expected: float) -> None:
+    assert barn(optimal_s, duration_s) == pytest.approx(expected)
+
+
+def test_jerk_of_a_velocity_that_grows_quadratically_is_constant() -> None:
+    jerk = MeanJerk()
+    for k in range(20):
+        t_s = 0.1 * k
+        jerk.add(np.array([0.5 * 3.0 * t_s**2, 0.5 * 4.0 * t_s**2]), t_s)
+    assert jerk.mean_mps3 == pytest.approx(5.0)
+
+
+def test_jerk_needs_three_velocities() -> None:
+    jerk = MeanJerk()
+    for k in range(2):
+        jerk.add(np.zeros(2), float(k))
+        assert jerk.mean_mps3 is None

@@ -1,0 +1,145 @@
+"""Figures of a detector, worked by hand and against scikit-learn."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from graphnav_score.plane import Plane as PlaneScore
+from sklearn.metrics import balanced_accuracy_score, jaccard_score, roc_auc_score
+
+from graphnav import Plane, Truth
+
+MakeTruth = Callable[..., Truth]
+MakePlane = Callable[..., Plane]
+
+
+def score_of(**parameters: float) -> PlaneScore:
+    stage = PlaneScore(**parameters)
+    stage.reset(seed=0)
+    return stage
+
+
+def test_figures_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    rng = np.random.default_rng(0)
+    stage, scores, truths = score_of(), [], []
+    for share in (0.0, 0.1, 0.2):
+        true = rng.random((24, 32)) < share
+        true[4:12, 4:20] = True
+        score = rng.random((6, 8)) * 0.7 + 0.3 * true[::4, ::4]
+        valid = rng.random((6, 8)) < 0.8
+        stage.step(make_plane(score, valid, step_px=4), make_truth(true))
+        seen = np.kron(valid, np.ones((4, 4))).astype(bool)
+        scores.append(np.kron(score, np.ones((4, 4)))[seen])
+        truths.append(true[seen])
+    pooled, is_obstacle = np.concatenate(scores), np.concatenate(truths)
+    called = pooled > 0.5
+    figures = stage.summary()
+    assert figures["frames"] == 3
+    assert figures["auroc"] == pytest.approx(roc_auc_score(is_obstacle, pooled), abs=1e-3)
+    assert figures["balanced_accuracy_ratio"] == pytest.approx(balanced_accuracy_score(is_obstacle, called))
+    assert figures["iou_ratio"] == pytest.approx(jaccard_score(is_obstacle, called))
+    assert figures["false_obstacle_ratio"] == pytest.approx(called[~is_obstacle].mean())
+    assert figures["judged_ratio"] == pytest.approx(len(pooled) / (3 * 24 * 32))
+
+
+def test_truth_itself_scores_full_marks(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    true = np.zeros((12, 16))
+    true[:4] = 1
+    stage = score_of()
+    stage.step(make_plane(true), make_truth(true))
+    stage.step(make_plane(true), make_truth(true))
+    figures = stage.summary()
+    for name in ("auroc", "recall_at_5_false_alarms_ratio", "balanced_accuracy_ratio", "iou_ratio", "judged_ratio"):
+        assert figures[name] == 1.0
+    assert figures["false_obstacle_ratio"] == figures["flicker_ratio"] == 0.0
+
+
+@pytest.mark.parametrize(("rows", "counts"), [(1, False), (2, True), (10, True), (11, False)])
+def test_frames_count_by_their_true_share(
+    make_plane: MakePlane, make_truth: MakeTruth, rows: int, counts: bool
+) -> None:
+    true = np.zeros((20, 10))
+    true[:rows] = 1
+    stage = score_of(min_obstacle_ratio=0.1, max_obstacle_ratio=0.5)
+    stage.step(make_plane(true), make_truth(true))
+    assert stage.summary()["frames"] == counts
+
+
+def test_frames_without_obstacle_count_for_false_obstacle(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    stage = score_of()
+    score = np.zeros((10, 10))
+    score[0, :3] = 1.0
+    stage.step(make_plane(score), make_truth(np.zeros((10, 10))))
+    assert stage.summary() == {"frames": 0.0, "false_obstacle_ratio": pytest.approx(0.03)}
+
+
+def test_frames_that_count_anyway_do_not_count_twice(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    stage = score_of(min_obstacle_ratio=0.0)
+    score = np.zeros((10, 10))
+    score[0, :3] = 1.0
+    stage.step(make_plane(score), make_truth(np.zeros((10, 10))))
+    true = np.zeros((10, 10))
+    true[:5] = 1
+    stage.step(make_plane(true), make_truth(true))
+    assert stage.summary()["false_obstacle_ratio"] == pytest.approx(3 / 150)
+
+
+def test_flicker_counts_changes_that_the_truth_did_not_make(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    stage = score_of()
+    before, after = np.zeros((10, 10)), np.zeros((10, 10))
+    before[0] = after[0] = after[1] = 1.0  # the truth moved on by a row
+    seen = after.copy()
+    seen[5, :4] = 1.0  # and this is noise
+    stage.step(make_plane(before), make_truth(before))
+    stage.step(make_plane(seen), make_truth(after))
+    assert stage.summary()["flicker_ratio"] == pytest.approx(4 / 90)
+
+
+def test_cells_at_the_rim_speak_for_what_is_there(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    true = np.zeros((10, 9))
+    true[8:] = 1
+    score = np.zeros((3, 3))
+    score[2] = 1.0
+    stage = score_of()
+    stage.step(make_plane(score, step_px=4), make_truth(true))
+    assert stage.summary()["iou_ratio"] == 1.0
+
+
+@pytest.mark.parametrize(("shape", "step_px"), [((3, 3), 4), ((24, 32), 2), ((8, 12), 3)])
+def test_grid_of_another_image_is_refused(
+    make_plane: MakePlane, make_truth: MakeTruth, shape: tuple[int, int], step_px: int
+) -> None:
+    with pytest.raises(ValueError, match=f"a grid of {shape[1]}x{shape[0]} cells of {step_px} px cannot"):
+        score_of().step(make_plane(np.zeros(shape), step_px=step_px), make_truth(np.zeros((24, 32))))
+
+
+def test_what_is_not_defined_is_left_out(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    stage = score_of()
+    assert stage.summary() == {"frames": 0.0}
+    half = np.zeros((10, 10))
+    half[:5] = 1
+    stage.step(make_plane(np.zeros((10, 10)), valid=np.zeros((10, 10))), make_truth(half))
+    assert stage.summary() == {"frames": 1.0, "judged_ratio": 0.0}
+
+
+def test_memory_does_not_grow_with_the_run(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    rng = np.random.default_rng(0)
+    true = np.zeros((24, 32))
+    true[:6] = 1
+    truth, stage = make_truth(true), score_of()
+
+    def drive(frames: int) -> None:
+        for _ in range(frames):
+            stage.step(make_plane(rng.random((6, 8)), step_px=4), truth)
+
+    drive(5)
+    tracemalloc.start()
+    drive(5)
+    few = tracemalloc.get_traced_memory()[0]
+    drive(200)
+    many = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    assert many - few < 20_000
