@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from acceptance.drives import GRAPHNAV, say
-
 from graphnav import Recording
 from graphnav.bus import GROUP
 

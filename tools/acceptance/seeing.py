@@ -17,7 +17,7 @@ MOST_FALSE = 0.01
 
 
 def sees_item(seeds: Sequence[int], jobs: int) -> bool:
-    """Print every detector's figures over the corridors, mean of drives with 95 % bootstrap intervals, and its twin's."""
+    """Print every detector's figures over the corridors, means with 95 % bootstrap intervals, beside its twin's."""
     summaries = [
         summary
         for path in CORRIDOR_MAPS

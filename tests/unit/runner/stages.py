@@ -111,7 +111,7 @@ class Bad(Stage):
         if self.what == "type":
             return Goal(bearing_rad=0.0, distance_m=1.0)  # type: ignore[return-value]
         if self.what == "shape":
-            return Image(pixels=np.zeros((2, 2), np.complex128))  # type: ignore[arg-type]
+            return Image(pixels=np.zeros((2, 2), np.complex128))
         print("hanging", file=sys.stderr, flush=True)
         while True:
             time.sleep(0.01)

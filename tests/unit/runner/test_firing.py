@@ -125,8 +125,11 @@ def test_a_source_that_finishes_publishes_first_and_what_follows_still_fires(run
 
 
 def test_the_same_seed_gives_the_same_bytes_another_does_not(run: Run) -> None:
-    text = "run: {{until_s: 1, seed: {}}}\nstages: {{d: {{use: probe.dice}}, n: {{use: probe.noise, with: {{rate_hz: 30}}}}}}"
-    logs = [run(text.format(seed), name)[1].path.read_bytes() for seed, name in ((1, "a"), (1, "b"), (2, "c"))]
+    text = """
+        run: {until_s: 1, seed: %d}
+        stages: {d: {use: probe.dice}, n: {use: probe.noise, with: {rate_hz: 30}}}
+        """
+    logs = [run(text % seed, name)[1].path.read_bytes() for seed, name in ((1, "a"), (1, "b"), (2, "c"))]
     assert logs[0] == logs[1] != logs[2]
 
 

@@ -1,0 +1,30 @@
+"""Shipped graphs, run into a scratch folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from graphnav import Recording
+from graphnav.catalog import Catalog
+from graphnav.graph import load_graph
+from graphnav.runner.recorded import LOG, run_recorded
+from graphnav.runner.summary import Summary
+
+Drive = Callable[..., tuple[Summary, Recording]]
+
+
+@pytest.fixture
+def drive(tmp_path: Path) -> Drive:
+    """Return a function that runs a shipped graph with a seed and swaps, and gives its summary and log."""
+
+    def run(name: str, seed: int, *sets: str) -> tuple[Summary, Recording]:
+        graph = load_graph(name, Catalog(), sets=[*sets, f"run.seed={seed}"])
+        folder = tmp_path / f"{len(list(tmp_path.iterdir()))}"
+        folder.mkdir()
+        summary = run_recorded(graph, graph.make_stages(), folder)
+        return summary, Recording(folder / LOG)
+
+    return run
