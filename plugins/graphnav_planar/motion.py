@@ -40,24 +40,26 @@ class Motion(Taught):
         """
         check_size(self._model, flow)
         by_term = factors(self._terms, motion)
-        uv_px = (by_term @ self._basis).reshape(self._shape)
         if self.odometry_error_ratio:
-            uv_px = uv_px + self._corrected(uv_px, by_term, coarsen(flow, self._model.step_px))
-        return planar(self._model, uv_px, flow.interval_us)
+            by_term = by_term + self._correction(by_term, coarsen(flow, self._model.step_px))
+        uv_px = (by_term @ self._basis).reshape(2, *self._model.valid.shape)
+        return planar(self._model, uv_px.transpose(1, 2, 0), flow.interval_us)
 
-    def _corrected(self, uv_px: Doubles, by_term: Doubles, cells: Flow) -> Doubles:
-        """Return what the correction of the motion adds to the planar flow, (rows, cols, 2)."""
-        rates_px = ((self._orders * by_term) @ self._basis).reshape(2, *self._shape)
-        valid = (cells.valid != 0) & (self._model.valid != 0)
-        shares = correction(rates_px[:, valid], cells.uv_px[valid] - uv_px[valid], self.odometry_error_ratio)
-        return np.tensordot(shares, rates_px, 1)
+    def _correction(self, by_term: Doubles, cells: Flow) -> Doubles:
+        """Return what the corrected motion adds to the factors of the terms, to the first order."""
+        both = np.flatnonzero(np.tile(((cells.valid & self._model.valid) != 0).reshape(-1), 2))
+        basis = self._basis[:, both]
+        rates = self._orders * by_term
+        difference_px = cells.uv_px.transpose(2, 0, 1).reshape(-1)[both] - by_term @ basis
+        shares = correction(rates @ basis, difference_px, self.odometry_error_ratio)
+        return np.asarray(shares @ rates)
 
     def _use(self, model: PlanarModel) -> None:
         self._terms = driving_terms(model.terms)
         if not self._terms:
             raise self._not_taught("how the flow depends on the motion", model)
         places = [model.terms.index(term) for term in self._terms]
-        self._basis = model.basis[places].reshape(len(places), -1).astype(np.float64)
+        fields = model.basis[places].transpose(0, 3, 1, 2)
+        self._basis = fields.reshape(len(places), -1).astype(np.float64)
         self._orders = orders(self._terms)
-        self._shape = (*model.valid.shape, 2)
         self._model = model

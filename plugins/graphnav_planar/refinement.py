@@ -15,20 +15,20 @@ _RIDGE_PX2 = 1e-6
 def correction(rates_px: Doubles, difference_px: Doubles, most: float) -> Doubles:
     """Return by what shares of themselves the forward displacement and the turn should be changed, (2,).
 
-    ``rates_px``: (2, n, 2), by how much the planar flow changes with each share. ``difference_px``: (n, 2), flow minus
-    planar flow. ``most``: greatest share, to either side.
+    ``rates_px``: (2, 2n), by how much the planar flow changes with each share: n horizontal parts, then the vertical
+    ones. ``difference_px``: (2n,), flow minus planar flow, likewise. ``most``: greatest share, to either side.
 
     Least squares, three times reweighted: a vector that differs by much more than flow noise, an obstacle's, has no
     weight (Geman and McClure's). That starts from odometry, so the obstacles may well cover more than the floor; the
     limit keeps the fit from following them.
     """
-    rates, difference = rates_px.reshape(2, -1), difference_px.reshape(-1)
     shares = np.zeros(2)
+    n = difference_px.size // 2
     for _ in range(_ITERATIONS):
-        left = (difference - shares @ rates).reshape(-1, 2)
-        squares = (left * left).sum(axis=1)
-        weights = (1 + squares / _NOISE_PX**2) ** -2
-        weighted = rates * np.repeat(weights, 2)
-        products = weighted @ rates.T + _RIDGE_PX2 * np.eye(2)
-        shares = np.clip(np.linalg.solve(products, weighted @ difference), -most, most)
+        left = difference_px - shares @ rates_px
+        left *= left
+        falling = 1 / (1 + (left[:n] + left[n:]) / _NOISE_PX**2)
+        weighted = rates_px * np.tile(falling * falling, 2)
+        products = weighted @ rates_px.T + _RIDGE_PX2 * np.eye(2)
+        shares = np.clip(np.linalg.solve(products, weighted @ difference_px), -most, most)
     return shares
