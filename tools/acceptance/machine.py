@@ -50,9 +50,8 @@ def heard_item(_seeds: Sequence[int], _jobs: int) -> bool:
         good = not wrong and (least is None or share >= least)
         passed &= good
         wanted = "" if least is None else f", at least {least}"
-        say(
-            f"{'ok  ' if good else 'MISS'} --tap {tap}: lcm-logger got {theirs} of {ours} ({share:.4f}{wanted}), {wrong} differ"
-        )
+        mark = "ok  " if good else "MISS"
+        say(f"{mark} --tap {tap}: lcm-logger got {theirs} of {ours} ({share:.4f}{wanted}), {wrong} differ")
     return passed
 
 
@@ -90,9 +89,8 @@ def fresh_item(_seeds: Sequence[int], _jobs: int) -> bool:
             done = subprocess.run(["bash", "-c", line], cwd=folder, check=False, capture_output=True, text=True)
             passed &= done.returncode == 0
             last = done.stdout.strip().splitlines()[-1:] + done.stderr.strip().splitlines()[-1:]
-            say(
-                f"{'ok  ' if not done.returncode else 'MISS'} '{name}': {line[:60]}… {time.monotonic() - begin:.0f} s: {last}"
-            )
+            mark = "MISS" if done.returncode else "ok  "
+            say(f"{mark} '{name}': {line[:60]}… {time.monotonic() - begin:.0f} s: {last}")
         runs = [sorted(p.name for p in run.iterdir()) for run in folder.glob("runs/*")]
         say(f"     left {runs}")
         passed &= bool(runs) and {"run.lcmlog", "graph.yaml", "summary.json", "map.png", "panels.png"} <= set(runs[0])
