@@ -15,8 +15,8 @@ from graphnav_view.telling import Frame, theta_text
 
 Doubles = npt.NDArray[np.float64]
 
-_LONGEST_RATIO = 0.36
-"""Length of the longest arrow in the picture's shorter side."""
+_HEIGHT_RATIO, _HALF_WIDTH_RATIO = 0.68, 0.36
+"""Shares of the picture that the arrows fill: of its height, and of its width to each side."""
 _NAME_IN = 0.16
 """How far a force's name is from its tip."""
 
@@ -31,10 +31,8 @@ def draw_direction(axes: Axes, frame: Frame) -> str:
         over_picture(axes, frame)
         axes.set_facecolor("#9a9a9a")
     rows, cols = frame.shape_px
-    origin = np.array([cols / 2, rows / 2]) - 0.5
     forces = {"r": steering.repulsive, "w": steering.guiding, "p": steering.control}
-    longest = max(float(np.hypot(*force)) for force in forces.values())
-    scale = _LONGEST_RATIO * min(rows, cols) / max(longest, 1e-9)
+    origin, scale = _fitted(np.array(list(forces.values())), rows, cols)
     axes.plot([origin[0]] * 2, [rows - 0.5, -0.5], color="white", lw=1.0, ls=(0, (4, 4)), alpha=0.8)
     tips = {name: origin + scale * force * np.array([1.0, -1.0]) for name, force in forces.items()}
     for start, end in (("r", "p"), ("w", "p")):
@@ -43,10 +41,21 @@ def draw_direction(axes: Axes, frame: Frame) -> str:
         if np.hypot(*forces[name]) * scale > 2.0:
             _arrow(axes, origin, tips[name], colour, thick=name == "p")
     _name_tips(axes, origin, tips)
-    _arc(axes, origin, steering.theta_rad, 0.24 * min(rows, cols))
+    _arc(axes, origin, steering.theta_rad, 0.6 * scale * min(float(np.hypot(*forces[name])) for name in "pw"))
     axes.plot(*origin, marker="o", ms=5, color="white", mec="black", mew=1.0, zorder=7)
     caption = f"θ = {theta_text(steering.theta_rad)} of forward; red: r, repulsive;\n"
     return caption + "blue: w, guiding; yellow: p = r + w, control"
+
+
+def _fitted(forces: Doubles, rows: int, cols: int) -> tuple[Doubles, float]:
+    """Return where the arrows of the forces (n, 2) begin and how many pixels a unit is, so that all are seen well.
+
+    They begin in the picture's middle column, as far down as leaves room for those that point back.
+    """
+    forward, back = max(0.0, float(forces[:, 1].max())), max(0.0, -float(forces[:, 1].min()))
+    aside = float(np.abs(forces[:, 0]).max())
+    scale = min(_HEIGHT_RATIO * rows / max(forward + back, 1e-9), _HALF_WIDTH_RATIO * cols / max(aside, 1e-9))
+    return np.array([cols, rows + scale * (forward - back)]) / 2 - 0.5, scale
 
 
 def _arrow(axes: Axes, start: Doubles, end: Doubles, colour: str, *, thick: bool) -> None:
