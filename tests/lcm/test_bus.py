@@ -61,6 +61,28 @@ def test_all_channels_can_be_heard() -> None:
     assert got == ["a.b", "C"]
 
 
+def test_a_message_reaches_every_handler_and_counts_once() -> None:
+    bus, got = Bus(), list[str]()
+    bus.subscribe("x", lambda *_: got.append("first"))
+    bus.subscribe("x", lambda *_: got.append("second"))
+    bus.subscribe_all(lambda *_: got.append("all"))
+    bus.publish("x", b"")
+    bus.publish("y", b"")
+    assert bus.drain() == 2
+    assert sorted(got) == ["all", "all", "first", "second"]
+
+
+def test_messages_can_be_taken_one_by_one() -> None:
+    bus, got = Bus(), list[bytes]()
+    bus.subscribe("x", lambda _, data: got.append(data))
+    bus.publish("x", b"1")
+    bus.publish("x", b"2")
+    assert bus.handle(0)
+    assert got == [b"1"]
+    assert bus.drain() == 1
+    assert not bus.handle(10.0)
+
+
 def test_an_exception_of_a_handler_comes_out_and_the_rest_stays() -> None:
     bus, got = Bus(), list[bytes]()
 
