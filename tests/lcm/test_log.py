@@ -218,7 +218,7 @@ def test_a_killed_process_loses_only_the_last_events(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "log")], check=False)
     assert done.returncode == -signal.SIGKILL
     with Recording(tmp_path / "log") as recording:
-        assert 94 <= recording.n_events <= 100
+        assert 100 - 1_048_576 // 50_000 - 1 <= recording.n_events <= 100
         assert recording.torn is None
 
 
