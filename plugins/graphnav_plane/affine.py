@@ -31,11 +31,17 @@ class Affine(Detector):
     .. [LMedS] P. J. Rousseeuw, Least Median of Squares Regression, 1984.
     """
 
+    mad_ratio: float = param(
+        3.0,
+        gt=0.0,
+        doc="rule mad: more calls fewer cells obstacle; less than of plane.ica, because what perspective leaves of an "
+        "affine fit raises the median",
+    )
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
     draws: int = param(
         100, ge=1, le=10_000, doc="three-point draws: 35 miss the plane once in 100 frames at half obstacle"
     )
-    refits: int = param(3, ge=1, le=100, doc="least-squares fits to what agrees with the one before")
+    refits: int = param(2, ge=1, le=100, doc="least-squares fits to what agrees with the one before")
 
     def reset(self, seed: int) -> None:
         """Begin the draws anew."""
@@ -59,23 +65,27 @@ class Affine(Detector):
     def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:
         """Return the fit (3, 2) to the three vectors that leave the least median, over a sample of all vectors."""
         n = len(places)
-        threes = self._rng.integers(0, n, (self.draws, 3))
-        corners = places[threes]
-        sides = corners[:, 1:, :2] - corners[:, :1, :2]
-        proper = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]) > _LEAST_AREA
+        drawn = self._rng.integers(0, n, (3, self.draws))
+        (x0, x1, x2), (y0, y1, y2) = places[drawn, 0], places[drawn, 1]
+        area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+        proper = np.abs(area) > _LEAST_AREA
         if not proper.any():
             return _least_squares(places, uv)
-        fits = np.linalg.solve(corners[proper], uv[threes[proper]]).transpose(2, 0, 1)
-        sample = slice(None, None, max(1, n // _SAMPLE))
-        x, y, _ = places[sample].T.astype(np.float32)
-        squares = np.zeros((fits.shape[1], len(x)), np.float32)
+        area = np.where(proper, area, np.inf)
+        u0, u1, u2 = uv[drawn].transpose(0, 2, 1)
+        along_x = ((u1 - u0) * (y2 - y0) - (u2 - u0) * (y1 - y0)) / area
+        along_y = ((u2 - u0) * (x1 - x0) - (u1 - u0) * (x2 - x0)) / area
+        fits = np.stack([along_x, along_y, u0 - along_x * x0 - along_y * y0]).astype(np.float32)
+        every = max(1, n // _SAMPLE)
+        sample, seen = places[::every].T.astype(np.float32), uv[::every].T.astype(np.float32)
+        squares = np.zeros((self.draws, sample.shape[1]), np.float32)
         for axis in range(2):
-            a, b, c = fits[axis].T[..., None].astype(np.float32)
-            left = a * x + b * y + c - uv[sample, axis].astype(np.float32)
-            squares += left * left
-        middle = len(x) // 2
-        best = np.argmin(np.partition(squares, middle, axis=1)[:, middle])
-        return np.asarray(fits[:, best].T)
+            left = fits[:, axis].T @ sample
+            left -= seen[axis]
+            left *= left
+            squares += left
+        medians = np.where(proper, _median(squares), np.inf)
+        return fits[:, :, np.argmin(medians)].astype(np.float64)
 
 
 def _places(valid: npt.NDArray[np.bool_]) -> Doubles:
@@ -89,7 +99,7 @@ def _places(valid: npt.NDArray[np.bool_]) -> Doubles:
 def _refitted(fit: Doubles, places: Doubles, uv: Doubles, noise_px: float) -> Doubles:
     """Return the least-squares fit to the vectors that agree with ``fit``."""
     left = _length(uv - places @ fit)
-    sigma = max(_SIGMA_OF_MEDIAN * float(np.median(left)), noise_px / _INLIER_SIGMAS)
+    sigma = max(_SIGMA_OF_MEDIAN * float(_median(left)), noise_px / _INLIER_SIGMAS)
     agrees = left <= _INLIER_SIGMAS * sigma
     return _least_squares(places[agrees], uv[agrees])
 
@@ -100,5 +110,11 @@ def _least_squares(places: Doubles, uv: Doubles) -> Doubles:
     return np.asarray(np.linalg.solve(products + 1e-9 * len(places) * np.eye(3), places.T @ uv))
 
 
+def _median(values: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
+    """Return the upper median along the last axis, several times as fast as numpy's."""
+    middle = values.shape[-1] // 2
+    return np.partition(values, middle, axis=-1)[..., middle]
+
+
 def _length(vectors: Doubles) -> Doubles:
-    return np.hypot(vectors[..., 0], vectors[..., 1])
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
