@@ -58,7 +58,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.folder import make_run_folder  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
-    from graphnav.runner.recorded import LOG, new_run_id  # noqa: PLC0415
+    from graphnav.runner.recorded import GRAPH, LOG, SUMMARY, new_run_id  # noqa: PLC0415
 
     catalog, graph = load(args)
     stages = graph.make_stages()
@@ -69,14 +69,14 @@ def main(args: argparse.Namespace) -> int:
     run_id = new_run_id()
     tap = _open_tap(args.tap, run_id, console)
     summary = _run_with_progress(graph, stages, folder, args, tap, run_id)
-    pictures = []
-    if not args.no_pictures and summary.frames:
-        pictures = draw_pictures(catalog, folder / LOG, folder, video=args.video)
     if args.json:
         print(json.dumps(asdict(summary) | {"folder": str(folder)}))
     else:
         print_summary(console, summary)
-        console.print(f"{folder}: " + ", ".join([LOG, "graph.yaml", "summary.json", *(p.name for p in pictures)]))
+    files = [LOG, GRAPH, SUMMARY]
+    if not args.no_pictures and summary.frames:
+        files += [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
+    console.print(f"{folder}: " + ", ".join(files), markup=False)
     if summary.failure:
         print(summary.failure, file=sys.stderr)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)

@@ -6,9 +6,10 @@ data; big-endian, nothing before, between or behind them.
 
 from __future__ import annotations
 
-import mmap
+import os
 import struct
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.errors import LogError
@@ -16,6 +17,7 @@ from graphnav.errors import LogError
 SYNC = 0xEDA1DA01
 HEADER = struct.Struct(">Iqqii")
 _MOST_CHANNEL_BYTES = 1000
+_HEAD_BYTES = HEADER.size + 63
 
 
 class Event(NamedTuple):
@@ -45,18 +47,45 @@ class Torn(NamedTuple):
         return f"the last event, {self.n_bytes} bytes from byte {self.at}, is not whole"
 
 
-def scan(path: str, file: mmap.mmap | bytes) -> Iterator[Entry | Torn]:
+class LogFile:
+    """The bytes of a log, read where they are asked for: a mapped file would count as memory of the process."""
+
+    def __init__(self, path: Path) -> None:
+        self._fd = -1
+        try:
+            self._fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+            self.size = os.fstat(self._fd).st_size
+            self.read(0, 1)
+        except OSError as error:
+            raise LogError(f"{path}: {error.strerror}") from error
+
+    def read(self, start: int, stop: int) -> bytes:
+        """Return the bytes from ``start`` to before ``stop``, fewer where the file ends."""
+        return os.pread(self._fd, stop - start, start)
+
+    def close(self) -> None:
+        """Let go of the file; does nothing the second time."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+    def __del__(self) -> None:
+        self.close()
+
+
+def scan(path: Path, file: LogFile) -> Iterator[Entry | Torn]:
     """Yield the events of a log; the last thing is a `Torn` if the log ends within an event.
 
     Raises LogError, saying the offset, at anything that is no event.
     """
-    at, size = 0, len(file)
+    at, size = 0, file.size
     while at < size:
-        if at + HEADER.size > size and SYNC.to_bytes(4, "big").startswith(file[at : at + 4]):
+        head = file.read(at, at + _HEAD_BYTES)
+        if len(head) < HEADER.size and SYNC.to_bytes(4, "big").startswith(head[:4]):
             yield Torn(at, size - at)
             return
         sync, _, utime, channel_bytes, data_bytes = (
-            HEADER.unpack_from(file, at) if at + HEADER.size <= size else (0, 0, 0, 0, 0)
+            HEADER.unpack_from(head) if len(head) >= HEADER.size else (0, 0, 0, 0, 0)
         )
         if sync != SYNC or not 0 < channel_bytes <= _MOST_CHANNEL_BYTES or data_bytes < 0:
             what = "is no LCM log" if not at else f"has no LCM event at byte {at} of {size}"
@@ -65,6 +94,8 @@ def scan(path: str, file: mmap.mmap | bytes) -> Iterator[Entry | Torn]:
         if start + data_bytes > size:
             yield Torn(at, size - at)
             return
-        channel = bytes(file[at + HEADER.size : start]).decode("utf-8", "replace")
+        if HEADER.size + channel_bytes > len(head):
+            head = file.read(at, start)
+        channel = head[HEADER.size : HEADER.size + channel_bytes].decode("utf-8", "replace")
         at = start + data_bytes
         yield Entry(channel, utime, start, at)

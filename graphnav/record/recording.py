@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mmap
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +13,8 @@ import yaml
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
 from graphnav.errors import LogError
 from graphnav.messages import About, Message
-from graphnav.record.event import Entry, Event, Torn, scan
+from graphnav.record.event import Entry, Event, LogFile, Torn, scan
+from graphnav.record.index import Index
 
 M = TypeVar("M", bound=Message)
 
@@ -34,20 +34,18 @@ class Recording:
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self.torn: Torn | None = None
-        self._file = _mapped(self.path)
-        self._entries: list[Entry] = []
-        self._of: dict[str, list[Entry]] = {}
-        for entry in scan(str(self.path), self._file):
+        self._file = LogFile(self.path)
+        self._index = Index()
+        for entry in scan(self.path, self._file):
             if isinstance(entry, Torn):
                 self.torn = entry
             else:
-                self._entries.append(entry)
-                self._of.setdefault(entry.channel, []).append(entry)
+                self._index.add(entry)
 
     @cached_property
     def about(self) -> About | None:
         """What the log says of itself in its first event, or None."""
-        if not self._entries or self._entries[0].channel != ABOUT:
+        if not len(self._index) or self._index[0].channel != ABOUT:
             return None
         return self._decoded(ABOUT, 0, About)[2]
 
@@ -66,31 +64,30 @@ class Recording:
         """The type of each channel, in the order of their first events."""
         told = dict(zip(self.about.channels, self.about.types, strict=False)) if self.about else {}
         return {
-            channel: (type_named(told[channel]) if channel in told else None) or type_of(self._data(entries[0]))
-            for channel, entries in self._of.items()
+            channel: (type_named(told[channel]) if channel in told else None) or type_of(self.event(channel, 0).data)
+            for channel in self._index.channels
         }
 
     @property
     def n_events(self) -> int:
         """The number of events on all channels."""
-        return len(self._entries)
+        return len(self._index)
 
     def count(self, channel: str) -> int:
         """Return the number of events on a channel; 0 if there is no such channel."""
-        return len(self._of.get(channel, ()))
+        return len(self._index.channels.get(channel, ()))
 
     def utimes(self, channel: str) -> list[int]:
         """Return the stamps of a channel's events, in microseconds."""
-        return [entry.utime for entry in self._of.get(channel, ())]
+        return [self._index[number].utime for number in self._index.channels.get(channel, ())]
 
     def events(self) -> Iterator[Event]:
         """Yield all events in the order of the file."""
-        return (Event(entry.channel, entry.utime, self._data(entry)) for entry in self._entries)
+        return (self._event(self._index[number]) for number in range(len(self._index)))
 
     def event(self, channel: str, index: int) -> Event:
         """Return one event; ``index`` counts within the channel, from the end if negative."""
-        entry = self._of[channel][index]
-        return Event(channel, entry.utime, self._data(entry))
+        return self._event(self._index.of(channel, index))
 
     def message(self, channel: str, index: int) -> tuple[int, int, Message]:
         """Return ``(utime, seq, message)`` of one event; raises LogError where it cannot be decoded."""
@@ -116,8 +113,7 @@ class Recording:
 
     def close(self) -> None:
         """Let go of the file."""
-        if isinstance(self._file, mmap.mmap):
-            self._file.close()
+        self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -127,19 +123,11 @@ class Recording:
     ) -> None:
         self.close()
 
-    def _data(self, entry: Entry) -> bytes:
-        return self._file[entry.start : entry.stop]
+    def _event(self, entry: Entry) -> Event:
+        return Event(entry.channel, entry.utime, self._file.read(entry.start, entry.stop))
 
     def _decoded(self, channel: str, index: int, wrapper: type[M]) -> tuple[int, int, M]:
         try:
             return decode(wrapper, self.event(channel, index).data)
         except DecodeError as error:
             raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
-
-
-def _mapped(path: Path) -> mmap.mmap | bytes:
-    try:
-        with path.open("rb") as file:
-            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if path.stat().st_size else b""
-    except (OSError, ValueError) as error:
-        raise LogError(f"{path}: {getattr(error, 'strerror', None) or error}") from error

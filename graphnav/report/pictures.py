@@ -5,13 +5,26 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav.catalog import Catalog
+from graphnav.errors import GraphnavError
 from graphnav.record import Recording
 
 DRAWING_FAMILY = "view"
 
 
 def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> list[Path]:
-    """Draw everything that the installed drawing plugins make of ``log`` into ``folder``; return the files."""
+    """Draw everything that the installed drawing plugins make of ``log`` into ``folder``; return the files.
+
+    Raises
+    ------
+    GraphnavError
+        A picture cannot be written; the log has everything to draw it later.
+    """
     catalog.load(DRAWING_FAMILY)
-    drawn = catalog.hook.graphnav_draw(recording=Recording(log), folder=folder, video=video)
+    try:
+        with Recording(log) as recording:
+            drawn = catalog.hook.graphnav_draw(recording=recording, folder=folder, video=video)
+    except OSError as error:
+        raise GraphnavError(
+            f"cannot draw into {folder}: {error.strerror}\n  make room, then run: graphnav figure {folder}"
+        ) from error
     return [path for paths in drawn for path in paths]

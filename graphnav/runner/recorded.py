@@ -12,7 +12,7 @@ from typing import Protocol
 from graphnav.bus import Bus
 from graphnav.clock import SimulatedClock
 from graphnav.codec import encode, lcm_name, lcm_text_of
-from graphnav.errors import GraphnavError, LogError, UserError
+from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph
 from graphnav.messages import About
 from graphnav.record import ABOUT, LogWriter
@@ -144,9 +144,8 @@ def _begin(graph: Graph, folder: Path) -> LogWriter:
     try:
         (folder / GRAPH).write_text(graph.to_yaml(portable_paths=False), encoding="utf-8")
         return LogWriter(folder / LOG)
-    except (OSError, LogError) as error:
-        what = error.strerror if isinstance(error, OSError) else str(error)
-        raise UserError.of(f"cannot write into {folder}: {what}", "choose another folder with -o") from error
+    except OSError as error:
+        raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
 
 
 def _note_failure(failures: list[str], close: Callable[[], None]) -> None:

@@ -11,6 +11,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import lcm
+
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
 from graphnav.bus import GROUP
@@ -30,7 +32,7 @@ def memory_item(_seeds: Sequence[int], _jobs: int) -> bool:
 def _peak_mb(until_s: float) -> float:
     """Return the peak resident memory of a run on the empty floor, where no drive ends early."""
     with tempfile.TemporaryDirectory() as scratch:
-        command = [str(GRAPHNAV), "run", WANDER, "--until", str(until_s), "--no-pictures", "--no-tap"]
+        command = [str(GRAPHNAV), "run", WANDER, "--until", str(until_s), "--no-tap"]
         code = (
             "import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL);"
             "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
@@ -60,7 +62,7 @@ def _logged(tap: str, buffer: str) -> tuple[int, int, int]:
     with tempfile.TemporaryDirectory() as scratch:
         heard = Path(scratch) / "heard.lcmlog"
         logger = subprocess.Popen(
-            [str(GRAPHNAV.with_name("lcm-logger")), "--quiet", "--lcm-url", GROUP + buffer, str(heard)]
+            [str(Path(lcm.LCM_BIN_DIR) / "lcm-logger"), "--quiet", "--lcm-url", GROUP + buffer, str(heard)]
         )
         time.sleep(1)
         command = [str(GRAPHNAV), "run", "corridor_ccw", "--seed", "3", "--pace", "1", "--tap", tap, "--until", "30"]

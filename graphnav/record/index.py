@@ -1,0 +1,37 @@
+"""Where the events of a log are, 30 bytes an event."""
+
+from __future__ import annotations
+
+import sys
+from array import array
+
+from graphnav.record.event import Entry
+
+
+class Index:
+    """All events in the order of the file, and those of each channel."""
+
+    def __init__(self) -> None:
+        self.channels: dict[str, array[int]] = {}
+        """The numbers of each channel's events."""
+        self._channel: list[str] = []
+        self._utime, self._start, self._stop = (array("q") for _ in range(3))
+
+    def __len__(self) -> int:
+        return len(self._utime)
+
+    def add(self, entry: Entry) -> None:
+        """Append an event."""
+        channel = sys.intern(entry.channel)
+        self.channels.setdefault(channel, array("q")).append(len(self))
+        self._channel.append(channel)
+        self._utime.append(entry.utime)
+        self._start.append(entry.start)
+        self._stop.append(entry.stop)
+
+    def __getitem__(self, number: int) -> Entry:
+        return Entry(self._channel[number], self._utime[number], self._start[number], self._stop[number])
+
+    def of(self, channel: str, index: int) -> Entry:
+        """Return an event of a channel; ``index`` counts within it, from the end if negative."""
+        return self[self.channels[channel][index]]
