@@ -50,6 +50,8 @@ class Runner:
         self.graph = graph
         self.ticks = 0
         self.utime = 0
+        self.is_ready = False
+        """Whether every stage was reset."""
         self._bus = bus
         self._sinks = list(sinks.values())
         self._seqs: dict[str, int] = defaultdict(int)
@@ -79,6 +81,7 @@ class Runner:
             A stage cannot be made ready.
         """
         self._seqs.clear()
+        self.is_ready = False
         self.ticks = self.utime = 0
         for name, unit in self._units.items():
             try:
@@ -89,6 +92,7 @@ class Runner:
         self._rates = [source.rate() for unit in self._sources if isinstance(source := unit.stage, Source)]
         self._due = [(0, place, 0) for place in range(len(self._sources))]
         heapq.heapify(self._due)
+        self.is_ready = True
 
     def tick(self) -> str | None:
         """Run everything that belongs to the next stamp; return the outcome where a source ended the run.

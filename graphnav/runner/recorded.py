@@ -83,6 +83,7 @@ def run_recorded(
     """
     failures: list[str] = []
     outcome: str = Outcome.FAILED
+    scores: dict[str, dict[str, float]] = {}
     with ExitStack() as cleanup, Interrupt() as interrupt:
         writer = _begin(graph, folder)
         started = time.monotonic()
@@ -113,6 +114,11 @@ def run_recorded(
         except GraphnavError as error:
             failures.append(str(error))
             on_failure(error)
+        try:
+            scores = scores_of(runner.units) if runner.is_ready else {}
+        except GraphnavError as error:
+            failures.append(str(error))
+            on_failure(error)
         wall_s = time.monotonic() - started
     summary = Summary(
         outcome=str(Outcome.FAILED if failures else outcome),
@@ -124,7 +130,7 @@ def run_recorded(
         sim_s=runner.utime / 1e6,
         wall_s=round(wall_s, 4),
         stages=figures_of(runner.units),
-        scores=scores_of(runner.units),
+        scores=scores,
         notices=list(graph.notices),
         tap_dropped=tap.dropped if tap is not None else 0,
         run_id=run_id,

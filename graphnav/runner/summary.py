@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from graphnav.errors import StageError
 from graphnav.runner.unit import Unit
 from graphnav.stage import Stage
 
@@ -66,12 +67,22 @@ def figures_of(units: Mapping[str, Unit]) -> dict[str, StageFigures]:
 
 
 def scores_of(units: Mapping[str, Unit]) -> dict[str, dict[str, float]]:
-    """Return the figures of every stage that has a ``summary`` of its own."""
-    return {
-        name: {figure: float(value) for figure, value in unit.stage.summary().items()}
-        for name, unit in units.items()
-        if type(unit.stage).summary is not Stage.summary
-    }
+    """Return the figures of every stage that has a ``summary`` of its own.
+
+    Raises
+    ------
+    StageError
+        A stage cannot say its figures.
+    """
+    scores = {}
+    for name, unit in units.items():
+        if type(unit.stage).summary is not Stage.summary:
+            try:
+                scores[name] = {figure: float(value) for figure, value in unit.stage.summary().items()}
+            except Exception as error:
+                what = f"summary: {type(error).__name__}: {error}"
+                raise StageError(name, unit.node.use, unit.last_utime / 1e6, what) from error
+    return scores
 
 
 def versions() -> dict[str, str]:

@@ -22,6 +22,7 @@ class Unit:
         self.node, self.stage = node, stage
         self.durations = Durations()
         self.dropped = 0
+        self.last_utime = 0
         self._publish = publish
         self._step: Callable[..., Any] = getattr(stage, "step")  # noqa: B009 - a Stage has no step of its own
         ports = ports_of(node.stage_class)
@@ -59,6 +60,7 @@ class Unit:
         StageError
             The step raised, or returned what it may not.
         """
+        self.last_utime = utime
         arguments: dict[str, Any] = dict(self._inbox)
         self._inbox.clear()
         for port in self._sampled:

@@ -17,8 +17,11 @@ Doubles = npt.NDArray[np.float64]
 
 PILLAR_HEIGHT_M = 0.5
 MOST = 1000
-ROUNDS = 400
+ROUNDS = 2000
 DRAWS = 20
+PUSH = 0.9
+SHAKE = 0.3
+"""The share of a lack of room that a round makes up for, and the random part of it, which ends after two thirds."""
 
 
 def read_pillars(text: MapText, node: yaml.Node, textures: tuple[str, ...]) -> list[Body]:
@@ -59,7 +62,7 @@ def read_pillars(text: MapText, node: yaml.Node, textures: tuple[str, ...]) -> l
 def spread(radii: Doubles, gap_m: float, size_m: Doubles, rng: np.random.Generator) -> Doubles | None:
     """Return random centres, (n, 2), of discs within [0, size] whose rims are apart by the gap; None if none is found.
 
-    Discs that are too near push each other apart until none is.
+    Discs that are too near push each other apart until none is; shaking, less and less, frees those that are jammed.
     """
     lows, highs = radii[:, None] * np.ones(2), size_m - radii[:, None]
     if (lows > highs).any():
@@ -67,14 +70,16 @@ def spread(radii: Doubles, gap_m: float, size_m: Doubles, rng: np.random.Generat
     at = rng.uniform(lows, highs)
     apart = radii[:, None] + radii[None, :] + gap_m * 1.001
     np.fill_diagonal(apart, 0.0)
-    for _ in range(ROUNDS):
+    for k in range(ROUNDS):
         between = at[:, None] - at[None, :]
         far = np.linalg.norm(between, axis=2)
         lack = np.maximum(apart - far, 0.0)
         if lack.max() <= gap_m * 0.001:
             return at
         push = between / np.maximum(far, 1e-9)[..., None] * lack[..., None]
-        at = np.clip(at + 0.5 * push.sum(axis=1) / np.maximum(1, (lack > 0).sum(axis=1))[:, None], lows, highs)
+        shake = SHAKE * lack.max() * max(0.0, 1 - 1.5 * k / ROUNDS)
+        moved = PUSH * push.sum(axis=1) / np.maximum(1, (lack > 0).sum(axis=1))[:, None]
+        at = np.clip(at + moved + rng.normal(0, shake, at.shape), lows, highs)
     return None
 
 
