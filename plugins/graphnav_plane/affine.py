@@ -32,7 +32,7 @@ class Affine(Detector):
     """
 
     mad_ratio: float = param(
-        3.0,
+        3.5,
         gt=0.0,
         doc="rule mad: more calls fewer cells obstacle; less than of plane.ica, because what perspective leaves of an "
         "affine fit raises the median",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphnav import Flow, Planar, Plane, param
+from graphnav import Flow, Planar, Plane
 from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground, compared
 
 
@@ -13,8 +13,6 @@ class Residual(Detector):
 
     The control for `plane.ica`: the same inputs without the separation. An ablation of ICA is believed only beside it.
     """
-
-    threshold_px: float = param(0.12, ge=0.0, doc="as of plane.ica: what flow noise reaches on a free floor")
 
     def step(self, flow: Flow, planar: Planar) -> Plane:
         """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.
