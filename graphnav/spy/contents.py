@@ -12,12 +12,14 @@ import numpy as np
 from graphnav.codec import fields_of
 
 _LONGEST_TEXT = 60
+_FEW = 4
+"""So many numbers in a row, a force or a pose, are said as they are."""
 
 
 def summarised(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return a message's fields as JSON can hold them.
 
-    An array becomes its type, shape, least, mean and greatest; what marks validity also its share of ones, floats that
+    An array becomes its type, shape, least, mean and greatest, and its values where they are few; what marks validity also its share of ones, floats that
     are not finite their share of finite ones. Long texts are cut. Numbers that JSON lacks become null.
     """
     return {name: _summary(name, value) for name, value in values.items()}
@@ -61,6 +63,8 @@ def _array(name: str, value: np.ndarray[Any, Any]) -> dict[str, Any]:
     summary: dict[str, Any] = {"dtype": str(value.dtype), "shape": list(value.shape)}
     if not value.size:
         return summary
+    if value.ndim == 1 and value.size <= _FEW:
+        summary["values"] = [_number(float(number)) for number in value]
     finite = np.isfinite(value)
     share = float(finite.mean())
     if share < 1:
@@ -89,6 +93,8 @@ def _text(value: Any) -> str:
         return str(value["type"])
     shape = ", ".join(map(str, value["shape"]))
     said = [f"{value['dtype']} ({shape})"]
+    if "values" in value:
+        return "[" + ", ".join("not finite" if number is None else f"{number:.6g}" for number in value["values"]) + "]"
     if "min" in value and "valid_ratio" not in value:
         said.append(f"{value['min']:.4g} to {value['max']:.4g}, mean {value['mean']:.4g}")
     if "valid_ratio" in value:

@@ -44,6 +44,12 @@ def log(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def test_few_numbers_are_said_as_they_are() -> None:
+    summary = summarised({"force": np.array([0.5, -1.25])})
+    assert summary["force"]["values"] == [0.5, -1.25]
+    assert described(summary) == ["    force  [0.5, -1.25]"]
+
+
 def test_arrays_are_summarised() -> None:
     summary = summarised({"uv_px": FLOW.uv_px, "valid": FLOW.valid, "empty": np.zeros((0, 3))})
     assert summary["uv_px"] == {"dtype": "float32", "shape": [3, 4, 2], "min": -1, "mean": pytest.approx(0), "max": 1}
@@ -52,8 +58,8 @@ def test_arrays_are_summarised() -> None:
 
 
 def test_what_is_not_finite_is_left_out_and_said() -> None:
-    summary = summarised({"depth_m": np.array([1, np.inf, np.nan, 3], np.float32), "x_m": float("nan")})
-    assert summary["depth_m"] == {"dtype": "float32", "shape": [4], "finite_ratio": 0.5, "min": 1, "mean": 2, "max": 3}
+    summary = summarised({"depth_m": np.array([1, np.inf, np.nan, 3, np.nan, 2], np.float32), "x_m": float("nan")})
+    assert summary["depth_m"] == {"dtype": "float32", "shape": [6], "finite_ratio": 0.5, "min": 1, "mean": 2, "max": 3}
     assert summary["x_m"] is None
     json.dumps(summary, allow_nan=False)
     assert summarised({"all": np.full(3, np.nan)})["all"]["finite_ratio"] == 0

@@ -1,0 +1,72 @@
+"""What the README says is what happens: its commands run, its lists are complete."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+from graphnav.bus import GROUP, require_route
+from graphnav.catalog import Catalog
+from graphnav.cli import COMMANDS
+from graphnav.errors import BusError
+from graphnav.graph import shipped_graphs
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text()
+BLOCKS = re.findall(r"^```sh\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+
+
+def is_watchable() -> bool:
+    """Whether there is a multicast route."""
+    try:
+        require_route(GROUP)
+    except BusError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.split("#")[0].strip().replace("/", "_")[:40])
+def test_the_commands_run(block: str, tmp_path: Path) -> None:
+    if "graphnav spy" in block and not is_watchable():
+        pytest.skip("there is no multicast route")
+    path = f"{sysconfig.get_path('scripts')}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-eu", "-o", "pipefail", "-c", block],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_first_two_lines_set_up_and_run_everything() -> None:
+    lines = re.findall(r"^python3 -m venv .*$", README, re.MULTILINE)
+    assert len(lines) == 2
+    assert lines[0].endswith("graphnav run corridor_ccw")
+    assert lines[1] in (ROOT / ".ci" / "run").read_text()
+
+
+def test_every_stage_and_every_graph_is_listed() -> None:
+    catalog = Catalog()
+    for family in catalog.families():
+        row = next((line for line in README.splitlines() if line.startswith(f"| `{family}`")), "")
+        assert all(f"`{name}`" in row for name in catalog.names(family)), family
+    assert all(f"`{name}`" in README for name in shipped_graphs())
+
+
+def test_the_pictures_are_there() -> None:
+    for path in re.findall(r"!\[[^]]*\]\(([^)]*)\)", README):
+        assert (ROOT / path).is_file(), path
+
+
+def test_the_changelog_names_every_command() -> None:
+    changelog = (ROOT / "CHANGELOG.md").read_text()
+    assert all(re.search(rf"`{command}\b", changelog) for command in COMMANDS)
