@@ -19,8 +19,9 @@ _FEW = 4
 def summarised(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return a message's fields as JSON can hold them.
 
-    An array becomes its type, shape, least, mean and greatest, and its values where they are few; what marks validity also its share of ones, floats that
-    are not finite their share of finite ones. Long texts are cut. Numbers that JSON lacks become null.
+    An array becomes its type, shape, least, mean and greatest, and its values where they are few; what marks validity
+    also its share of ones, floats that are not finite their share of finite ones. Long texts are cut. Numbers that
+    JSON lacks become null.
     """
     return {name: _summary(name, value) for name, value in values.items()}
 
