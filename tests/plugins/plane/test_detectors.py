@@ -51,7 +51,8 @@ def test_an_empty_floor_holds_at_most_one_percent_obstacle(
     scenes: Scenes, kind: type[Detector], drive_px: float, turn_rad: float
 ) -> None:
     shares = [
-        seen(kind(), scenes.scene(0.0, drive_px, turn_rad, noise_px=0.04, seed=seed)).obstacle_ratio
+        # what flow.lucas_kanade errs by at an image noise of 4 gray levels
+        seen(kind(), scenes.scene(0.0, drive_px, turn_rad, noise_px=0.03, seed=seed)).obstacle_ratio
         for seed in range(5)
     ]
     assert np.mean(shares) <= 0.01
