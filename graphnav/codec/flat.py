@@ -1,7 +1,7 @@
 """Encoders and decoders written out for one type: the common case, without loops and look-ups.
 
 They cover types of scalars and arrays of numbers. Whatever they do not expect (another dtype, sizes that disagree,
-bytes that are damaged, an empty array), they answer with None, and the general codec takes over: it moves it or says
+bytes that are damaged), they answer with None, and the general codec takes over: it moves it or says
 what is wrong.
 """
 
@@ -85,16 +85,17 @@ def flat_decoder(fields: list[Field], fingerprint: bytes) -> FlatDecoder:
         for field in group:
             v = variables[field.name]
             native, names[f"wire_{v}"] = _dtypes(field)
-            names[f"native_{v}"] = native
+            names[f"native_{v}"], names[f"none_{v}"] = native, np.empty(0, native)
             dims = [str(dim) if isinstance(dim, int) else variables[dim] for dim in field.dims]
-            body += [f"if {variables[dim]} <= 0: return None" for dim in field.dims if isinstance(dim, str)]
+            body += [f"if {variables[dim]} < 0: return None" for dim in field.dims if isinstance(dim, str)]
             body += [
                 f"count = {' * '.join(dims)}",
                 f"if end + count * {native.itemsize} > len(d): return None",
-                f"{v} = frombuffer(d, wire_{v}, count, end).reshape(({', '.join(dims)},))",
+                f"{v} = (frombuffer(d, wire_{v}, count, end) if count else none_{v}).reshape(({', '.join(dims)},))",
             ]
             if native.itemsize > 1:
-                body += [f"{v} = {v}.astype(native_{v})", f"{v}.setflags(write=False)"]
+                body.append(f"{v} = {v}.astype(native_{v})")
+            body.append(f"{v}.setflags(write=False)")
             body.append(f"end += count * {native.itemsize}")
     result = ", ".join(f"{name!r}: {v}" for name, v in variables.items())
     body += ["if end != len(d): return None", f"return {{{result}}}"]

@@ -71,6 +71,16 @@ class Plane(Stage):
         self._roc.add(plane.score[judged], obstacle[judged], ground[judged])
         self._confusion += [_split(ground, judged, called), _split(obstacle, judged, called)]
 
+    def merge(self, other: Plane) -> None:
+        """Add what ``other`` counted, so that the frames of several drives are pooled."""
+        self._roc.merge(other._roc)
+        self._frames += other._frames
+        self._pixels += other._pixels
+        self._confusion += other._confusion
+        self._empty += other._empty
+        self._changed += other._changed
+        self._kept += other._kept
+
     def summary(self) -> Mapping[str, float]:
         """Return the figures that are defined."""
         (kept, false), (missed, hit) = self._confusion.tolist()

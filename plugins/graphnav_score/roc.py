@@ -28,6 +28,11 @@ class Roc:
         np.add.at(self._obstacle, bins, obstacle)
         np.add.at(self._ground, bins, ground)
 
+    def merge(self, other: Roc) -> None:
+        """Add what ``other`` counted."""
+        self._obstacle += other._obstacle
+        self._ground += other._ground
+
     def area(self) -> float | None:
         """Return the area under the curve (AUROC), None unless there is obstacle and ground."""
         if not self._is_defined():
