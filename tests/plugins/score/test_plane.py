@@ -45,6 +45,22 @@ def test_figures_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, mak
     assert figures["judged_ratio"] == pytest.approx(len(pooled) / (3 * 24 * 32))
 
 
+def test_merged_scores_are_those_of_all_frames(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    rng = np.random.default_rng(1)
+    whole, halves = score_of(), (score_of(), score_of())
+    for half in halves:
+        for _ in range(3):
+            true = np.zeros((24, 32))
+            true[4:12, 4:20] = 1
+            plane = make_plane(rng.random((6, 8)), rng.random((6, 8)) < 0.8, step_px=4)
+            whole.step(plane, make_truth(true))
+            half.step(plane, make_truth(true))
+    halves[0].merge(halves[1])
+    merged, expected = dict(halves[0].summary()), dict(whole.summary())
+    assert abs(merged.pop("flicker_ratio") - expected.pop("flicker_ratio")) < 0.2, "one pair of frames is not compared"
+    assert merged == expected
+
+
 def test_truth_itself_scores_full_marks(make_plane: MakePlane, make_truth: MakeTruth) -> None:
     true = np.zeros((12, 16))
     true[:4] = 1
