@@ -4,6 +4,7 @@ from graphnav.graph.find import find_graph, shipped_folder, shipped_graphs
 from graphnav.graph.graph import Graph
 from graphnav.graph.load import graph_of, load_graph
 from graphnav.graph.node import Channel, Input, Node, Setting
+from graphnav.graph.resolved import resolved_yaml
 from graphnav.graph.schema import graph_schema
 from graphnav.spec import RunOptions
 
@@ -18,6 +19,7 @@ __all__ = [
     "graph_of",
     "graph_schema",
     "load_graph",
+    "resolved_yaml",
     "shipped_folder",
     "shipped_graphs",
 ]

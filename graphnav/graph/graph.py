@@ -68,13 +68,3 @@ class Graph:
         if problems:
             raise UserError(problems)
         return stages
-
-    def to_yaml(self, *, portable_paths: bool = True) -> str:
-        """Return the graph as YAML with every parameter's value; it loads again.
-
-        The text is the same on every machine: paths stand as they were written. Without ``portable_paths`` those that
-        were found beside the graph or in the working folder are made absolute, so that the text loads from any folder.
-        """
-        from graphnav.graph.resolved import resolved_yaml  # noqa: PLC0415 - it needs this module
-
-        return resolved_yaml(self, portable_paths=portable_paths)

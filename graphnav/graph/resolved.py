@@ -10,8 +10,12 @@ from graphnav.spec.write import write_value
 from graphnav.stage import params_of
 
 
-def resolved_yaml(graph: Graph, *, portable_paths: bool) -> str:
-    """Return the text of `Graph.to_yaml`."""
+def resolved_yaml(graph: Graph, *, portable_paths: bool = True) -> str:
+    """Return a graph as YAML with every parameter's value; it loads again.
+
+    The text is the same on every machine: paths stand as they were written. Without ``portable_paths`` those that were
+    found beside the graph or in the working folder are made absolute, so that the text loads from any folder.
+    """
     return "\n".join(_lines(graph, portable_paths=portable_paths)) + "\n"
 
 

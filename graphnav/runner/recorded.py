@@ -13,7 +13,7 @@ from graphnav.bus import Bus
 from graphnav.clock import SimulatedClock
 from graphnav.codec import encode, lcm_name, lcm_text_of
 from graphnav.errors import GraphnavError, UserError
-from graphnav.graph import Graph
+from graphnav.graph import Graph, resolved_yaml
 from graphnav.messages import About
 from graphnav.record import ABOUT, LogWriter
 from graphnav.runner.interrupt import Interrupt
@@ -49,7 +49,7 @@ def about_of(graph: Graph, run_id: str = "") -> About:
     channels = sorted(graph.channels.values(), key=lambda channel: channel.name)
     types = [channel.message.lcm_class for channel in channels]
     return About(
-        graph_yaml=graph.to_yaml(),
+        graph_yaml=resolved_yaml(graph),
         lcm_text=lcm_text_of(types),
         run_id=run_id,
         seed=graph.run.seed,
@@ -148,7 +148,7 @@ def run_recorded(
 def _begin(graph: Graph, folder: Path) -> LogWriter:
     """Write the resolved graph and open the log."""
     try:
-        (folder / GRAPH).write_text(graph.to_yaml(portable_paths=False), encoding="utf-8")
+        (folder / GRAPH).write_text(resolved_yaml(graph, portable_paths=False), encoding="utf-8")
         return LogWriter(folder / LOG)
     except OSError as error:
         raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from graphnav.catalog import Catalog
 from graphnav.cli import main
-from graphnav.graph import Graph, graph_of
+from graphnav.graph import Graph, graph_of, resolved_yaml
 from graphnav.render import dot_of, mermaid_of, svg_of, text_of
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -100,7 +100,7 @@ def test_any_graph_is_drawn_without_lines_that_cross_boxes_or_meet_others(
 def test_the_command_writes_a_file_or_to_the_terminal(
     kind: str, load: Callable[..., Graph], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "graph.yaml").write_text(load().to_yaml())
+    (tmp_path / "graph.yaml").write_text(resolved_yaml(load()))
     words = ["draw", str(tmp_path / "graph.yaml"), "--plugin", str(TOYS), "--format", kind]
     assert main(words) == 0
     said = capsys.readouterr().out
@@ -112,7 +112,7 @@ def test_the_command_writes_a_file_or_to_the_terminal(
 def test_a_file_that_cannot_be_written_is_told(
     load: Callable[..., Graph], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "graph.yaml").write_text(load().to_yaml())
+    (tmp_path / "graph.yaml").write_text(resolved_yaml(load()))
     nowhere = tmp_path / "no" / "where.svg"
     words = ["draw", str(tmp_path / "graph.yaml"), "--plugin", str(TOYS), "--format", "svg", "-o", str(nowhere)]
     assert main(words) == 2

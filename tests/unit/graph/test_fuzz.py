@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
-from graphnav.graph import Graph, graph_of
+from graphnav.graph import Graph, graph_of, resolved_yaml
 
 CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 
@@ -37,7 +37,7 @@ def is_answered(data: bytes, toys: Catalog, sets: list[str]) -> None:
     with contextlib.suppress(UserError):
         graph = graph_of(data, Path("graph.yaml"), toys, sets)
         assert isinstance(graph, Graph)
-        graph_of(graph.to_yaml().encode(), Path("graph.yaml"), toys)
+        graph_of(resolved_yaml(graph).encode(), Path("graph.yaml"), toys)
 
 
 @CALM
