@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -71,7 +72,7 @@ def _frames(signals: Signals) -> Iterator[Bytes]:
     page = _Page([title for title, _ in tiles], tile_rows, _TILE_COLS)
     for utime, messages in signals.joined(*_KINDS):
         of = dict(zip(_KINDS, messages, strict=True))
-        yield page.draw([draw(of) for _, draw in tiles], _status(utime, of))
+        yield page.draw([draw(of) for _, draw in tiles], caption(utime, of))
 
 
 def _tiles(signals: Signals, stretch: Stretch) -> list[tuple[str, Callable[[Messages], Bytes]]]:
@@ -114,22 +115,23 @@ def _full_px(signals: Signals) -> float:
     return float(np.median(scales)) if scales else 1.0
 
 
-def _status(utime: int, of: Messages) -> list[str]:
+def caption(utime: int, of: Messages) -> list[str]:
+    """Return the words below a frame, from its messages by type; what rounds to zero has no minus."""
     words = [f"t = {utime / 1e6:6.2f} s"]
     steering, plane, twist, state = of[Steering], of[Plane], of[Twist], of[State]
     if steering is not None:
-        words.append(f"theta = {np.degrees(steering.theta_rad):+4.0f} deg")
+        words.append(f"theta = {math.degrees(steering.theta_rad):+z4.0f} deg")
     if plane is not None:
         words.append(f"obstacle {100 * plane.obstacle_ratio:3.0f} %")
     if twist is not None:
-        words += [f"v = {twist.v_mps:.2f} m/s", f"omega = {twist.omega_radps:+.2f} rad/s"]
+        words += [f"v = {twist.v_mps:z.2f} m/s", f"omega = {twist.omega_radps:+z.2f} rad/s"]
     if state is not None and state.contact:
         words[-1:] = ["CONTACT"]
     return words
 
 
 class _Page:
-    """Frames of tiles in two columns (three tiles: in one row), titles above, the status below."""
+    """Frames of tiles in two columns (three tiles: in one row), titles above, the caption below."""
 
     def __init__(self, titles: Sequence[str], rows: int, cols: int) -> None:
         self._columns = len(titles) if len(titles) in (1, 3) else 2

@@ -9,9 +9,9 @@ import numpy.typing as npt
 import pytest
 from graphnav_view import ink
 from graphnav_view.signals import Signals
-from graphnav_view.video import write_video
+from graphnav_view.video import caption, write_video
 
-from graphnav import UserError
+from graphnav import Flow, Image, Plane, Potential, State, Steering, Twist, UserError
 from graphnav.record import Recording
 
 Record = Callable[..., Recording]
@@ -72,3 +72,13 @@ def test_a_log_without_images_says_what_to_record(record: Record, tmp_path: Path
 def test_a_file_that_cannot_be_written_is_named(record: Record, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"absent/video\.mp4 as MPEG-4"):
         write_video(Signals(record(frames=3)), tmp_path / "absent" / "video.mp4")
+
+
+def test_a_caption_shows_no_minus_zero() -> None:
+    nothing = np.zeros(2)
+    steering = Steering(repulsive=nothing, guiding=nothing, control=nothing, theta_rad=-0.004, eigenvalues=nothing)
+    of = dict.fromkeys((Image, Flow, Plane, Potential, State)) | {
+        Steering: steering,
+        Twist: Twist(v_mps=-0.001, omega_radps=-0.004),
+    }
+    assert caption(100_000, of) == ["t =   0.10 s", "theta =   +0 deg", "v = 0.00 m/s", "omega = +0.00 rad/s"]
