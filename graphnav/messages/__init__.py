@@ -2,7 +2,7 @@
 
 from graphnav.messages.driving import Goal, Map, Motion, State, Steering, Twist
 from graphnav.messages.message import Message, snake_case
-from graphnav.messages.running import About, Status
+from graphnav.messages.running import About
 from graphnav.messages.vision import Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [
@@ -18,7 +18,6 @@ __all__ = [
     "Plane",
     "Potential",
     "State",
-    "Status",
     "Steering",
     "Truth",
     "Twist",

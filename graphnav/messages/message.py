@@ -17,7 +17,6 @@ Floats = npt.NDArray[np.float32]
 Doubles = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int32]
-Longs = npt.NDArray[np.int64]
 
 
 def snake_case(name: str) -> str:

@@ -1,10 +1,10 @@
-"""What a run says of itself, on the reserved channels ``graphnav.*``."""
+"""What a run says of itself, on the reserved channel ``graphnav.about``."""
 
 from __future__ import annotations
 
 import graphnav_lcm
 
-from graphnav.messages.message import Doubles, Longs, Message
+from graphnav.messages.message import Message
 
 
 class About(Message, lcm=graphnav_lcm.about_t):
@@ -19,17 +19,3 @@ class About(Message, lcm=graphnav_lcm.about_t):
     seed: int
     channels: tuple[str, ...]
     types: tuple[str, ...]
-
-
-class Status(Message, lcm=graphnav_lcm.status_t):
-    """The health of a run, live on the tap: one entry a stage.
-
-    ``dropped``: sets of inputs discarded because they stayed incomplete or were overtaken.
-    """
-
-    run_id: str
-    stages: tuple[str, ...]
-    steps: Longs
-    dropped: Longs
-    p50_ms: Doubles
-    tap_dropped: int

@@ -15,7 +15,6 @@ from .planar_t import planar_t as planar_t
 from .plane_t import plane_t as plane_t
 from .potential_t import potential_t as potential_t
 from .state_t import state_t as state_t
-from .status_t import status_t as status_t
 from .steering_t import steering_t as steering_t
 from .truth_t import truth_t as truth_t
 from .twist_t import twist_t as twist_t
