@@ -38,11 +38,6 @@ class Graph:
         """The stages that the clock fires, in the file's order."""
         return tuple(node for node in self.nodes if node.is_source)
 
-    @property
-    def url(self) -> str:
-        """The bus."""
-        return self.run.url
-
     def node(self, name: str) -> Node:
         """Return the stage called ``name``."""
         return next(node for node in self.nodes if node.name == name)

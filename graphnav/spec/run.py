@@ -14,5 +14,6 @@ class RunOptions:
 
     until_s: float | None = param(None, gt=0.0, le=1e9, doc="when to stop; null runs until a source finishes")
     seed: int = param(0, ge=0, le=4_294_967_295, doc="all randomness of a run derives from it")
-    record: Literal["all", "small"] = param("all", doc="small keeps only messages below 4 kB in the log")
-    url: str = param("memq://", doc="the bus: memq:// inside the process, udpm://... between processes")
+    record: Literal["all", "small"] = param(
+        "all", doc="what the log keeps; small: messages below 4 kB, and the first of every channel"
+    )

@@ -13,8 +13,8 @@ from graphnav.graph import Graph, graph_of, resolved_yaml
 CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 
 KNOWN = """about run stages channels deploy inputs use with in robot flow plane wheels toy.robot toy.matcher
-toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image command twist robot.image flow.flow plane.plane
-wheels.twist noise_px rate_hz layers model limits seed until_s url record all keep host restart CAMERA"""
+toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image command twist robot.image flow.flow
+plane.plane wheels.twist noise_px rate_hz layers model limits seed until_s record all keep host restart CAMERA"""
 WORDS = st.sampled_from(KNOWN.split())
 ATOMS = WORDS | st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
 TREES = st.recursive(
