@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from graphnav.errors import DeclarationError, GraphnavError, ParamError, Place, Problem, UserError
+    from graphnav.grid import block_sum, coarsen
     from graphnav.hooks import hookimpl
     from graphnav.messages import (
         About,
@@ -30,6 +31,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "graphnav.errors": ("DeclarationError", "GraphnavError", "ParamError", "Place", "Problem", "UserError"),
+    "graphnav.grid": ("block_sum", "coarsen"),
     "graphnav.hooks": ("hookimpl",),
     "graphnav.messages": (
         "About",
@@ -82,6 +84,8 @@ __all__ = [
     "Twist",
     "UserError",
     "__version__",
+    "block_sum",
+    "coarsen",
     "hookimpl",
     "param",
 ]

@@ -23,7 +23,12 @@ BREAKS = {
         "import graphnav.runner",
         "Plugins use only the authoring API",
     ),
-    "lcm": ("graphnav/runner/unit.py", "import lcm", "LCM is imported by bus, record, tap and spy only"),
+    "authoring-grid": (
+        "plugins/graphnav_steer/__init__.py",
+        "from graphnav.grid import coarsen",
+        "Plugins use only the authoring API",
+    ),
+    "lcm": ("graphnav/runner/unit.py", "import lcm", "LCM is imported by bus only"),
 }
 
 

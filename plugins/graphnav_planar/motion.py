@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import graphnav
-from graphnav import Flow, Planar, PlanarModel, param
-from graphnav.grid import coarsen
+from graphnav import Flow, Planar, PlanarModel, coarsen, param
 from graphnav_planar.refinement import Doubles, correction
 from graphnav_planar.taught import Taught, check_size, planar
 from graphnav_planar.terms import driving_terms, factors, orders

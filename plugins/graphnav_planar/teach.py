@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from graphnav import Flow, Latest, Motion, PlanarModel, Stage, param
-from graphnav.grid import coarsen
+from graphnav import Flow, Latest, Motion, PlanarModel, Stage, coarsen, param
 from graphnav_planar.normal_equations import Doubles, NormalEquations
 from graphnav_planar.terms import MEAN, Term, driving_terms, factors
 

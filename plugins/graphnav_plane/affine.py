@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, Plane, param
-from graphnav.grid import coarsen
+from graphnav import Flow, Plane, coarsen, param
 from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground
 
 Doubles = npt.NDArray[np.float64]

@@ -6,8 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, Planar, Plane, Stage, param
-from graphnav.grid import coarsen
+from graphnav import Flow, Planar, Plane, Stage, coarsen, param
 from graphnav_plane.rule import Rule, threshold
 
 Cells = npt.NDArray[np.bool_]

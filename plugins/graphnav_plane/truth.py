@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import graphnav
-from graphnav import Plane, Stage, param
-from graphnav.grid import block_sum
+from graphnav import Plane, Stage, block_sum, param
 
 
 class Truth(Stage):

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import graphnav
-from graphnav import Stage, Truth, param
-from graphnav.grid import coarsen
+from graphnav import Stage, Truth, coarsen, param
 from graphnav_score.pixels import cell_factor
 
 

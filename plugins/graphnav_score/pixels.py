@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Truth
-from graphnav.grid import block_sum
+from graphnav import Truth, block_sum
 
 Counts = npt.NDArray[np.int64]
 
