@@ -66,9 +66,9 @@ def measure(ticks: int = 250, graph_name: str = GRAPH, *, tapped: bool = False) 
         graph = load_graph(graph_name, Catalog())
         kept, writer = Kept(), LogWriter(Path(scratch) / "ours.lcmlog")
         tap = Tap("thin", "bench", TAP_URL) if tapped else None
-        sinks: dict[str, Sink] = {"log": writer, "kept": kept}
+        sinks: list[Sink] = [writer, kept]
         if tap:
-            sinks["tap"] = tap
+            sinks.append(tap)
         runner = Runner(graph, graph.make_stages(), Bus("memq://"), sinks)
         runner.reset(SEED)
         bare = BareLoop([channel.name for channel in graph.channels.values()], Path(scratch) / "bare.lcmlog")
