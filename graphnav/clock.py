@@ -1,4 +1,4 @@
-"""Simulated time, and how fast it passes."""
+"""How fast simulated time passes; what time it is, the stamps say."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _MOST_LATE_S = 0.5
 
 
 class SimulatedClock:
-    """Time that jumps from stamp to stamp, as fast as the machine allows or at a pace that people can watch.
+    """Jumps from stamp to stamp, as fast as the machine allows or at a pace that people can watch.
 
     ``pace_ratio``: simulated seconds per wall second; None does not wait at all.
     """
@@ -21,14 +21,12 @@ class SimulatedClock:
         wall_s: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self.now_us = 0
         self._pace_ratio = pace_ratio
         self._wall_s, self._sleep = wall_s, sleep
         self._offset_s: float | None = None
 
     def advance(self, utime: int) -> None:
         """Let it be ``utime``, after the wait that the pace asks for; the first stamp comes at once."""
-        self.now_us = utime
         if self._pace_ratio is None:
             return
         due_s = utime / 1e6 / self._pace_ratio

@@ -15,9 +15,9 @@ from graphnav.bus import GROUP, Bus, require_route, with_defaults
 from graphnav.codec import decode, encode, message_class_of, type_named
 from graphnav.errors import GraphnavError
 from graphnav.messages import About, Message
+from graphnav.record import ABOUT
 
 TAP_URL = GROUP
-ABOUT = "graphnav.about"
 PACKET_BYTES = 65_499
 """What one UDP packet holds of a message, its channel's name included."""
 

@@ -21,13 +21,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and print what was written."""
     from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.record import find_log  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
-    from graphnav.runner.recorded import LOG  # noqa: PLC0415
 
-    log = args.run / LOG if args.run.is_dir() else args.run
-    if not log.is_file():
-        what = f"{args.run} holds no {LOG}" if args.run.is_dir() else f"there is no {args.run}"
-        raise UserError.of(what, "name a run folder or a log")
+    log = find_log(args.run)
     folder = args.folder or log.parent
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,13 +1,13 @@
-"""Arguments that several commands share: which graph, with which swaps."""
+"""Arguments that several commands share."""
 
 from __future__ import annotations
 
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from graphnav.errors import UserError
+from graphnav.errors import ParamError, UserError
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
-    """Declare GRAPH, ``--set`` and ``--plugin``."""
+    """Declare GRAPH, ``--set`` and ``--plugin``, for `load`."""
     parser.add_argument("graph", metavar="GRAPH", help="a YAML file, or the name of a graph that ships")
     parser.add_argument(
         "--set",
@@ -25,9 +25,40 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="swap a stage (plane=plane.affine), a parameter (plane.threshold=4) or a wire (plane.in.flow=flow.flow)",
     )
+    add_plugin_option(parser)
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--seed`` and ``--until``, for `load`."""
+    parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
+    parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds of simulated time")
+
+
+def add_plugin_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--plugin``, for `catalog_of`."""
     parser.add_argument(
         "--plugin", dest="plugins", action="append", default=[], type=Path, metavar="FILE", help="a file with stages"
     )
+
+
+def add_source_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare SOURCE: where to listen."""
+    parser.add_argument(
+        "source",
+        nargs="?",
+        metavar="SOURCE",
+        help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
+    )
+
+
+def catalog_of(args: argparse.Namespace) -> Catalog:
+    """Return the catalog with the ``--plugin`` files."""
+    from graphnav.catalog import Catalog  # noqa: PLC0415
+
+    catalog = Catalog()
+    for plugin in args.plugins:
+        catalog.add_file(plugin)
+    return catalog
 
 
 def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
@@ -38,18 +69,24 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
     UserError
         Everything that is wrong with the graph or the options.
     """
-    from graphnav.catalog import Catalog  # noqa: PLC0415
     from graphnav.graph import load_graph  # noqa: PLC0415
 
-    catalog = Catalog()
-    for plugin in args.plugins:
-        catalog.add_file(plugin)
+    catalog = catalog_of(args)
     graph = load_graph(args.graph, catalog, sets=args.sets)
-    run = graph.run
-    if getattr(args, "seed", None) is not None:
-        run = replace(run, seed=args.seed)
-    if getattr(args, "until", None) is not None:
-        if not args.until > 0:
-            raise UserError.of(f"--until is {args.until:g}, but must be above 0", "give seconds of simulated time")
-        run = replace(run, until_s=args.until)
-    return catalog, replace(graph, run=run)
+    given = {
+        name: _run_option(option, name, value)
+        for option, name in (("seed", "seed"), ("until", "until_s"))
+        if (value := getattr(args, option, None)) is not None
+    }
+    return catalog, replace(graph, run=replace(graph.run, **given))
+
+
+def _run_option(option: str, name: str, value: Any) -> Any:
+    """Return what the command line says in place of ``run: {name: ...}``."""
+    from graphnav.spec import RunOptions  # noqa: PLC0415
+    from graphnav.stage import params_of  # noqa: PLC0415
+
+    try:
+        return params_of(RunOptions)[name].parse(value)
+    except ParamError as error:
+        raise UserError.of(f"--{option}: {error.what}", error.hint) from error

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 import traceback
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from graphnav.cli.options import add_graph_options, load
+from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
+from graphnav.errors import UserError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,12 +27,10 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
-    parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
-    parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds of simulated time")
+    add_run_options(parser)
     parser.add_argument(
         "--pace",
         type=float,
-        default=0.0,
         metavar="X",
         help="X times wall time; 1 to watch (default: as fast as it goes)",
     )
@@ -55,11 +54,14 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console  # noqa: PLC0415
 
+    from graphnav.record import LOG  # noqa: PLC0415
     from graphnav.report.folder import make_run_folder  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
-    from graphnav.runner.recorded import GRAPH, LOG, SUMMARY, new_run_id  # noqa: PLC0415
+    from graphnav.runner.recorded import GRAPH, SUMMARY, new_run_id  # noqa: PLC0415
 
+    if args.pace is not None and not 0 < args.pace < math.inf:
+        raise UserError.of(f"--pace is {args.pace:g}, but must be above 0", "leave it out to run as fast as it goes")
     catalog, graph = load(args)
     stages = graph.make_stages()
     folder = make_run_folder(args.folder, graph.path.stem)
@@ -70,7 +72,7 @@ def main(args: argparse.Namespace) -> int:
     tap = _open_tap(args.tap, run_id, console)
     summary = _run_with_progress(graph, stages, folder, args, tap, run_id)
     if args.json:
-        print(json.dumps(asdict(summary) | {"folder": str(folder)}))
+        print(json.dumps(summary.as_json() | {"folder": str(folder)}))
     else:
         print_summary(console, summary)
     files = [LOG, GRAPH, SUMMARY]
@@ -115,7 +117,7 @@ def _run_with_progress(
             graph,
             stages,
             folder,
-            pace_ratio=args.pace or None,
+            pace_ratio=args.pace,
             tap=tap,
             run_id=run_id,
             on_tick=on_tick,

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from graphnav.cli.options import add_graph_options, load
+from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, OK
 from graphnav.errors import UserError
 
@@ -16,8 +16,7 @@ from graphnav.errors import UserError
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
-    parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
-    parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds of simulated time")
+    add_run_options(parser)
     parser.add_argument(
         "-o", dest="model", type=Path, required=True, metavar="FILE", help="where the model goes (.lcmlog)"
     )
@@ -31,34 +30,34 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
     from graphnav.codec import encode  # noqa: PLC0415
     from graphnav.messages import PlanarModel  # noqa: PLC0415
-    from graphnav.record import LogWriter, Recording  # noqa: PLC0415
-    from graphnav.runner.recorded import LOG, run_recorded  # noqa: PLC0415
+    from graphnav.record import LOG, LogWriter, Recording  # noqa: PLC0415
+    from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} is there already", "choose another file, or replace it with --force")
     _, graph = load(args)
-    learning = [channel for channel in graph.channels.values() if channel.message is PlanarModel]
+    learning = [learnt for learnt in graph.channels.values() if learnt.message is PlanarModel]
     if len(learning) != 1:
         raise UserError.of(
             f"{graph.path} has {len(learning)} channels with a planar model, but teaching needs one",
             "end the graph in one planar.teach stage",
         )
+    channel = learning[0].name
     with tempfile.TemporaryDirectory() as scratch:
         with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-            summary = run_recorded(graph, graph.make_stages(), Path(scratch), on_tick=on_tick)
+            summary = run_recorded(graph, graph.make_stages(), Path(scratch), keep=[channel], on_tick=on_tick)
         if summary.failure:
             print(summary.failure, file=sys.stderr)
             return FAILED
-        taught = list(Recording(Path(scratch) / LOG).messages(learning[0].name))
-        if not taught:
-            raise UserError.of(f"{graph.path} published no planar model", "let it run longer with --until")
-        utime, _, model = taught[-1]
+        with Recording(Path(scratch) / LOG) as recording:
+            if not recording.count(channel):
+                raise UserError.of(f"{graph.path} published no planar model", "let it run longer with --until")
+            utime, _, model = recording.message(channel, -1)
         assert isinstance(model, PlanarModel)
         fresh = Path(scratch) / "model.lcmlog"
-        writer = LogWriter(fresh)
-        writer.write(learning[0].name, utime, encode(model, utime, 0))
-        writer.close()
         try:
+            with LogWriter(fresh) as writer:
+                writer.write(channel, utime, encode(model, utime, 0))
             args.model.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(fresh, args.model)
         except OSError as error:

@@ -8,7 +8,7 @@ from graphnav.codec.layout import fields_of, lcm_name
 
 
 def lcm_text_of(lcm_classes: Iterable[type]) -> str:
-    """Return the lcm_text_of of the types and of all that are nested in them, each once, sorted by name.
+    """Return the definitions of the types and of all that are nested in them, each once, sorted by name.
 
     lcm-gen makes types of the same fingerprints from it. Comments and constants are not in it: lcm-gen drops the
     former, and neither is on the wire.

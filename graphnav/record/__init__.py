@@ -1,8 +1,8 @@
 """LCM event logs: what a run leaves, readable by LCM's own tools, and theirs by us."""
 
-from graphnav.codec import lcm_text_of
 from graphnav.record.event import Event, Torn
+from graphnav.record.find import LOG, find_log
 from graphnav.record.recording import ABOUT, Recording
 from graphnav.record.writer import LogWriter
 
-__all__ = ["ABOUT", "Event", "LogWriter", "Recording", "Torn", "lcm_text_of"]
+__all__ = ["ABOUT", "LOG", "Event", "LogWriter", "Recording", "Torn", "find_log"]

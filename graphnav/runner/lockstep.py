@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from functools import partial
 from typing import Any, Protocol
@@ -45,7 +45,7 @@ class Runner:
     incomplete at the end of the tick are dropped and counted.
     """
 
-    def __init__(self, graph: Graph, stages: Mapping[str, Stage], bus: Bus, sinks: Mapping[str, Sink]) -> None:
+    def __init__(self, graph: Graph, stages: Mapping[str, Stage], bus: Bus, sinks: Sequence[Sink]) -> None:
         """Wire ``stages`` (by name) of ``graph`` over ``bus``; every message also goes to the ``sinks``."""
         self.graph = graph
         self.ticks = 0
@@ -53,7 +53,7 @@ class Runner:
         self.is_ready = False
         """Whether every stage was reset."""
         self._bus = bus
-        self._sinks = list(sinks.values())
+        self._sinks = sinks
         self._seqs: dict[str, int] = defaultdict(int)
         self._units = {node.name: Unit(node, stages[node.name], self._publish) for node in graph.nodes}
         self._order = [self._units[node.name] for node in graph.order]

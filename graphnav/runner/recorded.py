@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Protocol
@@ -15,14 +15,13 @@ from graphnav.codec import encode, lcm_name, lcm_text_of
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph, resolved_yaml
 from graphnav.messages import About
-from graphnav.record import ABOUT, LogWriter
+from graphnav.record import ABOUT, LOG, LogWriter
 from graphnav.runner.interrupt import Interrupt
+from graphnav.runner.kept import ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Runner, Sink
-from graphnav.runner.small import SmallOnly
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
 
-LOG = "run.lcmlog"
 GRAPH = "graph.yaml"
 SUMMARY = "summary.json"
 
@@ -44,14 +43,14 @@ def new_run_id() -> str:
     return uuid.uuid4().hex[:8]
 
 
-def about_of(graph: Graph, run_id: str = "") -> About:
-    """Return what a log or the tap says of a graph."""
+def about_of(graph: Graph) -> About:
+    """Return what a log or the tap says of a graph; the tap adds the run's id."""
     channels = sorted(graph.channels.values(), key=lambda channel: channel.name)
     types = [channel.message.lcm_class for channel in channels]
     return About(
         graph_yaml=resolved_yaml(graph),
         lcm_text=lcm_text_of(types),
-        run_id=run_id,
+        run_id="",
         seed=graph.run.seed,
         channels=tuple(channel.name for channel in channels),
         types=tuple(map(lcm_name, types)),
@@ -63,6 +62,7 @@ def run_recorded(
     stages: dict[str, Stage],
     folder: Path,
     *,
+    keep: Collection[str] | None = None,
     pace_ratio: float | None = None,
     tap: LiveSink | None = None,
     run_id: str = "",
@@ -72,9 +72,9 @@ def run_recorded(
     """Run ``graph`` once into ``folder``, which must exist, and return what ``summary.json`` there says.
 
     A failing stage, a full disk and Ctrl-C end the run, not the record of it: the log holds every whole message up to
-    there and the summary says how it ended. ``pace_ratio``: simulated seconds per wall second, None for as fast as
-    the machine allows. ``on_tick`` gets the stamp of each tick to come, ``on_failure`` the error
-    that ended the run.
+    there and the summary says how it ended. ``keep``: the channels that the log holds, None for what the graph's
+    ``record`` says. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows.
+    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` the error that ended the run.
 
     Raises
     ------
@@ -88,15 +88,13 @@ def run_recorded(
         writer = _begin(graph, folder)
         started = time.monotonic()
         cleanup.callback(_note_failure, failures, writer.close)
-        sinks: dict[str, Sink] = {"log": SmallOnly(writer) if graph.run.record == "small" else writer}
+        sinks = [_kept(graph, writer, keep)]
         if tap is not None:
             cleanup.callback(tap.close)
-            tap.announce(about_of(graph, run_id))
-            sinks["tap"] = tap
-        bus = Bus("memq://")
-        runner = Runner(graph, stages, bus, sinks)
+            tap.announce(about_of(graph))
+            sinks.append(tap)
+        runner = Runner(graph, stages, Bus("memq://"), sinks)
         cleanup.callback(_note_failure, failures, runner.close)
-
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait)
 
         def before_tick(utime: int) -> bool:
@@ -152,6 +150,13 @@ def _begin(graph: Graph, folder: Path) -> LogWriter:
         return LogWriter(folder / LOG)
     except OSError as error:
         raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
+
+
+def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink:
+    """Return what takes the messages for the log."""
+    if keep is not None:
+        return ChannelsOnly(writer, keep)
+    return SmallOnly(writer) if graph.run.record == "small" else writer
 
 
 def _note_failure(failures: list[str], close: Callable[[], None]) -> None:

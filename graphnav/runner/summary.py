@@ -9,6 +9,7 @@ import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from graphnav.errors import StageError
 from graphnav.runner.unit import Unit
@@ -48,8 +49,12 @@ class Summary:
     versions: dict[str, str]
 
     def write(self, path: Path) -> None:
-        """Write it as JSON; a figure that is not finite becomes null."""
-        path.write_text(json.dumps(_finite(asdict(self)), indent=1) + "\n", encoding="utf-8")
+        """Write it as JSON."""
+        path.write_text(json.dumps(self.as_json(), indent=1) + "\n", encoding="utf-8")
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as JSON can hold it; a figure that is not finite becomes null."""
+        return {key: _finite(value) for key, value in asdict(self).items()}
 
 
 def figures_of(units: Mapping[str, Unit]) -> dict[str, StageFigures]:

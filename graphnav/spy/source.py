@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.bus import GROUP, Bus
-from graphnav.errors import GraphnavError, UserError
-from graphnav.record import Recording
+from graphnav.errors import GraphnavError
+from graphnav.record import Recording, find_log
 
-LOG_NAME = "run.lcmlog"
 _PATIENCE_S = 0.1
 
 
@@ -34,13 +33,8 @@ class Source:
         self.name = name or GROUP
         self.is_live = self.name.startswith("udpm:")
         self.torn = ""
-        if self.is_live:
-            return
-        path = Path(self.name)
-        self.path = path / LOG_NAME if path.is_dir() else path
-        if not self.path.is_file():
-            what = f"{path} holds no {LOG_NAME}" if path.is_dir() else f"there is no {path}"
-            raise UserError.of(what, "name a run folder, a log or a udpm:// URL")
+        if not self.is_live:
+            self.path = find_log(Path(self.name), "name a run folder, a log or a udpm:// URL")
 
     def listen(self, for_s: float | None) -> Iterator[Heard | None]:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""

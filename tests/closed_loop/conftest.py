@@ -10,7 +10,8 @@ import pytest
 from graphnav import Recording
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
-from graphnav.runner.recorded import LOG, run_recorded
+from graphnav.record import LOG
+from graphnav.runner.recorded import run_recorded
 from graphnav.runner.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]

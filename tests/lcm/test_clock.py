@@ -22,7 +22,6 @@ def test_without_a_pace_nothing_waits() -> None:
     wall = Wall()
     clock = SimulatedClock(None, lambda: wall.now_s, wall.sleep)
     clock.advance(10_000_000)
-    assert clock.now_us == 10_000_000
     assert wall.slept == []
 
 

@@ -15,7 +15,8 @@ import pytest
 from graphnav.bus import Bus
 from graphnav.codec import codec_of, decode, encode, lcm_name
 from graphnav.messages import About, Flow, Image, Message, Twist
-from graphnav.tap import ABOUT, PACKET_BYTES, Tap
+from graphnav.record import ABOUT
+from graphnav.tap import PACKET_BYTES, Tap
 
 RNG = np.random.default_rng(11)
 TYPES: dict[str, type[Message]] = {"flow.flow": Flow, "robot.image": Image, "control.twist": Twist}

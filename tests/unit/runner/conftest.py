@@ -11,7 +11,8 @@ import pytest
 from graphnav import Recording
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph, load_graph
-from graphnav.runner.recorded import LOG, run_recorded
+from graphnav.record import LOG
+from graphnav.runner.recorded import run_recorded
 from graphnav.runner.summary import Summary
 
 STAGES = Path(__file__).parent / "stages.py"

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 from graphnav import Twist
 from graphnav.graph import Graph, resolved_yaml
-from graphnav.record import ABOUT, Recording
+from graphnav.record import ABOUT, LOG, Recording
 from graphnav.runner import seed_of
+from graphnav.runner.recorded import run_recorded
 from graphnav.runner.summary import Summary
 
 Run = Callable[..., tuple[Summary, Recording]]
@@ -160,3 +162,11 @@ def test_small_logs_keep_small_messages_and_the_first_of_every_channel(run: Run)
     assert log.count("n.image") == 11
     _, log = run(text.replace("probe.noise", "probe.noise, with: {rows: 100}"), "large")
     assert (log.count("d.twist"), log.count("n.image")) == (11, 1)
+
+
+def test_a_log_holds_only_the_channels_that_it_is_asked_to_keep(load: Callable[[str], Graph], tmp_path: Path) -> None:
+    graph = load("run: {until_s: 1, record: small}\nstages: {d: {use: probe.dice}, n: {use: probe.noise}}")
+    run_recorded(graph, graph.make_stages(), tmp_path, keep=["n.image"])
+    with Recording(tmp_path / LOG) as log:
+        assert list(log.channels) == [ABOUT, "n.image"]
+        assert log.count("n.image") == 11

@@ -1,6 +1,8 @@
-"""Keep a log small: leave out the messages that pictures and grids are."""
+"""What a log keeps of a run."""
 
 from __future__ import annotations
+
+from collections.abc import Collection
 
 from graphnav.runner.lockstep import Sink
 
@@ -18,4 +20,17 @@ class SmallOnly:
         """Take one message."""
         if len(data) < SMALL_BYTES or channel not in self._begun:
             self._begun.add(channel)
+            self._sink.write(channel, utime, data)
+
+
+class ChannelsOnly:
+    """Passes on the messages of some channels."""
+
+    def __init__(self, sink: Sink, channels: Collection[str]) -> None:
+        self._sink = sink
+        self._channels = frozenset(channels)
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Take one message."""
+        if channel in self._channels:
             self._sink.write(channel, utime, data)

@@ -1,0 +1,24 @@
+"""Find the log that a user names: a file, or the one in a run folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from graphnav.errors import UserError
+
+LOG = "run.lcmlog"
+"""The log of a run folder."""
+
+
+def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:
+    """Return the log at ``path`` or in the folder ``path``.
+
+    Raises
+    ------
+    UserError
+        There is none; its hint is ``hint``.
+    """
+    log = path / LOG if path.is_dir() else path
+    if not log.is_file():
+        raise UserError.of(f"{path} holds no {LOG}" if path.is_dir() else f"there is no {path}", hint)
+    return log

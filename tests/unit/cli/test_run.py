@@ -1,0 +1,87 @@
+"""``graphnav run``: what it prints for programs, and options that it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from graphnav.cli import main
+
+PLUGIN = """
+from collections.abc import Mapping
+
+from graphnav import Source, Stage, Twist, hookimpl
+
+FAMILY = "scored"
+
+
+class Still(Source):
+    \"\"\"Stands still.\"\"\"
+
+    def step(self) -> Twist:
+        return Twist(v_mps=0.0, omega_radps=0.0)
+
+
+class Nothing(Stage):
+    \"\"\"Scores what is not defined.\"\"\"
+
+    def step(self, twist: Twist) -> None:
+        pass
+
+    def summary(self) -> Mapping[str, float]:
+        return {"undefined": float("nan"), "one": 1.0}
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    return [Still, Nothing]
+"""
+
+
+@pytest.fixture
+def words(tmp_path: Path) -> list[str]:
+    """Return the command line of a run of ten ticks, pictures and tap off."""
+    (tmp_path / "scored.py").write_text(PLUGIN)
+    graph = tmp_path / "graph.yaml"
+    graph.write_text(
+        "run: {until_s: 0.9}\nstages:\n  c: {use: scored.still}\n  s: {use: scored.nothing, in: {twist: c}}\n"
+    )
+    options = ["--plugin", str(tmp_path / "scored.py"), "--no-tap", "--no-pictures"]
+    return ["run", str(graph), *options, "-o", str(tmp_path / "out")]
+
+
+def no_constant(word: str) -> None:
+    raise AssertionError(f"{word} is no JSON")
+
+
+def test_json_is_the_summary_and_where_it_is(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*words, "--json", "--seed", "5"]) == 0
+    said = json.loads(capsys.readouterr().out, parse_constant=no_constant)
+    assert said.pop("folder") == str(tmp_path / "out")
+    assert said == json.loads((tmp_path / "out" / "summary.json").read_text(), parse_constant=no_constant)
+    assert {"outcome", "seed", "frames", "wall_s", "stages", "scores", "versions"} <= said.keys()
+    assert (said["outcome"], said["seed"], said["frames"]) == ("timeout", 5, 10)
+    assert said["stages"]["s"].keys() == {"use", "steps", "p50_ms", "p99_ms", "dropped"}
+    assert said["scores"] == {"s": {"undefined": None, "one": 1.0}}
+
+
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        (["--seed", "-1"], "--seed: 'seed' is -1, but must be >= 0 and <= 4294967295\n"),
+        (["--until", "0"], "--until: 'until_s' is 0, but must be > 0 and <= 1000000000\n"),
+        (["--until", "nan"], "--until: 'until_s' must be a number or null, not nan\n"),
+        (["--pace", "-1"], "--pace is -1, but must be above 0\n  leave it out to run as fast as it goes\n"),
+        (["--pace", "inf"], "--pace is inf, but must be above 0\n  leave it out to run as fast as it goes\n"),
+    ],
+)
+def test_an_option_out_of_bounds_is_refused_before_anything_runs(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], option: list[str], said: str
+) -> None:
+    assert main([*words, *option]) == 2
+    assert capsys.readouterr().err == said
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,42 @@
+"""``graphnav teach`` leaves a log of one message: the last planar model that the graph published."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from graphnav import PlanarModel, Recording
+from graphnav.cli import main
+
+TEACH = ["teach", "teach_downward", "--set", "teach.terms=[v]", "--set", "teach.every_frames=5"]
+
+
+def test_the_last_model_is_saved_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "new" / "model.lcmlog"
+    assert main([*TEACH, "--until", "1.2", "-o", str(path)]) == 0
+    assert capsys.readouterr().out.endswith("v on 40 x 30 cells of 4 px, from 10 frames\n")
+    with Recording(path) as log:
+        assert log.n_events == 1
+        _, _, model = log.message("teach.planar_model", 0)
+    assert isinstance(model, PlanarModel)
+    assert model.frames == 10
+
+
+def test_a_model_that_is_there_is_kept_unless_forced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "model.lcmlog"
+    path.write_text("precious")
+    assert main([*TEACH, "-o", str(path)]) == 2
+    assert capsys.readouterr().err == (f"{path} is there already\n  choose another file, or replace it with --force\n")
+    assert path.read_text() == "precious"
+
+
+def test_too_short_a_drive_teaches_nothing_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*TEACH, "--until", "0.3", "-o", str(tmp_path / "model.lcmlog")]) == 2
+    assert "published no planar model\n  let it run longer with --until\n" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_graph_without_a_teacher_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["teach", "approach", "-o", str(tmp_path / "model.lcmlog")]) == 2
+    assert "has 0 channels with a planar model, but teaching needs one" in capsys.readouterr().err
