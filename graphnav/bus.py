@@ -17,8 +17,11 @@ GROUP = "udpm://239.255.76.67:7667?ttl=0"
 MAKE_ROUTE = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
 """What a machine without a network needs, as root, before multicast works on it."""
 
+RECEIVE_BUFFER_BYTES = 2_097_152
+"""What is asked for, so that messages of many packets arrive; the kernel may grant less."""
+
 _SELF_TEST = "LCM_SELF_TEST"
-_DEFAULTS = {"ttl": "0", "recv_buf_size": "2097152"}
+_DEFAULTS = {"ttl": "0", "recv_buf_size": str(RECEIVE_BUFFER_BYTES)}
 
 
 class Bus:

@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.bus import GROUP, require_route
+from graphnav.bus import GROUP, RECEIVE_BUFFER_BYTES, require_route
 from graphnav.catalog import Catalog
 from graphnav.errors import BusError, CatalogError
 
-RECEIVE_BUFFER_BYTES = 2_097_152
 _RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
 
 

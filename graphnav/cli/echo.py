@@ -5,18 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 
+from graphnav.cli.options import add_source_argument
 from graphnav.cli.status import OK
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
-    parser.add_argument(
-        "source",
-        nargs="?",
-        metavar="SOURCE",
-        help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
-    )
+    add_source_argument(parser)
     parser.add_argument("-n", dest="count", type=int, metavar="N", help="end after N messages")
     parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="end after S seconds (default: Ctrl-C)")
     parser.add_argument("--json", action="store_true", help="print one JSON object a message, for programs")

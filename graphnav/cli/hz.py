@@ -6,6 +6,7 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
+from graphnav.cli.options import add_source_argument
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -17,12 +18,7 @@ _EVERY_S = 1.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
-    parser.add_argument(
-        "source",
-        nargs="?",
-        metavar="SOURCE",
-        help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
-    )
+    add_source_argument(parser)
     parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="end after S seconds (default: Ctrl-C)")
 
 
@@ -46,9 +42,8 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _line(channel: ChannelTraffic, source: Source) -> str:
-    from graphnav.spy import figures  # noqa: PLC0415
+    from graphnav.spy import volume  # noqa: PLC0415
 
     rate = "no rate yet" if channel.rate_hz is None else f"{channel.rate_hz:.3f} Hz"
     arriving = f"arriving at {channel.wall_rate_hz:.3f} Hz, " if source.is_live and channel.wall_rate_hz else ""
-    _, *rest = (text for text in figures(channel) if not text.endswith(" Hz"))
-    return f"{channel.name}  {rate}, {arriving}{', '.join(rest)}"
+    return f"{channel.name}  {rate}, {arriving}{', '.join(volume(channel))}"

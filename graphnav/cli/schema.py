@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import argparse
 import json
-from pathlib import Path
 
+from graphnav.cli.options import add_plugin_option, catalog_of
 from graphnav.cli.status import OK
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument(
-        "--plugin", dest="plugins", action="append", default=[], type=Path, metavar="FILE", help="a file with stages"
-    )
+    add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.catalog import Catalog  # noqa: PLC0415
     from graphnav.graph import graph_schema  # noqa: PLC0415
 
-    catalog = Catalog()
-    for plugin in args.plugins:
-        catalog.add_file(plugin)
-    print(json.dumps(graph_schema(catalog), indent=2))
+    print(json.dumps(graph_schema(catalog_of(args)), indent=2))
     return OK

@@ -5,20 +5,22 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from typing import TYPE_CHECKING
 
+from graphnav.cli.options import add_source_argument
 from graphnav.cli.status import OK
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from graphnav.spy import Source, Traffic
 
 _REFRESH_S = 0.5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument(
-        "source",
-        nargs="?",
-        metavar="SOURCE",
-        help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
-    )
+    add_source_argument(parser)
     parser.add_argument("--once", action="store_true", help="listen for a while, list the channels and end")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
     parser.add_argument(
@@ -29,21 +31,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console  # noqa: PLC0415
-    from rich.live import Live  # noqa: PLC0415
 
     from graphnav.spy import Source, Traffic, as_json, as_text  # noqa: PLC0415
 
     source, traffic = Source(args.source), Traffic()
     console = Console(highlight=False, soft_wrap=True)
     if source.is_live and not (args.once or args.json):
-        shown_s = 0.0
-        with Live(console=console, auto_refresh=False) as live:
-            for heard in source.listen(None):
-                if heard is not None:
-                    traffic.hear(heard)
-                elif time.monotonic() - shown_s > _REFRESH_S:
-                    shown_s = time.monotonic()
-                    live.update(as_text(traffic, f"{source.name}: {len(traffic.channels)} channels"), refresh=True)
+        _watch(source, traffic, console)
+        return OK
     for heard in source.listen(args.for_s):
         if heard is not None:
             traffic.hear(heard)
@@ -55,3 +50,19 @@ def main(args: argparse.Namespace) -> int:
     heading = f"{source.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if source.is_live else "")
     console.print(as_text(traffic, heading + (f"; {source.torn}" if source.torn else "")))
     return OK
+
+
+def _watch(source: Source, traffic: Traffic, console: Console) -> None:
+    """Show what goes by, until Ctrl-C."""
+    from rich.live import Live  # noqa: PLC0415
+
+    from graphnav.spy import as_text  # noqa: PLC0415
+
+    shown_s = 0.0
+    with Live(console=console, auto_refresh=False) as live:
+        for heard in source.listen(None):
+            if heard is not None:
+                traffic.hear(heard)
+            elif time.monotonic() - shown_s > _REFRESH_S:
+                shown_s = time.monotonic()
+                live.update(as_text(traffic, f"{source.name}: {len(traffic.channels)} channels"), refresh=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from graphnav.cli.options import add_plugin_option, catalog_of
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -21,21 +21,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("name", metavar="NAME", nargs="?", help="a stage (plane.ica) or a family (plane); default: all")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
-    parser.add_argument(
-        "--plugin", dest="plugins", action="append", default=[], type=Path, metavar="FILE", help="a file with stages"
-    )
+    add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console  # noqa: PLC0415
 
-    from graphnav.catalog import Catalog  # noqa: PLC0415
     from graphnav.stage import describe  # noqa: PLC0415
 
-    catalog = Catalog()
-    for plugin in args.plugins:
-        catalog.add_file(plugin)
+    catalog = catalog_of(args)
     console = Console(highlight=False)
     if args.name and args.name not in catalog.families():
         described = describe(args.name, catalog.stage(args.name), catalog.origin(args.name))

@@ -1,7 +1,7 @@
 """Watching: which channels there are, what goes over them and how fast, live or in a log."""
 
 from graphnav.spy.contents import described, summarised
-from graphnav.spy.report import as_json, as_text, figures, size_of
+from graphnav.spy.report import as_json, as_text, size_of, volume
 from graphnav.spy.source import Heard, Source
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 
@@ -13,7 +13,7 @@ __all__ = [
     "as_json",
     "as_text",
     "described",
-    "figures",
     "size_of",
     "summarised",
+    "volume",
 ]

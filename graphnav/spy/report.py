@@ -56,6 +56,11 @@ def figures(channel: ChannelTraffic) -> Iterator[str]:
     yield channel.type_name or "unknown type"
     if channel.rate_hz is not None:
         yield f"{channel.rate_hz:.2f} Hz"
+    yield from volume(channel)
+
+
+def volume(channel: ChannelTraffic) -> Iterator[str]:
+    """Yield how much was heard on one channel and what is missing of it, in words."""
     if not channel.count:
         yield "not heard"
         return

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import Any
 
 from graphnav.codec import DecodeError, codec_of, decode, fingerprint, lcm_name, type_named, type_of
-from graphnav.errors import UserError
+from graphnav.errors import UserError, did_you_mean
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.source import Heard, Source
@@ -42,8 +41,7 @@ class Traffic:
             raise self._unknown(name, source)
 
     def _unknown(self, name: str, source: Source) -> UserError:
-        close = difflib.get_close_matches(name, self.channels, 1)
-        hint = f"did you mean '{close[0]}'?" if close else f"channels are {', '.join(sorted(self.channels))}"
+        hint = did_you_mean(name, self.channels) or f"channels are {', '.join(sorted(self.channels))}"
         return UserError.of(f"{source.name} has no channel '{name}'", hint)
 
     def hear(self, heard: Heard) -> ChannelTraffic:
@@ -79,7 +77,7 @@ class ChannelTraffic:
         self.name = name
         self.type_name = told
         self.lcm_class = type_named(told) if told else None
-        self.count = self.undecodable = self.total_bytes = self.last_bytes = 0
+        self.count = self.undecodable = self.last_bytes = 0
         self.values: dict[str, Any] | None = None
         self.decodes = False
         self._stamps = Span()
@@ -90,7 +88,6 @@ class ChannelTraffic:
         """Count a message."""
         self.count += 1
         self.last_bytes = len(heard.data)
-        self.total_bytes += self.last_bytes
         self._arrivals.add(heard.at_s)
         values = self._decoded(heard.data)
         self.decodes = values is not None
