@@ -4,7 +4,16 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from graphnav.errors import DeclarationError, GraphnavError, ParamError, Place, Problem, UserError
+    from graphnav.errors import (
+        DeclarationError,
+        GraphnavError,
+        ParamError,
+        Place,
+        Problem,
+        UserError,
+        did_you_mean,
+        shown_path,
+    )
     from graphnav.grid import block_sum, coarsen
     from graphnav.hooks import hookimpl
     from graphnav.messages import (
@@ -30,7 +39,16 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "graphnav.errors": ("DeclarationError", "GraphnavError", "ParamError", "Place", "Problem", "UserError"),
+    "graphnav.errors": (
+        "DeclarationError",
+        "GraphnavError",
+        "ParamError",
+        "Place",
+        "Problem",
+        "UserError",
+        "did_you_mean",
+        "shown_path",
+    ),
     "graphnav.grid": ("block_sum", "coarsen"),
     "graphnav.hooks": ("hookimpl",),
     "graphnav.messages": (
@@ -86,8 +104,10 @@ __all__ = [
     "__version__",
     "block_sum",
     "coarsen",
+    "did_you_mean",
     "hookimpl",
     "param",
+    "shown_path",
 ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True, order=True)
@@ -86,15 +87,23 @@ class StageError(GraphnavError):
         super().__init__(f"stage '{stage}' ({use}) failed at {at_s:.2f} s: {what}")
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return the hint that proposes the known word nearest to ``word``, empty if none is near."""
-    near = difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.6)
-    return f"did you mean '{near[0]}'?" if near else ""
-
-
 class BusError(GraphnavError):
     """LCM could not be opened or used."""
 
 
 class LogError(GraphnavError):
     """A log could not be written or read."""
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return the hint that proposes the known word nearest to ``word``, empty if none is near."""
+    near = difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.6)
+    return f"did you mean '{near[0]}'?" if near else ""
+
+
+def shown_path(path: Path) -> str:
+    """Return a path as errors name it: from the working folder where it lies below."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(path)

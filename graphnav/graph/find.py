@@ -53,11 +53,3 @@ def _exists(path: Path) -> bool:
         return path.exists()
     except (OSError, ValueError):  # a name too long, or with a null character
         return False
-
-
-def shown(path: Path) -> str:
-    """Return a path as errors name it: from the working folder where it is inside."""
-    try:
-        return str(path.resolve().relative_to(Path.cwd()))
-    except ValueError:
-        return str(path)

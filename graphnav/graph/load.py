@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from graphnav.catalog import Catalog
-from graphnav.errors import Place, Problem, UserError
+from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph.check import check
-from graphnav.graph.find import find_graph, shown
+from graphnav.graph.find import find_graph
 from graphnav.graph.graph import Graph
 from graphnav.graph.swap import apply_sets
 from graphnav.spec import MAX_BYTES, parse_spec, parse_yaml
@@ -26,7 +26,7 @@ def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] =
         Everything that is wrong with the graph and the swaps.
     """
     path = find_graph(path_or_name)
-    source = shown(path)
+    source = shown_path(path)
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)

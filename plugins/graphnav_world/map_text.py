@@ -6,7 +6,6 @@ on where in the map it stands, not on other draws, so that a change in one place
 
 from __future__ import annotations
 
-import difflib
 import math
 import zlib
 from collections.abc import Collection, Iterator, Sequence
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from graphnav import Place, Problem
+from graphnav import Place, Problem, did_you_mean, shown_path
 
 DEEPEST = 12
 
@@ -130,8 +129,7 @@ class MapText:
         """Return one of the known words; the first of them if it is none."""
         if isinstance(node, yaml.ScalarNode) and node.value in known:
             return str(node.value)
-        near = difflib.get_close_matches(str(node.value), known, n=1)
-        hint = f"did you mean '{near[0]}'?" if near else ""
+        hint = did_you_mean(str(node.value), known)
         self.wrong(node, f"{what} must be {_listed(known)}, not {_written(node)}", hint)
         return next(iter(known))
 
@@ -153,17 +151,9 @@ class MapText:
         return value
 
 
-def shown(path: Path) -> str:
-    """Return a path as messages show it: relative where it lies below the working folder."""
-    try:
-        return str(path.resolve().relative_to(Path.cwd()))
-    except ValueError:
-        return str(path)
-
-
 def compose(path: Path) -> tuple[yaml.Node | None, list[Problem]]:
     """Return the root node of a YAML file, or None and what keeps it from being read."""
-    file = shown(path)
+    file = shown_path(path)
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -231,8 +221,7 @@ def _listed(names: Collection[str]) -> str:
 
 
 def _nearest(name: str, known: Collection[str]) -> str:
-    near = difflib.get_close_matches(name, known, n=1)
-    return f"did you mean '{near[0]}'?" if near else f"use {_listed(known)}"
+    return did_you_mean(name, known) or f"use {_listed(known)}"
 
 
 def _written(node: yaml.Node) -> str:

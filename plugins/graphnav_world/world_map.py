@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav import Problem, UserError
+from graphnav import Problem, UserError, shown_path
 from graphnav_world.map_file import MapDraw, extent_m, read_map
-from graphnav_world.map_text import MapText, compose, shown
+from graphnav_world.map_text import MapText, compose
 from graphnav_world.passage import Passage
 from graphnav_world.scene import Kind
 
@@ -37,7 +37,7 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
     root, problems = compose(path)
     for attempt in range(ATTEMPTS if root else 0):
         assert root is not None
-        text = MapText(shown(path), seed, attempt)
+        text = MapText(shown_path(path), seed, attempt)
         draw = read_map(text, root)
         problems = text.problems
         if problems or draw is None:
