@@ -12,8 +12,6 @@ import pytest
 
 from graphnav import Finished, Image, Source
 
-SHARED = Path(__file__).parents[3].parent / "shared" / "data"
-
 
 def frame(number: int, rows: int = 48, cols: int = 64) -> npt.NDArray[np.uint8]:
     """Return a blue-green-red picture with its number as brightness of the left half, red on the right."""
@@ -68,11 +66,3 @@ def play() -> Callable[[Source], list[Image]]:
         return images
 
     return run
-
-
-@pytest.fixture
-def real_data() -> Path:
-    """The folder of real sequences, where there is one."""
-    if not SHARED.is_dir():
-        pytest.skip(f"no real sequences in {SHARED}")
-    return SHARED

@@ -160,9 +160,3 @@ def test_a_picture_of_another_size_stops_with_one_line(folder: Path) -> None:
 def test_a_size_makes_pictures_of_different_sizes_equal(folder: Path, play: Play) -> None:
     cv2.imwrite(str(folder / "frame_3.png"), np.zeros((30, 40, 3), np.uint8))
     assert {image.pixels.shape for image in play(Images(path=folder, size=(32, 24)))} == {(24, 32, 3)}
-
-
-def test_a_real_drive_plays(real_data: Path, play: Play) -> None:
-    images = play(Images(path=real_data / "donkeycar_carpet", rate_hz=20.0))
-    assert len(images) == 300
-    assert {image.pixels.shape for image in images} == {(120, 160, 3)}

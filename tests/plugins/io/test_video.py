@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 from graphnav_io.quiet import quiet
@@ -133,21 +132,3 @@ def test_quiet_hides_only_what_is_written_meanwhile(capfd: pytest.CaptureFixture
         os.write(2, b"hidden")
     os.write(2, b"after")
     assert capfd.readouterr().err == "before after"
-
-
-def test_a_real_video_plays(real_data: Path) -> None:
-    source = Video(path=real_data / "udacity_road" / "solidWhiteRight.mp4", scale=0.25)
-    source.check()
-    source.reset(0)
-    assert source.rate() == pytest.approx(25.0)
-    assert source.step().pixels.shape == (135, 240, 3)
-    source.close()
-
-
-def test_a_real_animation_plays(real_data: Path, play: Play) -> None:
-    path = real_data / "vrep_corridor_gif" / "bboxes.gif"
-    with quiet():
-        readable = cv2.VideoCapture(str(path)).isOpened()
-    if not readable:
-        pytest.skip("this OpenCV reads no GIF")
-    assert len(play(Video(path=path))) == 41
