@@ -32,7 +32,8 @@ def write_value(value: Any) -> str:
 
 def _number(value: float) -> str:
     if math.isfinite(value):
-        return repr(value)
+        digits, e, exponent = repr(value).partition("e")
+        return digits + ("" if "." in digits or not e else ".0") + e + exponent  # for YAML 1.1, 1e-09 is a text
     return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
 
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -49,3 +50,8 @@ def test_what_is_written_reads_back(value: object) -> None:
     read, problems = parse_yaml(f"key: {written}\n".encode("utf-8", "surrogatepass"), "f")
     assert not problems
     assert read.plain() == {"key": value}
+
+
+@given(st.floats(allow_nan=False))
+def test_numbers_that_are_written_are_numbers_for_yaml_1_1_too(number: float) -> None:
+    assert yaml.safe_load(write_value(number)) == number
