@@ -17,7 +17,7 @@ Schema = dict[str, Any]
 _REF = rf"^{STAGE_NAME.pattern}(\.{STAGE_NAME.pattern})?$"
 _PORT = rf"^{STAGE_NAME.pattern}\.{STAGE_NAME.pattern}$"
 _CHANNEL = r"^(?!graphnav\.)[!-~]{1,63}$"
-_SCALARS: Mapping[Any, str] = {bool: "boolean", int: "integer", float: "number", str: "string", Path: "string"}
+_SCALARS: Mapping[Any, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
 def graph_schema(catalog: Catalog) -> Schema:
@@ -122,7 +122,9 @@ def _type(kind: Any) -> Schema:
         return {"type": "array", "prefixItems": each, "minItems": len(each), "maxItems": len(each)}
     if origin in (Union, types.UnionType):
         return {"anyOf": [{"type": "null"} if member is type(None) else _type(member) for member in args]}
-    return {"type": _SCALARS[kind], **({"minLength": 1} if kind is Path else {})}
+    if kind is Path:
+        return {"type": ["string", "integer"], "minLength": 1, "minimum": 0}
+    return {"type": _SCALARS[kind]}
 
 
 def _deploy() -> Schema:

@@ -169,6 +169,8 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
     elif kind is Path:
         if isinstance(value, str | Path) and str(value):
             return Path(value)
+        if type(value) is int and value >= 0:
+            return Path(str(value))  # a camera's number, or a folder that is called like one
     elif type(value) is kind:
         return value
     raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}", _hint(kind, value))

@@ -55,6 +55,11 @@ def test_the_command_prints_a_valid_schema(capsys: pytest.CaptureFixture[str]) -
         assert is_valid(plain(path), schema), name
 
 
+def test_a_camera_may_be_given_by_its_bare_number() -> None:
+    graph = {"stages": {"camera": {"use": "io.video", "with": {"path": 0}}}}
+    assert is_valid(graph, graph_schema(Catalog()))
+
+
 @pytest.mark.parametrize("case", REFUSED)
 def test_a_wrong_word_is_refused(toy_schema: dict[str, Any], case: str) -> None:
     assert not is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)
