@@ -117,6 +117,9 @@ class Catalog:
         CatalogError
             It cannot be read, imported or used.
         """
+        for known, files in self._files.items():
+            if str(path) in files:
+                return known
         module = _import_file(path)
         family = getattr(module, "FAMILY", path.stem)
         if not isinstance(family, str) or not _NAME.fullmatch(family):
@@ -213,7 +216,7 @@ def _import_file(path: Path) -> ModuleType:
         spec.loader.exec_module(module)
     except SyntaxError as error:
         raise CatalogError(f"plugin {path}:{error.lineno}: {error.msg}") from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
         where = f"{path}:{lines[-1]}" if lines else str(path)
         raise CatalogError(f"plugin {where}: {type(error).__name__}: {error}") from error

@@ -48,7 +48,7 @@ class Graph:
         Raises
         ------
         UserError
-            All parameters that cannot be used, each at its place.
+            All parameters that cannot be used and all stages that raise, each at its place.
         """
         stages: dict[str, Stage] = {}
         problems: list[Problem] = []
@@ -60,6 +60,9 @@ class Graph:
                 problems.append(node.problem(error))
             except UserError as error:
                 problems.extend(error.problems)
+            except Exception as error:  # noqa: BLE001 - a plugin's constructor may raise anything
+                said = " ".join(f"{type(error).__name__}: {error}".split())
+                problems.append(Problem(node.place, f"{node.use} cannot be made: {said}", "mend the plugin"))
         if problems:
             raise UserError(problems)
         return stages

@@ -86,7 +86,7 @@ class Runner:
         for name, unit in self._units.items():
             try:
                 unit.stage.reset(seed_of(seed, name))
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 what = f"{type(error).__name__}: {error}" if not str(error) else " ".join(str(error).split())
                 raise StageError(name, unit.node.use, 0.0, what) from error
         self._rates = [source.rate() for unit in self._sources if isinstance(source := unit.stage, Source)]

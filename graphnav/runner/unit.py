@@ -73,7 +73,7 @@ class Unit:
             result = self._step(**arguments)
         except Finished as finished:
             outcome, result = finished.outcome, finished.outputs
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failure(utime, _said(error)) from error
         self.durations.add(time.perf_counter() - begin)
         if result is not None:
@@ -117,7 +117,7 @@ class Unit:
         return StageError(self.node.name, self.node.use, utime / 1e6, what)
 
 
-def _said(error: Exception) -> str:
+def _said(error: BaseException) -> str:
     """Return an exception in one line."""
     text = " ".join(str(error).split())
     if isinstance(error, ValueError | RuntimeError) and text:

@@ -9,7 +9,8 @@ import pytest
 
 import graphnav.catalog
 from graphnav.catalog import Catalog
-from graphnav.errors import CatalogError
+from graphnav.errors import CatalogError, UserError
+from graphnav.graph import load_graph
 
 STAGE = """\
 from graphnav import Image, Stage, hookimpl
@@ -68,6 +69,13 @@ def test_the_same_stage_twice_is_told_with_both_places(tmp_path: Path) -> None:
     assert str(caught.value) == f"'mine.same' comes from {one} and from {two}\n  remove or rename one"
 
 
+def test_the_same_file_twice_is_the_same_as_once(tmp_path: Path) -> None:
+    catalog = Catalog()
+    path = plugin(tmp_path, STAGE.format(name="Same"))
+    assert catalog.add_file(path) == catalog.add_file(path) == "my_stage"
+    assert catalog.names("my_stage") == ("same",)
+
+
 def test_names_of_classes_become_names_of_stages(tmp_path: Path) -> None:
     catalog = Catalog()
     catalog.add_file(plugin(tmp_path, STAGE.format(name="PCASteering2D")))
@@ -90,6 +98,10 @@ def test_a_syntax_error_has_its_line(tmp_path: Path) -> None:
 def test_an_error_on_import_has_its_line(tmp_path: Path) -> None:
     said = refused(plugin(tmp_path, "\nimport no_such_module\n"))
     assert said == "plugin my_stage.py:2: ModuleNotFoundError: No module named 'no_such_module'"
+
+
+def test_a_file_that_ends_the_program_is_told(tmp_path: Path) -> None:
+    assert refused(plugin(tmp_path, "import sys\nsys.exit(3)\n")) == "plugin my_stage.py:2: SystemExit: 3"
 
 
 def test_a_file_without_a_hook(tmp_path: Path) -> None:
@@ -118,6 +130,24 @@ def test_a_hook_that_nobody_calls(tmp_path: Path) -> None:
 def test_a_hook_that_returns_something_else(tmp_path: Path, body: str, said: str) -> None:
     text = f"from graphnav import hookimpl\n@hookimpl\ndef graphnav_stages():\n    {body}\n"
     assert refused(plugin(tmp_path, text)) == f"my_stage.py: {said}"
+
+
+def test_a_constructor_that_raises_is_told_at_its_stage(tmp_path: Path) -> None:
+    text = STAGE.format(name="Same").replace(
+        "def step", "def check(self):\n        raise OSError('no such port')\n    def step"
+    )
+    path = plugin(
+        tmp_path,
+        "from graphnav import Source\n" + text.replace("self, image: Image", "self").replace("(Stage)", "(Source)"),
+    )
+    (tmp_path / "g.yaml").write_text("stages:\n  a: {use: my_stage.same}\n")
+    catalog = Catalog()
+    catalog.add_file(path)
+    with pytest.raises(UserError) as caught:
+        load_graph(tmp_path / "g.yaml", catalog).make_stages()
+    assert str(caught.value).replace(f"{tmp_path}/", "") == (
+        "g.yaml:2:3: my_stage.same cannot be made: OSError: no such port\n  mend the plugin"
+    )
 
 
 def test_a_stem_that_cannot_be_a_family(tmp_path: Path) -> None:

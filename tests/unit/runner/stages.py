@@ -100,7 +100,7 @@ class Sampler(Source):
 class Bad(Stage):
     """Does what a stage may not, from a count on."""
 
-    what: str = param("raise", doc="raise, nan, type, shape or hang")
+    what: str = param("raise", doc="raise, exit, type, shape or hang")
     at: int = param(3, doc="the count at which it does it")
 
     def step(self, twist: Twist) -> Image:
@@ -108,6 +108,8 @@ class Bad(Stage):
             return Image(pixels=np.zeros((2, 2), np.uint8))
         if self.what == "raise":
             raise KeyError("there is no such\nthing")
+        if self.what == "exit":
+            sys.exit(3)
         if self.what == "type":
             return Goal(bearing_rad=0.0, distance_m=1.0)  # type: ignore[return-value]
         if self.what == "shape":

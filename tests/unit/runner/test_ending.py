@@ -33,6 +33,7 @@ stages:
     ("use", "message"),
     [
         ("bad, with: {what: raise}", "stage 'b' (probe.bad) failed at 0.30 s: KeyError: 'there is no such\\nthing'"),
+        ("bad, with: {what: exit}", "stage 'b' (probe.bad) failed at 0.30 s: SystemExit: 3"),
         ("bad, with: {what: type}", "stage 'b' (probe.bad) failed at 0.30 s: output 'image' is Goal, not Image"),
         ("nan", "stage 'b' (probe.nan) failed at 0.00 s: output 'twist' holds a NaN or an infinity in 'v_mps'"),
     ],
