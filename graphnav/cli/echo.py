@@ -5,27 +5,27 @@ from __future__ import annotations
 import argparse
 import json
 
-from graphnav.cli.options import add_source_argument
+from graphnav.cli.options import add_feed_argument
 from graphnav.cli.status import OK
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
-    add_source_argument(parser)
-    parser.add_argument("-n", dest="count", type=int, metavar="N", help="end after N messages")
+    add_feed_argument(parser)
+    parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages")
     parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="end after S seconds (default: Ctrl-C)")
     parser.add_argument("--json", action="store_true", help="print one JSON object a message, for programs")
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.spy import Source, Traffic, described, size_of, summarised  # noqa: PLC0415
+    from graphnav.spy import Feed, Traffic, described, size_of, summarised  # noqa: PLC0415
 
-    source, traffic = Source(args.source), Traffic()
-    for heard in source.listen(args.for_s):
+    feed, traffic = Feed(args.feed), Traffic()
+    for heard in feed.listen(args.for_s):
         if heard is None:
-            traffic.check(args.channel, source)
+            traffic.check(args.channel, feed)
             continue
         channel = traffic.hear(heard)
         if heard.channel != args.channel:
@@ -39,5 +39,5 @@ def main(args: argparse.Namespace) -> int:
             print("\n".join([head, *contents]), flush=True)
         if channel.count == args.count:
             return OK
-    traffic.find(args.channel, source, args.for_s)
+    traffic.find(args.channel, feed, args.for_s)
     return OK

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -41,12 +42,12 @@ def add_plugin_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_source_argument(parser: argparse.ArgumentParser) -> None:
-    """Declare SOURCE: where to listen."""
+def add_feed_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare FEED: where to listen."""
     parser.add_argument(
-        "source",
+        "feed",
         nargs="?",
-        metavar="SOURCE",
+        metavar="FEED",
         help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
     )
 

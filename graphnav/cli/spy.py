@@ -7,20 +7,20 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_source_argument
+from graphnav.cli.options import add_feed_argument
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from graphnav.spy import Source, Traffic
+    from graphnav.spy import Feed, Traffic
 
 _REFRESH_S = 0.5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    add_source_argument(parser)
+    add_feed_argument(parser)
     parser.add_argument("--once", action="store_true", help="listen for a while, list the channels and end")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
     parser.add_argument(
@@ -32,27 +32,27 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console  # noqa: PLC0415
 
-    from graphnav.spy import Source, Traffic, as_json, as_text  # noqa: PLC0415
+    from graphnav.spy import Feed, Traffic, as_json, as_text  # noqa: PLC0415
 
-    source, traffic = Source(args.source), Traffic()
+    feed, traffic = Feed(args.feed), Traffic()
     console = Console(highlight=False, soft_wrap=True)
-    if source.is_live and not (args.once or args.json):
-        _watch(source, traffic, console)
+    if feed.is_live and not (args.once or args.json):
+        _watch(feed, traffic, console)
         return OK
-    for heard in source.listen(args.for_s):
+    for heard in feed.listen(args.for_s):
         if heard is not None:
             traffic.hear(heard)
     if not traffic.channels:
-        raise source.silence(args.for_s)
+        raise feed.silence(args.for_s)
     if args.json:
-        print(json.dumps(as_json(traffic, source.name)))
+        print(json.dumps(as_json(traffic, feed.name)))
         return OK
-    heading = f"{source.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if source.is_live else "")
-    console.print(as_text(traffic, heading + (f"; {source.torn}" if source.torn else "")))
+    heading = f"{feed.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
+    console.print(as_text(traffic, heading + (f"; {feed.torn}" if feed.torn else "")))
     return OK
 
 
-def _watch(source: Source, traffic: Traffic, console: Console) -> None:
+def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
     """Show what goes by, until Ctrl-C."""
     from rich.live import Live  # noqa: PLC0415
 
@@ -60,9 +60,9 @@ def _watch(source: Source, traffic: Traffic, console: Console) -> None:
 
     shown_s = 0.0
     with Live(console=console, auto_refresh=False) as live:
-        for heard in source.listen(None):
+        for heard in feed.listen(None):
             if heard is not None:
                 traffic.hear(heard)
             elif time.monotonic() - shown_s > _REFRESH_S:
                 shown_s = time.monotonic()
-                live.update(as_text(traffic, f"{source.name}: {len(traffic.channels)} channels"), refresh=True)
+                live.update(as_text(traffic, f"{feed.name}: {len(traffic.channels)} channels"), refresh=True)

@@ -11,10 +11,10 @@ from graphnav.spy.contents import declared, described, summarised
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 
 
-def as_json(traffic: Traffic, source: str) -> dict[str, Any]:
+def as_json(traffic: Traffic, feed: str) -> dict[str, Any]:
     """Return everything that was heard, for programs."""
     return {
-        "source": source,
+        "feed": feed,
         "runs": traffic.runs,
         "channels": {name: channel_as_json(traffic.channels[name]) for name in sorted(traffic.channels)},
     }

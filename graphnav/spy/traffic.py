@@ -8,7 +8,7 @@ from graphnav.codec import DecodeError, codec_of, decode, fingerprint, lcm_name,
 from graphnav.errors import UserError, did_you_mean
 from graphnav.messages import About
 from graphnav.record import ABOUT
-from graphnav.spy.source import Heard, Source
+from graphnav.spy.feed import Feed, Heard
 
 
 class Traffic:
@@ -22,7 +22,7 @@ class Traffic:
         self.runs: list[str] = []
         self.told = False
 
-    def find(self, name: str, source: Source, for_s: float | None) -> ChannelTraffic:
+    def find(self, name: str, feed: Feed, for_s: float | None) -> ChannelTraffic:
         """Return a channel that was heard.
 
         Raises UserError where there is no such channel, GraphnavError where nothing came.
@@ -30,19 +30,19 @@ class Traffic:
         if name in self.channels and self.channels[name].count:
             return self.channels[name]
         if not self.channels:
-            raise source.silence(for_s)
+            raise feed.silence(for_s)
         if name not in self.channels:
-            raise self._unknown(name, source)
-        raise source.silence(for_s, name)
+            raise self._unknown(name, feed)
+        raise feed.silence(for_s, name)
 
-    def check(self, name: str, source: Source) -> None:
+    def check(self, name: str, feed: Feed) -> None:
         """Raise UserError where the runs that were heard have no such channel: waiting for it would be in vain."""
         if self.told and name not in self.channels:
-            raise self._unknown(name, source)
+            raise self._unknown(name, feed)
 
-    def _unknown(self, name: str, source: Source) -> UserError:
+    def _unknown(self, name: str, feed: Feed) -> UserError:
         hint = did_you_mean(name, self.channels) or f"channels are {', '.join(sorted(self.channels))}"
-        return UserError.of(f"{source.name} has no channel '{name}'", hint)
+        return UserError.of(f"{feed.name} has no channel '{name}'", hint)
 
     def hear(self, heard: Heard) -> ChannelTraffic:
         """Count a message; return its channel."""

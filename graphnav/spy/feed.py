@@ -23,7 +23,7 @@ class Heard(NamedTuple):
     at_s: float
 
 
-class Source:
+class Feed:
     """A multicast group (``udpm://...``), a log, or a run folder; without a name the group where runs are tapped.
 
     Raises UserError where there is nothing of that name.
