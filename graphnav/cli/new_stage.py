@@ -31,7 +31,7 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of(f"'{args.family}.{args.name}' is there already", "choose another name")
     cls = "".join(part.capitalize() for part in args.name.split("_"))
     texts = {
-        args.folder / f"{args.name}.py": stage_text(args.family, args.name, cls),
+        args.folder / f"{args.name}.py": stage_text(args.family, cls),
         args.folder / f"test_{args.name}.py": test_text(args.family, args.name, cls),
     }
     for path in texts:
