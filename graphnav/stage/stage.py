@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any, dataclass_transform
+from typing import Any, Literal, dataclass_transform, get_args
 
 from graphnav.errors import ParamError
 from graphnav.stage.param import param, params_of
+
+Ending = Literal["goal", "contact", "end"]
+"""The outcomes that a source can give a run."""
 
 
 @dataclass_transform(kw_only_default=True, eq_default=False)
@@ -80,10 +83,12 @@ class Source(Stage):
 class Finished(Exception):  # noqa: N818 - it is no error
     """Raised by a source's ``step`` to end the run; ``outputs`` are published first.
 
-    ``outcome`` is one word: "goal", "contact" or "end".
+    ``outcome``: "goal", "contact" or "end" (there is nothing more to give). Raises ValueError for another.
     """
 
-    def __init__(self, outcome: str, outputs: Any = None) -> None:
+    def __init__(self, outcome: Ending, outputs: Any = None) -> None:
         super().__init__(outcome)
+        if outcome not in get_args(Ending):
+            raise ValueError(f"no source ends a run with '{outcome}': use {', '.join(get_args(Ending))}")
         self.outcome = outcome
         self.outputs = outputs

@@ -2,7 +2,9 @@
 
 import pytest
 
+from graphnav import Map, State, Truth
 from graphnav.catalog import Catalog
+from graphnav.stage import ports_of
 from graphnav.testing import check_stage
 
 CATALOG = Catalog()
@@ -12,3 +14,10 @@ USES = [f"{family}.{name}" for family in CATALOG.families() for name in CATALOG.
 @pytest.mark.parametrize("use", USES)
 def test_keeps_the_contract_of_stages(use: str) -> None:
     check_stage(CATALOG.stage(use))
+
+
+@pytest.mark.parametrize("use", USES)
+def test_only_scores_and_oracles_read_the_truth(use: str) -> None:
+    family, _, name = use.partition(".")
+    reads = {port.message for port in ports_of(CATALOG.stage(use)).inputs}
+    assert family == "score" or name == "truth" or not reads & {Truth, State, Map}
