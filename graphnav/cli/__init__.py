@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import io
 import os
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from graphnav.cli.status import FAILED, INTERRUPTED, USER_ERROR
 
@@ -30,6 +32,22 @@ _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OP
 """Set before numpy and OpenCV load: thread counts change results and times, parallel work is many processes."""
 
 
+class _Intermixed(argparse.ArgumentParser):
+    """Takes options between words: before Python 3.12 ``echo CHANNEL -n 1 LOG`` loses LOG."""
+
+    _is_within = False
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse options first, then words."""
+        if self._is_within:
+            return super().parse_known_args(args, namespace)
+        self._is_within = True
+        try:
+            return self.parse_known_intermixed_args(args, namespace)
+        finally:
+            self._is_within = False
+
+
 def build_parser(chosen: str | None) -> argparse.ArgumentParser:
     """Return the parser; only the ``chosen`` command's module is imported and its options added."""
     from graphnav import __version__  # noqa: PLC0415
@@ -38,7 +56,9 @@ def build_parser(chosen: str | None) -> argparse.ArgumentParser:
         prog="graphnav", description="Visual navigation as a dataflow graph of plugin stages on LCM channels."
     )
     parser.add_argument("--version", action="version", version=f"graphnav {__version__}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
+    commands = parser.add_subparsers(
+        title="commands", metavar="COMMAND", dest="command", required=True, parser_class=_Intermixed
+    )
     for name, text in COMMANDS.items():
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         if name == chosen:
@@ -52,6 +72,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status: 0 fine, 1 failed, 2 a user's error, 130 Ctrl-C."""
     from graphnav.errors import GraphnavError, ParamError, UserError  # noqa: PLC0415
 
+    _show_what_the_terminal_can()
     for variable in _ONE_THREAD:
         os.environ.setdefault(variable, "1")
     words = list(sys.argv[1:] if argv is None else argv)
@@ -76,3 +97,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return FAILED
+    except OSError as error:
+        print(
+            f"cannot go on: {error.strerror or error}" + (f": {error.filename}" if error.filename else ""),
+            file=sys.stderr,
+        )
+        return FAILED
+
+
+def _show_what_the_terminal_can() -> None:
+    """Print a question mark in place of what the terminal's encoding lacks, not a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from graphnav.cli.options import add_feed_argument
+from graphnav.cli.options import add_feed_argument, count, seconds
 from graphnav.cli.status import OK
 
 
@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
     add_feed_argument(parser)
     parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages")
-    parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="end after S seconds (default: Ctrl-C)")
+    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
     parser.add_argument("--json", action="store_true", help="print one JSON object a message, for programs")
 
 

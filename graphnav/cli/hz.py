@@ -6,7 +6,7 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument
+from graphnav.cli.options import add_feed_argument, seconds
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
     add_feed_argument(parser)
-    parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="end after S seconds (default: Ctrl-C)")
+    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
 
 
 def main(args: argparse.Namespace) -> int:

@@ -42,6 +42,23 @@ def add_plugin_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def seconds(text: str) -> float:
+    """Return a duration above 0 that an option gives."""
+    try:
+        if 0 < (value := float(text)) < math.inf:
+            return value
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds above 0")
+
+
+def count(text: str) -> int:
+    """Return a whole number above 0 that an option gives."""
+    if text.isdecimal() and int(text):
+        return int(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is no whole number above 0")
+
+
 def add_feed_argument(parser: argparse.ArgumentParser) -> None:
     """Declare FEED: where to listen."""
     parser.add_argument(

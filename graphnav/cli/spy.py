@@ -7,7 +7,7 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument
+from graphnav.cli.options import add_feed_argument, seconds
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--once", action="store_true", help="listen for a while, list the channels and end")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
     parser.add_argument(
-        "--for", dest="for_s", type=float, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
+        "--for", dest="for_s", type=seconds, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
     )
 
 

@@ -1,0 +1,69 @@
+"""The command line takes words in any order, terminals of any encoding, and full disks."""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+
+import pytest
+
+from graphnav.cli import main
+from graphnav.codec import encode
+from graphnav.messages import Twist
+from graphnav.record import LogWriter
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """Return a log of three commands."""
+    path = tmp_path / "log"
+    with LogWriter(path) as writer:
+        for k in range(3):
+            writer.write("twist", k, encode(Twist(0.5, 0.0), k, k))
+    return path
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["twist", "{log}", "-n", "1"], ["twist", "-n", "1", "{log}"], ["-n", "1", "twist", "{log}"]],
+)
+def test_options_may_stand_between_words(log: Path, capsys: pytest.CaptureFixture[str], words: list[str]) -> None:
+    assert main(["echo", *(word.format(log=log) for word in words)]) == 0
+    assert capsys.readouterr().out.count("v_mps") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["echo", "twist", "-n", "0"], "argument -n: '0' is no whole number above 0"),
+        (["hz", "twist", "--for", "-1"], "argument --for: '-1' is no number of seconds above 0"),
+        (["spy", "--once", "--for", "nan"], "argument --for: 'nan' is no number of seconds above 0"),
+    ],
+)
+def test_nothing_is_listened_for_less_than_a_moment(
+    capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["stages", "plane.ica"], ["draw", "corridor_ccw"], ["check", "corridor_ccw"]])
+def test_a_terminal_that_lacks_letters_gets_question_marks(monkeypatch: pytest.MonkeyPatch, words: list[str]) -> None:
+    terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii", newline="\n")
+    monkeypatch.setattr(sys, "stdout", terminal)
+    assert main(words) == 0
+    terminal.flush()
+    assert isinstance(terminal.buffer, io.BytesIO)
+    terminal.buffer.getvalue().decode("ascii")
+
+
+@pytest.mark.parametrize("words", [["schema"], ["stages"], ["check", "corridor_ccw"]])
+def test_a_full_disk_behind_the_terminal_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    with io.TextIOWrapper(io.FileIO("/dev/full", "w"), write_through=True) as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert main(words) == 1
+    assert capsys.readouterr().err == "cannot go on: No space left on device\n"
