@@ -75,12 +75,16 @@ def main(args: argparse.Namespace) -> int:
         print(json.dumps(summary.as_json() | {"folder": str(folder)}))
     else:
         print_summary(console, summary)
-    files = [LOG, GRAPH, SUMMARY]
-    if not args.no_pictures and summary.frames:
-        files += [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
-    console.print(f"{folder}: " + ", ".join(files), markup=False)
     if summary.failure:
         print(summary.failure, file=sys.stderr)
+    files = [LOG, GRAPH, SUMMARY]
+    if not args.no_pictures and summary.frames:
+        try:
+            files += [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
+        except KeyboardInterrupt:
+            print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
+            raise
+    console.print(f"{folder}: " + ", ".join(files), markup=False)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
 
 

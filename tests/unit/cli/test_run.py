@@ -85,3 +85,52 @@ def test_an_option_out_of_bounds_is_refused_before_anything_runs(
     assert main([*words, *option]) == 2
     assert capsys.readouterr().err == said
     assert not (tmp_path / "out").exists()
+
+
+DRAWING = """
+from graphnav import Source, Stage, Twist, hookimpl
+
+FAMILY = "drawn"
+
+
+class Fails(Source):
+    \"\"\"Fails at its second step.\"\"\"
+
+    def reset(self, seed: int) -> None:
+        self.steps = 0
+
+    def step(self) -> Twist:
+        self.steps += 1
+        if self.steps == 2:
+            raise ValueError("worn out")
+        return Twist(v_mps=0.0, omega_radps=0.0)
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    return [Fails]
+
+
+@hookimpl
+def graphnav_draw(recording, folder, video):
+    raise {error}
+"""
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        ("OSError(28, 'No space left on device')", 1, "cannot draw into {out}: No space left on device"),
+        ("KeyboardInterrupt", 130, "the pictures are not all drawn; for them run: graphnav figure {out}"),
+    ],
+)
+def test_why_a_run_failed_is_said_even_if_it_cannot_be_drawn(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], error: str, status: int, said: str
+) -> None:
+    (tmp_path / "drawn.py").write_text(DRAWING.replace("{error}", error))
+    graph, out = tmp_path / "graph.yaml", tmp_path / "out"
+    graph.write_text("stages:\n  c: {use: drawn.fails}\n")
+    assert main(["run", str(graph), "--plugin", str(tmp_path / "drawn.py"), "--no-tap", "-o", str(out)]) == status
+    told = capsys.readouterr().err.splitlines()
+    assert told[0] == "stage 'c' (drawn.fails) failed at 0.10 s: worn out"
+    assert told[1] == said.format(out=out)
