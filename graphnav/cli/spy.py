@@ -21,7 +21,7 @@ _REFRESH_S = 0.5
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_feed_argument(parser)
-    parser.add_argument("--once", action="store_true", help="listen for a while, list the channels and end")
+    parser.add_argument("--once", action="store_true", help="listen for a while, list the channels with their fields and end")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
     parser.add_argument(
         "--for", dest="for_s", type=seconds, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
@@ -53,7 +53,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
-    """Show what goes by, until Ctrl-C."""
+    """Show what goes by, a line a channel, until Ctrl-C."""
     from rich.live import Live  # noqa: PLC0415
 
     from graphnav.spy import as_text  # noqa: PLC0415
@@ -65,4 +65,5 @@ def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
                 traffic.hear(heard)
             elif time.monotonic() - shown_s > _REFRESH_S:
                 shown_s = time.monotonic()
-                live.update(as_text(traffic, f"{feed.name}: {len(traffic.channels)} channels"), refresh=True)
+                heading = f"{feed.name}: {len(traffic.channels)} channels"
+                live.update(as_text(traffic, heading, with_fields=False), refresh=True)

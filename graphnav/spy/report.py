@@ -34,13 +34,14 @@ def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
     }
 
 
-def as_text(traffic: Traffic, heading: str) -> Text:
-    """Return everything that was heard, for people."""
+def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
+    """Return everything that was heard, for people; without the fields one line a channel."""
     lines = [Text(heading), *(Text(f"run {run}", "bold") for run in traffic.runs)]
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
         lines.append(Text(name, "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
-        lines += map(Text, described(fields_of_channel(channel)))
+        if with_fields:
+            lines += map(Text, described(fields_of_channel(channel)))
     return Text("\n").join(lines)
 
 

@@ -16,7 +16,7 @@ from graphnav.cli import main
 from graphnav.codec import encode, lcm_name
 from graphnav.messages import About, Flow, Message, State, Twist
 from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Heard, Traffic, described, summarised
+from graphnav.spy import Feed, Heard, Traffic, as_text, described, summarised
 from graphnav.tap import Tap
 
 TYPES: dict[str, type[Message]] = {"flow.flow": Flow, "control.twist": Twist, "robot.state": State}
@@ -135,6 +135,15 @@ def test_spy_lists_the_channels_of_a_log(log: Path, capsys: pytest.CaptureFixtur
     assert "    uv_px        float32 (3, 4, 2)  -1 to 1, mean 0\n" in said
     assert "robot.state  graphnav_lcm.state_t, not heard\n" in said
     assert "    moving       double[n_moving][3]\n" in said
+
+
+def test_without_fields_there_is_a_line_for_each_channel(log: Path) -> None:
+    feed, traffic = Feed(str(log)), Traffic()
+    for heard in feed.listen(None):
+        assert heard is not None
+        traffic.hear(heard)
+    lines = as_text(traffic, "heading", with_fields=False).plain.splitlines()
+    assert [line.split("  ")[0] for line in lines] == ["heading", *sorted([ABOUT, *TYPES])]
 
 
 def test_spy_tells_programs_the_same(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
