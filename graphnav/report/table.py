@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from rich import box
-from rich.console import Console, Group, RenderableType
+from rich.console import Console, Group
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
 from graphnav.runner.summary import Summary
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
+_MOST_COLS = 1000
+"""Tables are as wide as they need: a narrow terminal wraps them, for a figure that is cut would be a wrong one."""
 
 
 def print_summary(console: Console, summary: Summary) -> None:
     """Print how the run ended, what each stage did and what was scored."""
     console.print(_headline(summary))
-    tables: list[RenderableType] = [_stages(summary)]
+    tables = [_stages(summary)]
     if any(summary.scores.values()):
         tables.append(_scores(summary))
-    console.print(Group(*tables))
+    for table in tables:
+        table.width = Measurement.get(console, console.options.update(width=_MOST_COLS), table).maximum
+    console.print(Group(*tables), soft_wrap=True)
 
 
 def _headline(summary: Summary) -> Text:
