@@ -26,12 +26,12 @@ class Channel:
     @property
     def stage(self) -> str:
         """The stage that writes it."""
-        return self.ref.partition(".")[0]
+        return self.ref.rpartition(".")[0]
 
     @property
     def port(self) -> str:
         """The output port that writes it."""
-        return self.ref.partition(".")[2]
+        return self.ref.rpartition(".")[2]
 
 
 @dataclass(frozen=True)
