@@ -24,7 +24,7 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="swap a stage (plane=plane.affine), a parameter (plane.threshold_px=0.4) or a wire (plane.in.flow=flow.flow)",
+        help="swap a stage (plane=plane.affine), a parameter (plane.rule=otsu) or a wire (plane.in.flow=flow.flow)",
     )
     add_plugin_option(parser)
 

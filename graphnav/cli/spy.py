@@ -21,7 +21,9 @@ _REFRESH_S = 0.5
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_feed_argument(parser)
-    parser.add_argument("--once", action="store_true", help="listen for a while, list the channels with their fields and end")
+    parser.add_argument(
+        "--once", action="store_true", help="listen for a while, list the channels with their fields and end"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
     parser.add_argument(
         "--for", dest="for_s", type=seconds, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
