@@ -8,13 +8,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
-import yaml
-
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
-from graphnav.errors import LogError
+from graphnav.errors import LogError, UserError
 from graphnav.messages import About, Message
 from graphnav.record.event import Entry, Event, LogFile, Torn, scan
 from graphnav.record.index import Index
+from graphnav.spec import parse_yaml
 
 M = TypeVar("M", bound=Message)
 
@@ -54,7 +53,10 @@ class Recording:
         """The resolved graph that made the log; raises LogError where the log does not say."""
         if self.about is None:
             raise LogError(f"{self.path} does not say which graph made it: its first event is not on '{ABOUT}'")
-        graph = yaml.safe_load(self.about.graph_yaml)
+        try:
+            graph = parse_yaml(self.about.graph_yaml.encode(), str(self.path))[0].plain()
+        except UserError:
+            graph = None
         if not isinstance(graph, dict):
             raise LogError(f"{self.path}: its '{ABOUT}' holds no graph")
         return graph

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import lcm
@@ -110,6 +111,14 @@ def test_a_log_without_a_description_finds_its_types_by_fingerprint(tmp_path: Pa
             _ = recording.graph
         with pytest.raises(LogError, match="the type of channel 'OTHER' is not installed"):
             recording.message("OTHER", 0)
+
+
+@pytest.mark.parametrize("text", ["", "stages: [", "just words", "\0"])
+def test_a_description_that_holds_no_graph_is_said(tmp_path: Path, text: str) -> None:
+    with LogWriter(tmp_path / "log") as log:
+        log.write(ABOUT, 0, encode(replace(SAID, graph_yaml=text), 0, 0))
+    with Recording(tmp_path / "log") as recording, pytest.raises(LogError, match="its 'graphnav.about' holds no graph"):
+        _ = recording.graph
 
 
 def test_a_damaged_message_is_an_error_that_names_it(tmp_path: Path) -> None:
