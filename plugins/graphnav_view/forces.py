@@ -11,7 +11,7 @@ from matplotlib.patches import Arc, FancyArrowPatch
 
 from graphnav_view import ink
 from graphnav_view.sights import over_picture, show_image
-from graphnav_view.telling import Frame, theta_text
+from graphnav_view.telling import Frame, from_forward
 
 Doubles = npt.NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def draw_direction(axes: Axes, frame: Frame) -> str:
     _name_tips(axes, origin, tips)
     _arc(axes, origin, steering.theta_rad, 0.6 * scale * min(float(np.hypot(*forces[name])) for name in "pw"))
     axes.plot(*origin, marker="o", ms=5, color="white", mec="black", mew=1.0, zorder=7)
-    caption = f"θ = {theta_text(steering.theta_rad)} of forward; red: r, repulsive;\n"
+    caption = f"θ = {from_forward(steering.theta_rad)}; red: r, repulsive;\n"
     return caption + "blue: w, guiding; yellow: p = r + w, control"
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from graphnav import State
+from graphnav import Map, State
+from graphnav_view.track import Track
 
 
 def outcome_text(graph: Mapping[str, Any], last: State, end_s: float) -> str:
@@ -18,3 +19,12 @@ def outcome_text(graph: Mapping[str, Any], last: State, end_s: float) -> str:
     if until_s is not None and end_s >= 0.98 * float(until_s):
         return f"Time is up after {end_s:.1f} s"
     return f"Ended after {end_s:.1f} s"
+
+
+def drive_texts(world: Map, track: Track) -> list[str]:
+    """Return the figures of a drive; the clearance only where there is something to be clear of."""
+    shortest = f" (shortest {world.shortest_m:.2f} m)" if world.shortest_m > 0 else ""
+    texts = [f"path {track.length_m:.2f} m{shortest}"]
+    if len(world.vertices_m):
+        texts.append(f"least clearance {track.clearance_m:.2f} m")
+    return texts

@@ -23,7 +23,7 @@ from matplotlib.ticker import MaxNLocator
 from graphnav import Map
 from graphnav_view import ink
 from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, draw_bodies, moved, nearest_point, outlines
-from graphnav_view.outcome import outcome_text
+from graphnav_view.outcome import drive_texts, outcome_text
 from graphnav_view.signals import Signals
 from graphnav_view.track import Track, track_of
 
@@ -148,10 +148,7 @@ def _title(figure: Figure, signals: Signals, world: Map, track: Track) -> None:
     height = figure.get_figheight()
     end_s = float(track.time_s[-1])
     figures = [] if signals.seed is None else [f"seed {signals.seed}"]
-    figures.append(f"path {track.length_m:.2f} m")
-    if world.shortest_m > 0:
-        figures[-1] += f" (shortest {world.shortest_m:.2f} m)"
-    figures.append(f"least clearance {track.clearance_m:.2f} m")
+    figures += drive_texts(world, track)
     about = str(signals.graph.get("about") or "").strip()
     columns = int(figure.get_figwidth() * 12.5)
     figure.text(

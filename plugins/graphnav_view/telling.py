@@ -99,3 +99,9 @@ def theta_text(theta_rad: float) -> str:
     """Return a steering angle as people read it: degrees and the side."""
     degrees = round(math.degrees(theta_rad))
     return "0°" if degrees == 0 else f"{abs(degrees)}° {'left' if degrees > 0 else 'right'}"
+
+
+def from_forward(theta_rad: float) -> str:
+    """Return a steering angle as a sentence says it."""
+    text = theta_text(theta_rad)
+    return "0°, straight forward" if text == "0°" else f"{text} of forward"

@@ -1,10 +1,15 @@
 """How a run ended is read off its last state."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from graphnav_view.outcome import outcome_text
+from graphnav_view.outcome import drive_texts, outcome_text
+from graphnav_view.signals import Signals
+from graphnav_view.track import track_of
 
-from graphnav import State
+from graphnav import Map, Recording, State
 
 
 @pytest.mark.parametrize(
@@ -24,3 +29,15 @@ def test_the_last_state_tells(contact: bool, at_goal: bool, end_s: float, text: 
     )  # fmt: skip
     assert outcome_text({"run": {"until_s": 60}}, last, end_s) == text
     assert outcome_text({}, last, end_s).startswith(text.split(maxsplit=1)[0]) or end_s == 60.0
+
+
+def test_the_clearance_is_told_where_there_is_something_to_be_clear_of(record: Callable[..., Recording]) -> None:
+    signals = Signals(record(frames=3))
+    world, track = signals.first(Map), track_of(signals)
+    assert world is not None
+    assert track is not None
+    path, clearance = drive_texts(world, track)
+    assert path.startswith("path 0.")
+    assert clearance == "least clearance 0.20 m"
+    empty = replace(world, kind=world.kind[:0], height_m=world.height_m[:0], vertices_m=world.vertices_m[:0])
+    assert drive_texts(empty, track) == [path]

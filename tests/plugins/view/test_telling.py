@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from graphnav_view.signals import Signals
-from graphnav_view.telling import LEAST_RATIO, MOST_RATIO, frame_at, telling_utime, theta_text
+from graphnav_view.telling import LEAST_RATIO, MOST_RATIO, frame_at, from_forward, telling_utime, theta_text
 
 from graphnav import Plane, Steering
 from graphnav.record import Recording
@@ -40,3 +40,4 @@ def test_without_anything_seen_there_is_none(record: Record) -> None:
 
 def test_angles_read_as_degrees_and_side() -> None:
     assert [theta_text(t) for t in (0.0, 0.4, -1.2)] == ["0°", "23° left", "69° right"]
+    assert [from_forward(t) for t in (0.001, 0.4)] == ["0°, straight forward", "23° left of forward"]
