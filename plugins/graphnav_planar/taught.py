@@ -51,7 +51,7 @@ def check_size(model: PlanarModel, flow: Flow) -> None:
     if (rows, cols) != tuple(-(-size * flow.step_px // model.step_px) for size in (flow_rows, flow_cols)):
         raise ValueError(
             f"the planar model is {cols}x{rows} cells of {model.step_px} px, "
-            f"but the flow is {flow_cols}x{flow_rows} cells of {flow.step_px} px"
+            f"but the flow is {flow_cols}x{flow_rows} cells of {flow.step_px} px; {TEACH}"
         )
 
 

@@ -128,7 +128,7 @@ def test_another_picture_size_is_refused(
     stage = kind(model=save(model))
     stage.reset(0)
     flow = floor.flow(np.zeros((60, 80, 2)))
-    with pytest.raises(ValueError, match="model is 40x30 cells of 4 px, but the flow is 80x60 cells of 4 px"):
+    with pytest.raises(ValueError, match="model is 40x30 cells of 4 px, but the flow is 80x60 cells of 4 px; teach"):
         _ = stage.step(flow) if isinstance(stage, Mean) else stage.step(flow, floor.motion(0.03, 0.0))
 
 
