@@ -78,7 +78,7 @@ def _all(catalog: Catalog, uses: list[str]) -> Table:
 def _print_one(console: Console, described: dict[str, Any]) -> None:
     console.print(f"{described['name']}, a {described['kind']} of {described['origin']}", style="bold", markup=False)
     console.print()
-    console.print(described["doc"], markup=False)
+    console.print(_flowing(described["doc"]), markup=False)
     ports = _table("port", "type", "")
     for port in described["inputs"]:
         fires = "read when something else fires; may stay open" if port["latest"] else "fires the stage"
@@ -99,6 +99,19 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     console.print()
     console.print("In a graph:")
     console.print(_snippet(described), markup=False)
+
+
+def _flowing(doc: str) -> str:
+    """Return a docstring with each paragraph on a line of its own, which the terminal wraps to its width."""
+    lines: list[str] = []
+    for line in doc.splitlines():
+        last = lines[-1] if lines else ""
+        begins = not (line and last) or line.startswith(("- ", ".. ")) or "---" in (line[:3], last[:3])
+        if begins:
+            lines.append(line)
+        else:
+            lines[-1] = f"{last} {line.strip()}"
+    return "\n".join(lines)
 
 
 def _default(param: dict[str, Any]) -> str:

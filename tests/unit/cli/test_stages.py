@@ -31,6 +31,14 @@ def test_one_stage_is_told_with_all_ports_and_parameters(use: str, capsys: pytes
         assert param.doc.split()[0] in said
 
 
+def test_a_paragraph_of_help_flows(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "1000")
+    assert main(["stages", "plane.ica"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any("FastICA" in line and line.endswith("near 0.") for line in map(str.rstrip, lines))
+    assert lines[lines.index("References") + 1] == "----------"
+
+
 def test_the_snippet_is_a_graph_once_it_is_wired(
     toys: Catalog, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
