@@ -20,6 +20,8 @@ M = TypeVar("M", bound=Message)
 ABOUT = "graphnav.about"
 """The channel of the first event, which describes the log."""
 
+_FINGERPRINT_BYTES = 8
+
 
 class Recording:
     """A log, of graphnav or of any other LCM program.
@@ -80,8 +82,17 @@ class Recording:
         return len(self._index.channels.get(channel, ()))
 
     def utimes(self, channel: str) -> list[int]:
-        """Return the stamps of a channel's events, in microseconds."""
-        return [self._index[number].utime for number in self._index.channels.get(channel, ())]
+        """Return the stamps of a channel's messages, in microseconds.
+
+        In a log of graphnav they are those of its events. A logger stamps events with the time of day instead, and the
+        first field of every message type of graphnav tells the message's own.
+        """
+        entries = [self._index[number] for number in self._index.channels.get(channel, ())]
+        if not entries or (lcm_class := self.channels[channel]) is None or message_class_of(lcm_class) is None:
+            return [entry.utime for entry in entries]
+        if self._stamp(entries[0]) == entries[0].utime:
+            return [entry.utime for entry in entries]
+        return [self._stamp(entry) for entry in entries]
 
     def events(self) -> Iterator[Event]:
         """Yield all events in the order of the file."""
@@ -124,6 +135,10 @@ class Recording:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _stamp(self, entry: Entry) -> int:
+        begin = entry.start + _FINGERPRINT_BYTES
+        return int.from_bytes(self._file.read(begin, min(begin + 8, entry.stop)), "big", signed=True)
 
     def _event(self, entry: Entry) -> Event:
         return Event(entry.channel, entry.utime, self._file.read(entry.start, entry.stop))

@@ -263,3 +263,13 @@ def test_arrays_of_a_closed_recording_stay_valid(tmp_path: Path) -> None:
     os.unlink(tmp_path / "log")
     assert isinstance(message, Flow)
     assert message.valid.sum() == 4
+
+
+def test_stamps_are_those_of_the_messages_where_a_logger_wrote_the_time_of_day(tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "log") as log:
+        for k, twist in enumerate(TWISTS):
+            log.write("control.twist", 1_700_000_000_000_000 + 7 * k, encode(twist, 100_000 * k, k))
+            log.write("stranger", 1_700_000_000_000_000 + 7 * k, b"hello")
+    with Recording(tmp_path / "log") as recording:
+        assert recording.utimes("control.twist") == [utime for utime, _, _ in recording.messages("control.twist")]
+        assert recording.utimes("stranger")[:2] == [1_700_000_000_000_000, 1_700_000_000_000_007]
