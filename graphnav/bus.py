@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import re
 import socket
 from collections.abc import Callable
@@ -123,6 +124,8 @@ def with_defaults(url: str) -> str:
 def require_route(url: str) -> None:
     """Raise BusError, with the command that mends it, where no multicast route leads to the URL's group."""
     parts = urlsplit(url)
+    if not _is_multicast(parts.hostname or ""):
+        raise BusError(f"'{parts.hostname}' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect((parts.hostname or "", parts.port or 7667))
@@ -130,3 +133,10 @@ def require_route(url: str) -> None:
             raise BusError(f"no multicast route to {parts.hostname}\n  run as root: {MAKE_ROUTE}") from error
         except ValueError as error:
             raise BusError(f"LCM does not open {url}: {error}") from error
+
+
+def _is_multicast(host: str) -> bool:
+    try:
+        return ipaddress.IPv4Address(host).is_multicast
+    except ValueError:
+        return False
