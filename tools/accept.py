@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from acceptance.driving import drives_item, sign_item
-from acceptance.machine import bench_item, fresh_item, heard_item, memory_item
+from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
 
 ITEMS = {
@@ -16,6 +16,7 @@ ITEMS = {
     "floor": floor_item,
     "heard": heard_item,
     "memory": memory_item,
+    "interrupt": interrupt_item,
     "bench": bench_item,
     "fresh": fresh_item,
 }

@@ -78,7 +78,9 @@ def main(args: argparse.Namespace) -> int:
     if summary.failure:
         print(summary.failure, file=sys.stderr)
     files = [LOG, GRAPH, SUMMARY]
-    if not args.no_pictures and summary.frames:
+    if summary.outcome == "stopped":
+        print(f"no pictures were drawn; for them run: graphnav figure {folder}", file=sys.stderr)
+    elif not args.no_pictures and summary.frames:
         try:
             files += [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
         except KeyboardInterrupt:

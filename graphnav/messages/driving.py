@@ -43,7 +43,8 @@ class Motion(Message, lcm=graphnav_lcm.motion_t):
 class State(Message, lcm=graphnav_lcm.state_t):
     """Where the simulated robot really is; for scores and oracles only.
 
-    ``clearance_m``: from the robot's rim to the nearest wall or obstacle, the least since the last state.
+    ``clearance_m``: from the robot's rim to the nearest wall or obstacle, the least since the last state;
+    1000 m where there is nothing.
     ``moving``: float64 (n, 3), poses (x_m, y_m, yaw_rad) of the moving obstacles in the map's order.
     """
 

@@ -10,6 +10,9 @@ import numpy.typing as npt
 
 from graphnav import Latest, Map, Stage, Stamp, State, param
 
+NOTHING_NEAR_M = 1000.0
+"""The clearance that `State` gives where there is nothing."""
+
 
 class Navigation(Stage):
     """How a drive went.
@@ -18,7 +21,8 @@ class Navigation(Stage):
 
     - ``success``, ``collision``, ``timeout``: one of them is 1: at the goal without a contact, touched something,
       neither. Without a goal on the map there is no ``success`` and no ``timeout``.
-    - ``least_clearance_m``, ``mean_clearance_m``: from the robot's rim to what is nearest.
+    - ``least_clearance_m``, ``mean_clearance_m``: from the robot's rim to what is nearest; left out
+      where nothing ever was.
     - ``path_length_m``, ``duration_s``, ``mean_jerk_mps3`` (length of the velocity's second derivative).
     - ``spl``: success x shortest path / max(path, shortest path) [SPL].
     - ``barn``: success x optimal time / clip(time, 2 x, 8 x optimal time), 0.5 at best [BARN]; the optimal time is that
@@ -76,6 +80,8 @@ class Navigation(Stage):
             "path_length_m": self._path_m,
             "duration_s": duration_s,
         }
+        if self._least_clearance_m >= NOTHING_NEAR_M:
+            del figures["least_clearance_m"], figures["mean_clearance_m"]
         if self._jerk.mean_mps3 is not None:
             figures["mean_jerk_mps3"] = self._jerk.mean_mps3
         has_goal = self._at_goal if self._map is None else len(self._map.goal_m) > 0

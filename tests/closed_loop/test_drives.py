@@ -23,8 +23,9 @@ def test_the_corridors_are_driven_to_the_goal(drive: Drive, graph: str, plane: s
 
 
 @pytest.mark.parametrize("seed", [1000, 1001])
-def test_pillars_are_crossed_on_the_true_map(drive: Drive, seed: int) -> None:
-    assert drive("pillars", seed, "plane=plane.truth", SMALL)[0].outcome == "goal"
+@pytest.mark.parametrize("plane", ["ica", "truth"])
+def test_pillars_are_crossed_to_the_goal(drive: Drive, plane: str, seed: int) -> None:
+    assert drive("pillars", seed, f"plane=plane.{plane}", SMALL)[0].outcome == "goal"
 
 
 @pytest.mark.parametrize("seed", [1000, 1001])

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -77,6 +79,34 @@ def _logged(tap: str, buffer: str) -> tuple[int, int, int]:
             received = [e for e in theirs.events() if e.channel in channels]
             wrong = sum((e.channel, e.data) not in sent for e in received) if tap == "full" else 0
     return count, len(received), wrong
+
+
+def interrupt_item(_seeds: Sequence[int], _jobs: int) -> bool:
+    """Press Ctrl-C at several moments of a drive; print how long it then takes to end, log and summary written."""
+    took = []
+    for after_s in (0.5, 1.0, 1.7, 2.9, 4.1):
+        with tempfile.TemporaryDirectory() as scratch:
+            command = [str(GRAPHNAV), "run", "corridor_ccw", "--pace", "2", "-o", f"{scratch}/run"]
+            run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            log = Path(scratch) / "run" / "run.lcmlog"
+            while not log.exists():
+                time.sleep(0.01)
+            time.sleep(after_s)
+            run.send_signal(signal.SIGINT)
+            begin = time.monotonic()
+            run.wait()
+            took.append(time.monotonic() - begin)
+            with Recording(log) as recording:
+                whole = recording.torn is None
+            whole &= json.loads((Path(scratch) / "run" / "summary.json").read_text())["outcome"] == "stopped"
+            if not whole:
+                say(f"MISS Ctrl-C after {after_s} s: log or summary is not whole")
+                return False
+    good = max(took) <= 1.0
+    say(
+        f"{'ok  ' if good else 'MISS'} Ctrl-C: ended within {max(took):.2f} s, {len(took)} times, logs and summaries whole"
+    )
+    return good
 
 
 def fresh_item(_seeds: Sequence[int], _jobs: int) -> bool:

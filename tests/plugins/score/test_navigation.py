@@ -139,3 +139,8 @@ def test_jerk_needs_three_velocities() -> None:
     for k in range(2):
         jerk.add(np.zeros(2), float(k))
         assert jerk.mean_mps3 is None
+
+
+def test_where_nothing_is_near_no_clearance_is_claimed() -> None:
+    figures = drive([At(0, clearance_m=1000.0), At(1, clearance_m=1000.0)], None)
+    assert not {"least_clearance_m", "mean_clearance_m"} & set(figures)

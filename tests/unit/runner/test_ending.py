@@ -88,6 +88,7 @@ def assert_stopped(process: subprocess.Popen[str], folder: Path, number: int) ->
     out, err = process.communicate(timeout=60)
     assert process.returncode == 130, out + err
     assert "Traceback" not in err
+    assert f"no pictures were drawn; for them run: graphnav figure {folder}" in err
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["outcome"] == "stopped"
     log = Recording(folder / "run.lcmlog")
