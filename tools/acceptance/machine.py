@@ -103,9 +103,8 @@ def interrupt_item(_seeds: Sequence[int], _jobs: int) -> bool:
                 say(f"MISS Ctrl-C after {after_s} s: log or summary is not whole")
                 return False
     good = max(took) <= 1.0
-    say(
-        f"{'ok  ' if good else 'MISS'} Ctrl-C: ended within {max(took):.2f} s, {len(took)} times, logs and summaries whole"
-    )
+    mark = "ok  " if good else "MISS"
+    say(f"{mark} Ctrl-C: ended within {max(took):.2f} s, {len(took)} times, logs and summaries whole")
     return good
 
 
