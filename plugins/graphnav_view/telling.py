@@ -10,8 +10,11 @@ from typing import NamedTuple
 from graphnav import Flow, Image, Plane, Potential, State, Steering
 from graphnav_view.signals import Signals
 
-LEAST_RATIO, MOST_RATIO = 0.05, 0.5
+LEAST_RATIO, MOST_RATIO = 0.03, 0.5
 """Shares of obstacle between which a picture shows both, as the method assumes."""
+
+MOST_SPIN_RADPS = 0.05
+"""The turning rate up to which a robot drives nearly straight."""
 
 
 @dataclass(frozen=True)
@@ -40,40 +43,50 @@ class Frame:
 
 
 class _Glance(NamedTuple):
-    """What decides whether a frame tells much; ``turn_rad`` and ``push`` without their sides."""
+    """What decides whether a frame tells much; turn, push and spin without their sides."""
 
     utime: int
     judged_ratio: float
     obstacle_ratio: float
     turn_rad: float
     push: float
+    spin_radps: float
 
 
-def _turn(steering: Steering | None) -> tuple[float, float]:
-    return (0.0, 0.0) if steering is None else (abs(steering.theta_rad), abs(float(steering.repulsive[0])))
+def _glance(utime: int, plane: Plane, steering: Steering | None, state: State | None) -> _Glance:
+    return _Glance(
+        utime,
+        float((plane.valid != 0).mean()),
+        plane.obstacle_ratio,
+        0.0 if steering is None else abs(steering.theta_rad),
+        0.0 if steering is None else abs(float(steering.repulsive[0])),
+        0.0 if state is None else abs(state.omega_radps),
+    )
 
 
 def telling_utime(signals: Signals) -> int | None:
     """Return the stamp of the frame to show, None where the log holds nothing that a camera saw.
 
-    Of the frames whose share of obstacle lies between 5 and 50 %, and whose theta is at most a right angle, at which
+    Of the frames whose share of obstacle lies between 3 and 50 %, and whose theta is at most a right angle, at which
     the robot still drives: the one that is pushed aside hardest (the repulsive force's largest component to a side, to
-    a hundredth; the earliest of equals). Theta itself would favour frames in which the forces nearly cancel.
+    a hundredth; the earliest of equals). Theta itself would favour frames in which the forces nearly cancel. Frames in
+    which the robot still drives nearly straight go first: they show what made it turn, not what turning made of it.
 
     Without such a frame, the one whose share is nearest to a quarter. In either case frames of which less was judged
     than of the median frame (but for a tenth of it) do not count. Without a plane, the middle frame of the flow, else
     of the images.
     """
     glances = [
-        _Glance(utime, float((plane.valid != 0).mean()), plane.obstacle_ratio, *_turn(steering))
-        for utime, (plane, steering) in signals.joined(Plane, Steering)
+        _glance(utime, plane, steering, state)
+        for utime, (plane, steering, state) in signals.joined(Plane, Steering, State)
     ]
     if glances:
         enough = 0.9 * median(glance.judged_ratio for glance in glances)
         seen = [glance for glance in glances if glance.judged_ratio >= enough]
         shared = [g for g in seen if LEAST_RATIO <= g.obstacle_ratio <= MOST_RATIO and g.turn_rad <= math.pi / 2]
         if shared:
-            return max(shared, key=lambda g: (round(g.push, 2), -g.utime)).utime
+            straight = [glance for glance in shared if glance.spin_radps <= MOST_SPIN_RADPS]
+            return max(straight or shared, key=lambda g: (round(g.push, 2), -g.utime)).utime
         return min(seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
     for kind in (Flow, Image):
         stamps = signals.stamps(kind)

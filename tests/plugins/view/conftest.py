@@ -131,7 +131,7 @@ def _tick(k: int, drive: Drive) -> dict[str, Message]:
         y_m=pose[1],
         yaw_rad=pose[2],
         v_mps=0.3,
-        omega_radps=0.1,
+        omega_radps=0.1 if k % 4 else 0.0,
         clearance_m=0.2,
         contact=drive.contact and last,
         at_goal=drive.at_goal and last,

@@ -3,29 +3,36 @@
 from collections.abc import Callable
 
 from graphnav_view.signals import Signals
-from graphnav_view.telling import LEAST_RATIO, MOST_RATIO, frame_at, from_forward, telling_utime, theta_text
+from graphnav_view.telling import (
+    LEAST_RATIO,
+    MOST_RATIO,
+    MOST_SPIN_RADPS,
+    frame_at,
+    from_forward,
+    telling_utime,
+    theta_text,
+)
 
-from graphnav import Plane, Steering
+from graphnav import Plane, State, Steering
 from graphnav.record import Recording
 
 Record = Callable[..., Recording]
 
 
-def test_it_is_pushed_aside_hardest_among_those_that_show_ground_and_obstacle(record: Record) -> None:
+def test_it_is_pushed_aside_hardest_of_those_that_show_ground_and_obstacle_on_a_straight_way(record: Record) -> None:
     signals = Signals(record(frames=60))
     utime = telling_utime(signals)
     assert utime is not None
     frame = frame_at(signals, utime)
-    assert frame.plane is not None
     assert frame.steering is not None
-    assert LEAST_RATIO <= frame.plane.obstacle_ratio <= MOST_RATIO
-    pushes = [
-        abs(steering.repulsive[0])
-        for _, (plane, steering) in signals.joined(Plane, Steering)
-        if LEAST_RATIO <= plane.obstacle_ratio <= MOST_RATIO
-    ]
-    assert len(pushes) > 10
-    assert abs(frame.steering.repulsive[0]) >= max(pushes) - 0.01
+    pushes = {
+        stamp: abs(steering.repulsive[0])
+        for stamp, (plane, steering, state) in signals.joined(Plane, Steering, State)
+        if LEAST_RATIO <= plane.obstacle_ratio <= MOST_RATIO and abs(state.omega_radps) <= MOST_SPIN_RADPS
+    }
+    assert len(pushes) > 5
+    assert utime in pushes
+    assert pushes[utime] >= max(pushes.values()) - 0.01
 
 
 def test_without_planes_it_is_the_middle_one(record: Record) -> None:
