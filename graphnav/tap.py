@@ -41,8 +41,9 @@ class Tap:
     """Publishes copies of a run's messages on UDP multicast from a thread of its own.
 
     It never slows or fails the run: ``write`` appends to a bounded queue that drops rather than waits, and whatever
-    goes wrong behind it is counted in ``dropped``. In mode "thin" grids above one packet are sent with every n-th row
-    and column; "full" sends all bytes as they are, which seldom arrive whole on a stock machine.
+    goes wrong behind it is counted in ``dropped``. A message that stays the only one of its channel is repeated every
+    second, like ``graphnav.about``, for those who join late. In mode "thin" grids above one packet are sent with every
+    n-th row and column; "full" sends all bytes as they are, which seldom arrive whole on a stock machine.
 
     ``notice`` is told once about each other run on the same group. Raises BusError where there is no multicast route.
     """
@@ -62,6 +63,8 @@ class Tap:
         self._classes: dict[str, type[Message] | None] = {}
         self._steps: dict[tuple[str, int], int] = {}
         self._others: set[str] = set()
+        self._spoken: set[str] = set()
+        self._lone: dict[str, tuple[float, bytes]] = {}
         self._waiting: deque[tuple[str, int, bytes]] = deque()
         self._put_bytes = self._taken_bytes = 0
         self._dropping = threading.Lock()
@@ -105,6 +108,7 @@ class Tap:
             if self._waiting:
                 channel, self._utime, data = self._waiting.popleft()
                 self._taken_bytes += len(data) + _PER_MESSAGE_BYTES
+                self._remember(channel, data)
                 unrested_bytes += self._send(bus, channel, data)
                 unrested += 1
                 if unrested_bytes >= _BREATH_BYTES or unrested >= _BREATH_MESSAGES:
@@ -117,11 +121,22 @@ class Tap:
         bus.close()
 
     def _announce_again(self, bus: Bus) -> None:
-        """Repeat what runs if the last time was a second ago."""
+        """Repeat what runs, and what was said once (the map), if the last time was a second ago."""
         if self._about is not None and time.monotonic() >= self._about_due_s:
             self._about_due_s = time.monotonic() + _ABOUT_S
             self._send(bus, ABOUT, encode(self._about, self._utime, self._n_abouts))
             self._n_abouts += 1
+            for channel, (said_s, data) in self._lone.items():
+                if time.monotonic() - said_s > _ABOUT_S:
+                    self._send(bus, channel, data)
+
+    def _remember(self, channel: str, data: bytes) -> None:
+        """Keep the message of a channel as long as it is the only one."""
+        if channel in self._spoken:
+            self._lone.pop(channel, None)
+        else:
+            self._spoken.add(channel)
+            self._lone[channel] = time.monotonic(), data
 
     def _send(self, bus: Bus, channel: str, data: bytes) -> int:
         """Publish a message, thinned if need be; return the bytes that were sent."""

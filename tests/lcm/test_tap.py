@@ -109,6 +109,23 @@ def test_late_comers_hear_what_runs(group: str) -> None:
     assert (about.graph_yaml, about.channels, about.types) == (SAID.graph_yaml, SAID.channels, SAID.types)
 
 
+def test_late_comers_hear_what_was_said_once_and_no_old_news(group: str) -> None:
+    tap = Tap("thin", "run-1", group)
+    tap.announce(SAID)
+    once = encode(Twist(0.1, 0.2), 0, 0)
+    often = [encode(Twist(0.1, 0.2), k, k) for k in range(2)]
+    early = Listener(group)
+    tap.write("once", 0, once)
+    for k, data in enumerate(often):
+        tap.write("often", k, data)
+    early.wait_for(lambda _: len(early.on("often")) >= len(often))
+    late = Listener(group)
+    late.wait_for(lambda _: len(late.on("once")) >= 2)
+    tap.close()
+    assert set(late.on("once")) == {once}
+    assert not late.on("often")
+
+
 def test_two_runs_on_one_group_notice_each_other(group: str) -> None:
     notices: dict[str, queue.Queue[str]] = {name: queue.Queue() for name in ("run-1", "run-2")}
     taps = [Tap("thin", name, group, notices[name].put) for name in notices]

@@ -76,8 +76,8 @@ def _logged(tap: str, buffer: str) -> tuple[int, int, int]:
             sent = {(e.channel, e.data) for e in ours.events()}
             channels = {e.channel for e in ours.events()} - {"graphnav.about"}
             count = sum(ours.count(channel) for channel in channels)
-            received = [e for e in theirs.events() if e.channel in channels]
-            wrong = sum((e.channel, e.data) not in sent for e in received) if tap == "full" else 0
+            received = {(e.channel, e.data) for e in theirs.events() if e.channel in channels}
+            wrong = len(received - sent) if tap == "full" else 0
     return count, len(received), wrong
 
 
