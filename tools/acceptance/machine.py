@@ -119,7 +119,8 @@ def fresh_item(_seeds: Sequence[int], _jobs: int) -> bool:
             begin = time.monotonic()
             done = subprocess.run(["bash", "-c", line], cwd=folder, check=False, capture_output=True, text=True)
             passed &= done.returncode == 0
-            last = done.stdout.strip().splitlines()[-1:] + done.stderr.strip().splitlines()[-1:]
+            failed = re.findall(r"^(?:FAILED|ERROR) .*$", done.stdout, re.MULTILINE)
+            last = failed or done.stdout.strip().splitlines()[-1:]
             mark = "MISS" if done.returncode else "ok  "
             say(f"{mark} '{name}': {line[:60]}… {time.monotonic() - begin:.0f} s: {last}")
         runs = [sorted(p.name for p in run.iterdir()) for run in folder.glob("runs/*")]
