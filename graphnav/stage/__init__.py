@@ -3,7 +3,7 @@
 from graphnav.stage.describe import describe, plain_data, summary_of, unit_of
 from graphnav.stage.param import Param, param, params_of
 from graphnav.stage.port import Latest, Port, Ports, Stamp, ports_of
-from graphnav.stage.stage import Finished, Source, Stage
+from graphnav.stage.stage import Finished, Role, Source, Stage
 
 __all__ = [
     "Finished",
@@ -11,6 +11,7 @@ __all__ = [
     "Param",
     "Port",
     "Ports",
+    "Role",
     "Source",
     "Stage",
     "Stamp",

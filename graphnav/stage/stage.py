@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any, Literal, dataclass_transform, get_args
+from typing import Any, ClassVar, Literal, dataclass_transform, get_args
 
 from graphnav.errors import ParamError
 from graphnav.stage.param import param, params_of
 
 Ending = Literal["goal", "contact", "end"]
 """The outcomes that a source can give a run."""
+
+Role = Literal["method", "control", "oracle"]
+"""What a stage is in a comparison: a method, a control that a method has to beat, an oracle that sees the truth."""
 
 
 @dataclass_transform(kw_only_default=True, eq_default=False)
@@ -25,6 +28,11 @@ class Stage:
         smooth.reset(seed=0)
         mean = smooth.step(flow)
     """
+
+    role: ClassVar[Role] = "method"
+    """What tables mark it as."""
+    less_is_better: ClassVar[frozenset[str]] = frozenset()
+    """Figures of `summary` of which less is better."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Make the annotated fields of ``cls`` parameters of its constructor."""

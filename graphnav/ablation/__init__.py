@@ -1,0 +1,1 @@
+"""Ablations: swap, repeat over seeds, compare with statistics."""

@@ -1,0 +1,120 @@
+"""A checked study: every graph with every variant, and what is to be run."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+from graphnav.stage import Role
+
+Better = Literal["more", "less"]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One graph with one variant, checked."""
+
+    graph: str
+    """As the study names it."""
+    variant: str
+    """What tables call it; the same over all graphs."""
+    labels: Mapping[str, str]
+    """Its choice of every axis."""
+    sets: tuple[str, ...]
+    is_base: bool
+    role: Role
+    """The most special of what its axes put in: "control" or "oracle", else "method"."""
+    folder: str
+    """Where its runs are, below the study's folder; unique unless another case resolves to the same graph."""
+    same_as: str
+    """The variant whose runs these are, because both resolve to the same graph; empty for runs of its own."""
+    uses: Mapping[str, str]
+    """What every stage is, in the graph's order."""
+    swapped: tuple[str, ...]
+    """Stages that are not what they are in the base."""
+    notices: tuple[str, ...]
+    """What was rewired, pruned and set to defaults."""
+    graph_yaml: str
+    """The resolved graph, portable."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run that is to be made."""
+
+    case: Case
+    seed: int
+
+    @property
+    def folder(self) -> str:
+        """Return where it is made, below the study's folder."""
+        return f"{self.case.folder}/{self.seed}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked study; ``plan.json`` in its folder, from which every report can be made again."""
+
+    name: str
+    about: str
+    command: str
+    """The exact command that runs it again."""
+    graphs: tuple[str, ...]
+    axes: Mapping[str, tuple[str, ...]]
+    """The labels of each axis, the base's first."""
+    seeds: tuple[int, ...]
+    figures: Mapping[str, Better]
+    """Columns of the table, ``stage.figure``, and which values are better; the one that decides first."""
+    cases: tuple[Case, ...]
+    """Graph by graph, in the same order of variants; the base first."""
+    plugins: tuple[str, ...] = ()
+    """Files given with ``--plugin``, absolute."""
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def variants(self) -> tuple[str, ...]:
+        """All variants, the base first."""
+        return tuple(dict.fromkeys(case.variant for case in self.cases))
+
+    @property
+    def base(self) -> str:
+        """The variant that all others are compared with."""
+        return next(case.variant for case in self.cases if case.is_base)
+
+    @property
+    def jobs(self) -> Iterator[Job]:
+        """Every run of the study, seed by seed, so that all variants grow together."""
+        for seed in self.seeds:
+            for case in self.cases:
+                if not case.same_as:
+                    yield Job(case, seed)
+
+    @property
+    def n_jobs(self) -> int:
+        """The number of runs."""
+        return len(self.seeds) * sum(not case.same_as for case in self.cases)
+
+    def case(self, graph: str, variant: str) -> Case:
+        """Return the case of a graph and a variant."""
+        return next(case for case in self.cases if (case.graph, case.variant) == (graph, variant))
+
+    def write(self, path: Path) -> None:
+        """Write it as JSON."""
+        path.write_text(json.dumps(dataclasses.asdict(self), indent=1) + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, path: Path) -> Plan:
+        """Read what `write` wrote."""
+        data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        data["cases"] = tuple(Case(**{k: _tuple(v) for k, v in case.items()}) for case in data["cases"])
+        data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
+        return cls(**{key: _tuple(value) for key, value in data.items()})
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value

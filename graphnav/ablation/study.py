@@ -1,0 +1,39 @@
+"""What a study asks: which graphs, which axes, which seeds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One value of an axis: what tables call it, and the ``--set`` texts that make it (none: the graph as it is)."""
+
+    label: str
+    sets: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One thing that varies; the first choice is the base's."""
+
+    name: str
+    choices: tuple[Choice, ...]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study as its file or the command line says it."""
+
+    name: str
+    about: str
+    """The question that it answers."""
+    graphs: tuple[str, ...]
+    axes: tuple[Axis, ...]
+    seeds: tuple[int, ...]
+    sets: tuple[str, ...] = ()
+    """Applied to every run, before those of the axes."""
+    figures: tuple[str, ...] = ()
+    """Columns of the table, ``stage.figure``, the one that decides first; empty for every figure there is."""
+    one_at_a_time: bool = False
+    """Whether each variant differs from the base in one axis; else the axes cross."""
