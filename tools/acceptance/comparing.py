@@ -1,0 +1,115 @@
+"""What the studies show: controls fail, oracles bound, the shipped graphs reach their goals."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from acceptance.drives import GRAPHNAV, say, wilson
+
+Run = dict[str, str]
+
+STUDIES = Path("ablations")
+DRAWS = 10_000
+CORRIDORS = ("corridor_ccw", "corridor_cw")
+DRIVES = (*CORRIDORS, "pillars")
+
+
+def controls_item(seeds: Sequence[int], jobs: int) -> bool:
+    """Forward and random fail, the oracle arrives, all_ground scores 0.5, the truth bounds flows and detectors."""
+    steering = study("steering", seeds, jobs)
+    checks = [
+        *(
+            _share(steering, graph, {"steer": steer}, "failed", 0.9)
+            for graph in DRIVES
+            for steer in ("forward", "random")
+        ),
+        *(_share(steering, graph, {"steer": "oracle"}, "arrived", 0.98) for graph in DRIVES),
+    ]
+    detectors = study("detectors", seeds, jobs)
+    at = {"planar": "planar.motion"}
+    for graph in DRIVES:
+        found = _figures(detectors, graph, {**at, "plane": "plane.all_ground"}, "sight.auroc")
+        checks.append(_said(set(found) == {0.5}, f"{graph}: plane.all_ground scores AUROC {set(found)}, exactly 0.5"))
+        prior = _figures(detectors, graph, {**at, "plane": "plane.row_prior"}, "sight.auroc")
+        say(f"     {graph}: plane.row_prior scores AUROC {np.mean(prior):.3f} (the prior's)")
+        for plane in _values(detectors, "plane") - {"plane.truth"}:
+            for figure in ("sight.auroc", "drive.success"):
+                bound = _figures(detectors, graph, {**at, "plane": "plane.truth"}, figure)
+                other = _figures(detectors, graph, {**at, "plane": plane}, figure)
+                checks.append(_bounded(f"{graph}: {figure} of {plane}", other, bound))
+    flows = study("flows", seeds, jobs)
+    for speed in sorted(_values(flows, "speed")):
+        for flow in sorted(_values(flows, "flow") - {"truth"}):
+            for figure, sign in (("sense.epe_px", -1.0), ("residual_sight.auroc", 1.0)):
+                bound = _figures(flows, "measure_flow", {"speed": speed, "flow": "truth"}, figure)
+                other = _figures(flows, "measure_flow", {"speed": speed, "flow": flow}, figure)
+                checks.append(_bounded(f"{speed}: {figure} of {flow}", sign * other, sign * bound))
+    return all(checks)
+
+
+def targets_item(seeds: Sequence[int], jobs: int) -> bool:
+    """Drive corridors and pillars, with odometry and without, no worse than the truth drives them."""
+    runs = study("detectors", seeds, jobs)
+    checks = []
+    for planar in ("planar.motion", "planar.subspace"):
+        chosen = {"plane": "plane.ica", "planar": planar}
+        for graph in DRIVES:
+            checks.append(_share(runs, graph, chosen, "arrived", 0.9 if graph == "pillars" else 0.98))
+            truth = _figures(runs, graph, {"plane": "plane.truth", "planar": "planar.motion"}, "drive.success")
+            checks.append(_bounded(f"{graph}: plane.truth", truth, _figures(runs, graph, chosen, "drive.success")))
+    return all(checks)
+
+
+def study(name: str, seeds: Sequence[int], jobs: int) -> list[Run]:
+    """Run what is missing of a study that ships and return its results."""
+    folder = STUDIES / name
+    span = f"{seeds[0]}:{seeds[-1] + 1}"
+    command = [str(GRAPHNAV), "ablate", name, "--seeds", span, "-j", str(jobs), "-o", str(folder), "--yes"]
+    subprocess.run(command, check=True, stdout=sys.stderr)
+    with (folder / "results.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def _chosen(runs: Iterable[Run], graph: str, labels: dict[str, str]) -> list[Run]:
+    return [r for r in runs if r["graph"] == graph and all(r[axis] == label for axis, label in labels.items())]
+
+
+def _values(runs: Iterable[Run], axis: str) -> set[str]:
+    return {run[axis] for run in runs}
+
+
+def _figures(runs: Iterable[Run], graph: str, labels: dict[str, str], figure: str) -> npt.NDArray[np.float64]:
+    """Return a figure of every world, in the order of the seeds; NaN where a run has none."""
+    return np.array([float(run[figure] or "nan") for run in _chosen(runs, graph, labels)])
+
+
+def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, least: float) -> bool:
+    """Say in how many worlds the drive arrived without contact, or failed to."""
+    ends = [run["outcome"] == "goal" for run in _chosen(runs, graph, labels)]
+    count = sum(ends) if what == "arrived" else len(ends) - sum(ends)
+    low, high = wilson(count, len(ends))
+    text = f"{graph}: {' + '.join(labels.values())} {what} in {count} of {len(ends)} worlds [{low:.2f}, {high:.2f}]"
+    return _said(bool(ends) and count >= least * len(ends), f"{text}, at least {least:g}")
+
+
+def _bounded(what: str, values: npt.NDArray[np.float64], bound: npt.NDArray[np.float64]) -> bool:
+    """Say whether the paired difference from what bounds it is not plainly above zero (95 %, bootstrap over worlds)."""
+    both = ~np.isnan(values) & ~np.isnan(bound)
+    difference = values[both] - bound[both]
+    if not len(difference):
+        return _said(bool(len(difference)), f"{what}: no world has the figure")
+    drawn = np.random.default_rng(0).integers(0, len(difference), (DRAWS, len(difference)))
+    low, high = np.quantile(difference[drawn].mean(axis=1), [0.025, 0.975])
+    return _said(low <= 0.0, f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]")
+
+
+def _said(good: bool, text: str) -> bool:  # noqa: FBT001 - the verdict and its words
+    say(f"{'ok  ' if good else 'MISS'} {text}")
+    return good
