@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,3 +21,19 @@ def graphnav_draw(recording: Recording, folder: Path, video: bool) -> list[Path]
     from graphnav_view.pictures import draw  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
 
     return draw(recording, folder, with_video=video)
+
+
+@hookimpl
+def graphnav_draw_end(recording: Recording, file: Path) -> Path | None:
+    """Draw the map and the panels of the last frame; None where the log has neither a map nor what a camera saw."""
+    from graphnav_view.ending import draw_ending  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
+
+    return draw_ending(recording, file)
+
+
+@hookimpl
+def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], file: Path) -> Path | None:
+    """Draw one map with all paths; None where no log has a map and states."""
+    from graphnav_view.paths import draw_paths  # noqa: PLC0415 - Matplotlib only when something is drawn
+
+    return draw_paths(recordings, colours, file)

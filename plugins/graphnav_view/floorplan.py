@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -28,6 +30,19 @@ def moved(outline: Doubles, pose: Doubles) -> Doubles:
     c, s = np.cos(yaw), np.sin(yaw)
     turned: Doubles = outline @ np.array([[c, s], [-s, c]]) + np.array([x, y])
     return turned
+
+
+def bounds_m(world: Map, paths: Sequence[Doubles], moving: Doubles, margin_m: float) -> tuple[Doubles, Doubles]:
+    """Return the lower left and upper right corner of all that a world holds, in W.
+
+    ``paths``: arrays (n, 2) of further points; ``moving``: poses of the moving obstacles, (n, m, 3).
+    """
+    points = [*paths, world.start[None, :2], world.goal_m.reshape(-1, 2)]
+    points += [*outlines(world, WALL), *outlines(world, OBSTACLE)]
+    for index, outline in enumerate(outlines(world, MOVING)):
+        points += [moved(outline, poses[index]) for poses in moving if index < len(poses)]
+    every = np.concatenate(points)
+    return every.min(axis=0) - margin_m, every.max(axis=0) + margin_m
 
 
 def draw_bodies(axes: Axes, world: Map, moving: Doubles, to_axes: Transform | None = None) -> None:

@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 
 from graphnav import Map
 from graphnav_view import ink
-from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, draw_bodies, moved, nearest_point, outlines
+from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, bounds_m, draw_bodies, moved, nearest_point, outlines
 from graphnav_view.outcome import drive_texts, outcome_text
 from graphnav_view.signals import Signals
 from graphnav_view.track import Track, track_of
@@ -59,11 +59,7 @@ def draw_overview(signals: Signals, path: Path) -> Path | None:
 
 def _page(world: Map, track: Track) -> tuple[Figure, Axes]:
     """Return a figure whose axes have the shape of what they show."""
-    points = [track.pose[:, :2], world.start[None, :2], world.goal_m.reshape(-1, 2)]
-    points += [*outlines(world, WALL), *outlines(world, OBSTACLE)]
-    for index, outline in enumerate(outlines(world, MOVING)):
-        points += [moved(outline, poses[index]) for poses in track.moving]
-    low, high = np.concatenate(points).min(axis=0) - _MARGIN_M, np.concatenate(points).max(axis=0) + _MARGIN_M
+    low, high = bounds_m(world, [track.pose[:, :2]], track.moving, _MARGIN_M)
     per_m = _LONG_SIDE_IN / float((high - low).max())
     width, height = np.maximum((high - low) * per_m, _SHORTEST_SIDE_IN)
     page_width = max(_LEFT_IN + width + _RIGHT_IN, _LEAST_WIDTH_IN)

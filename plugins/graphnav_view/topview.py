@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from graphnav import Map, State
 from graphnav_view import ink
-from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, moved, outlines
+from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, bounds_m, moved, outlines
 from graphnav_view.lettering import write
 from graphnav_view.track import Track
 
@@ -28,10 +28,7 @@ class TopView:
     def __init__(self, world: Map, track: Track, cols: int, rows: int) -> None:
         self._world = world
         self._moving = outlines(world, MOVING)
-        points = [track.pose[:, :2], world.goal_m.reshape(-1, 2), *outlines(world, WALL), *outlines(world, OBSTACLE)]
-        for index, outline in enumerate(self._moving):
-            points += [moved(outline, poses[index]) for poses in track.moving]
-        low, high = np.concatenate(points).min(axis=0) - _MARGIN_M, np.concatenate(points).max(axis=0) + _MARGIN_M
+        low, high = bounds_m(world, [track.pose[:, :2]], track.moving, _MARGIN_M)
         self._per_m = float(np.min(np.array([cols, rows]) / (high - low)))
         self._middle_m, self._middle_px = (low + high) / 2, np.array([cols, rows]) / 2
         self._ground = self._background(cols, rows)

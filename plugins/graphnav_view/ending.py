@@ -1,0 +1,86 @@
+"""How a run ended: the map with the whole path, and the panels of the last frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav import Flow, Image, Map, Plane, State
+from graphnav_view import fields, forces, ink, sights
+from graphnav_view.outcome import outcome_text
+from graphnav_view.page import Panel, draw_page
+from graphnav_view.scene import Scene, draw_scene
+from graphnav_view.signals import Signals
+from graphnav_view.telling import Frame, frame_at, theta_text
+from graphnav_view.track import Track, track_of
+from graphnav_view.whole import draw_whole
+
+if TYPE_CHECKING:
+    from graphnav import Recording
+
+
+_END_US = 1_000_000
+"""How long before the end of a run a frame may be that shows it."""
+
+
+def draw_ending(recording: Recording, file: Path) -> Path | None:
+    """Draw the end of a run into ``file``; None where the log has neither a map nor what a camera saw."""
+    signals = Signals(recording)
+    world, track = signals.first(Map), track_of(signals)
+    utime = _last_utime(signals)
+    if utime is None:
+        return None
+    frame = frame_at(signals, utime)
+    rows_px, cols_px = frame.shape_px
+    about = str(signals.graph.get("about") or "").strip()
+    with ink.style():
+        panels = list(_panels(world, track, frame))
+        if not panels:
+            return None
+        return ink.save(draw_page(panels, rows_px / cols_px, _headline(signals, track, frame), about), file)
+
+
+def _last_utime(signals: Signals) -> int | None:
+    """Return the stamp of the last frame that was judged, else matched, seen, or lived through.
+
+    What a camera saw counts only where it ends with the run: a log of small messages has the first of each large one.
+    """
+    states = signals.stamps(State)
+    for kind in (Plane, Flow, Image, State):
+        stamps = signals.stamps(kind)
+        if stamps and (not states or stamps[-1] >= states[-1] - _END_US):
+            return stamps[-1]
+    return None
+
+
+def _headline(signals: Signals, track: Track | None, frame: Frame) -> str:
+    words = [] if track is None else [outcome_text(signals.graph, track.last, float(track.time_s[-1]))]
+    words += [] if signals.seed is None else [f"seed {signals.seed}"]
+    words.append(f"frame at {frame.utime / 1e6:.2f} s")
+    if frame.plane is not None:
+        words.append(f"obstacle {frame.plane.obstacle_ratio:.0%}")
+    if frame.steering is not None:
+        words.append(f"θ = {theta_text(frame.steering.theta_rad)}")
+    return " · ".join(words)
+
+
+def _panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:
+    """Yield the panels that the log is enough for."""
+    if world is not None and track is not None:
+        yield Panel("the whole path", partial(draw_whole, world=world, track=track))
+        if frame.state is not None:
+            scene = Scene(world, track, frame.state, frame.utime / 1e6)
+            yield Panel("scene", partial(draw_scene, scene=scene))
+    if frame.image is not None:
+        yield Panel("image", partial(sights.draw_image, frame=frame))
+    if frame.flow is not None:
+        yield Panel("optical flow", partial(sights.draw_flow, frame=frame))
+    if frame.plane is not None:
+        yield Panel("dominant plane", partial(sights.draw_plane, frame=frame))
+    if frame.potential is not None:
+        yield Panel("obstacle potential", partial(fields.draw_potential, frame=frame))
+        yield Panel("gradient field", partial(fields.draw_gradient, frame=frame))
+    if frame.steering is not None:
+        yield Panel("direction of attention", partial(forces.draw_direction, frame=frame))
