@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -30,8 +31,7 @@ class Frame:
 
     ``pixels``: uint8 (rows, cols), gray. ``face``: int32 (rows, cols), -1 for the floor and above the horizon.
     ``depth_m``: float32 (rows, cols), along the optical axis, infinite above the horizon. ``obstacle``: uint8 (rows,
-    cols), 0 on the floor, 1 elsewhere. ``flow_px``: float32 (rows, cols, 2), right and down, or None for a first
-    frame.
+    cols), 1 where a body is seen. ``flow_px``: float32 (rows, cols, 2), right and down, or None for a first frame.
     """
 
     pixels: Bytes
@@ -39,6 +39,17 @@ class Frame:
     depth_m: Floats
     obstacle: Bytes
     flow_px: Floats | None
+
+
+@dataclass(frozen=True)
+class _View:
+    """What one pose sees: flat arrays of the pixels, of which ``bodies`` are no floor, and gray (rows, cols)."""
+
+    seen: Visible
+    face: Ints
+    bodies: npt.NDArray[np.intp]
+    depth: Floats
+    gray: Floats
 
 
 class Renderer:
@@ -70,31 +81,41 @@ class Renderer:
         now: Placed,
         before: Placed | None,
         *,
+        meanwhile: Sequence[Placed] = (),
         light: float = 1.0,
         noise_sigma: float = 0.0,
         rng: np.random.Generator | None = None,
     ) -> Frame:
-        """Return the frame seen from ``now``, with the flow since ``before``; ``rng`` draws the image noise."""
+        """Return the frame seen from ``now``, with the flow since ``before``.
+
+        ``meanwhile``: where else the camera was while the shutter was open; the picture is the mean of what all see,
+        the rest is of ``now`` alone. ``rng`` draws the image noise.
+        """
         shape = self._camera.rows, self._camera.cols
-        seen = self._zbuffer.render(now.quads_C, now.normal_C, now.distance_m)
+        view = self._view(now)
+        gray = view.gray
+        for moment in meanwhile:
+            gray += self._view(moment).gray
+        gray *= np.float32(light / (1 + len(meanwhile)))
+        if noise_sigma and rng is not None:
+            gray += normal_noise(gray.shape, noise_sigma, rng)
+        flow = None if before is None else self._flow(now, before, view)
+        return Frame(
+            pixels=cv2.convertScaleAbs(np.maximum(gray, 0, out=gray)).reshape(shape),
+            face=view.face.reshape(shape),
+            depth_m=view.depth.reshape(shape),
+            obstacle=(view.face != FLOOR).view(np.uint8).reshape(shape),
+            flow_px=flow,
+        )
+
+    def _view(self, placed: Placed) -> _View:
+        seen = self._zbuffer.render(placed.quads_C, placed.normal_C, placed.distance_m)
         bodies = np.flatnonzero(seen.prim != FLOOR)
         face = np.full(len(seen.prim), FLOOR, np.int32)
         face[bodies] = self._faces.face_of_prim.take(seen.prim[bodies])
         with np.errstate(divide="ignore"):
             depth = np.reciprocal(seen.inverse_depth)
-        gray = self._shaded(now, face, depth, bodies)
-        gray *= np.float32(light)
-        if noise_sigma and rng is not None:
-            gray += normal_noise(gray.shape, noise_sigma, rng)
-        obstacle = (face != FLOOR) | (seen.inverse_depth <= 0)
-        flow = None if before is None else self._flow(now, before, seen, face, bodies)
-        return Frame(
-            pixels=cv2.convertScaleAbs(np.maximum(gray, 0, out=gray)).reshape(shape),
-            face=face.reshape(shape),
-            depth_m=depth.reshape(shape),
-            obstacle=obstacle.view(np.uint8).reshape(shape),
-            flow_px=flow,
-        )
+        return _View(seen, face, bodies, depth, self._shaded(placed, face, depth, bodies))
 
     def _prepare_floor(self) -> None:
         """Compute what the floor's pixels keep while the robot moves: their place in R, mip level and blend."""
@@ -187,9 +208,10 @@ class Renderer:
         coarse += self._origin_px[1:].take(cell).view(np.float32).reshape(-1, 2)
         return place, coarse, blend
 
-    def _flow(self, now: Placed, before: Placed, seen: Visible, face: Ints, bodies: npt.NDArray[np.intp]) -> Floats:
+    def _flow(self, now: Placed, before: Placed, view: _View) -> Floats:
         """Return the displacement of every pixel's surface point since ``before``, float32 (rows, cols, 2)."""
         rows, cols = self._camera.rows, self._camera.cols
+        seen, face, bodies = view.seen, view.face, view.bodies
         inverse = seen.inverse_depth.reshape(rows, cols)
         turn, shift = before.camera_from(now)
         flow = np.empty((rows, cols, 2), np.float32)

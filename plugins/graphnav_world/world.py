@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,10 +27,10 @@ from graphnav import (
 from graphnav_world import outlines
 from graphnav_world.atlas import Atlas, floor_texels
 from graphnav_world.camera import Camera
-from graphnav_world.map_file import MapDraw
+from graphnav_world.exposure import moments
 from graphnav_world.placed import Placed
 from graphnav_world.render import Frame, Renderer
-from graphnav_world.scene import Faces, faces_of
+from graphnav_world.scene import faces_of
 from graphnav_world.vehicle import Limits, Pose, Vehicle
 from graphnav_world.world_map import WorldMap, load_map
 
@@ -54,6 +55,8 @@ class Pymunk(Source):
     Each firing drives the period since the last frame with the command sampled then, renders what the camera sees,
     and publishes it with the truth behind it. It ends the run with ``goal`` when the robot's centre is in the map's
     goal region, and with ``contact`` at the first touch.
+
+    Everything has the stamp of the frame: truth, state and the middle of the exposure.
     """
 
     map: Path = param(doc="the map's YAML file")
@@ -65,6 +68,16 @@ class Pymunk(Source):
         2.0, ge=0.0, le=100.0, doc="standard deviation of the image noise, in gray levels, times the map's noise_ratio"
     )
     light_ratio: float = param(1.0, gt=0.0, le=10.0, doc="brightness, times the map's light_ratio")
+    light_swing_ratio: float = param(
+        0.0, ge=0.0, le=1.0, doc="share by which brightness rises and falls in time, as a sine; 0 is steady light"
+    )
+    light_period_s: float = param(2.0, gt=0.0, le=1000.0, doc="of the swing of the light; less changes it faster")
+    contrast_ratio: float = param(
+        1.0, ge=0.0, le=10.0, doc="contrast of all textures, times the map's; 0 leaves surfaces blank"
+    )
+    exposure_s: float = param(
+        0.0, ge=0.0, le=1.0, doc="time that the shutter is open, around the frame's stamp; more blurs motion"
+    )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="of the robot's body")
     max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="greatest speed of the drive, forwards and backwards")
     max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="greatest turning rate of the drive, to either side")
@@ -98,7 +111,7 @@ class Pymunk(Source):
         self._draw = draw
         self._faces = faces_of(draw.bodies, paint)
         self._camera = Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size)
-        self._renderer = _renderer(self._camera, self._faces, draw, paint)
+        self._renderer = self._make_renderer(paint)
         limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
         self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits)
         self._scale = 1 + self.odometry_scale_ratio * self._errors.choice([-1.0, 1.0], size=3)
@@ -117,7 +130,7 @@ class Pymunk(Source):
         interval_us, self._last_us = utime - self._last_us, utime
         time_s = (utime - self._begin_us) / 1e6
         now = Placed.at(self._camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
-        frame = self._look(now)
+        frame = self._look(now, pose, time_s)
         self._before = now
         at_goal = bool(len(self._draw.goal_m)) and outlines.contains(self._draw.goal_m, pose.x_m, pose.y_m)
         outputs = WorldOutputs(
@@ -137,13 +150,30 @@ class Pymunk(Source):
             raise ParamError("map", f"'map' names no file: {self.map}", "give the path of a map's YAML file")
         return load_map(self.map, seed, self.robot_radius_m)
 
-    def _look(self, now: Placed) -> Frame:
+    def _make_renderer(self, rng: np.random.Generator) -> Renderer:
+        """Return a renderer whose floor texture covers the map."""
         draw = self._draw
+        standing = [body.outline for body in draw.bodies if body.patrol is None]
+        points = np.concatenate([[draw.start[:2]], draw.goal_m, *standing])
+        low, high = points.min(axis=0) - BEYOND_BODIES_M, points.max(axis=0) + BEYOND_BODIES_M
+        lack = np.maximum(SMALLEST_FLOOR_M - (high - low), 0.0)
+        textures = [draw.textures[name] for name in ("floor", *self._faces.textures)]
+        textures = [replace(one, contrast=one.contrast * self.contrast_ratio) for one in textures]
+        atlas = Atlas(textures, floor_texels(high - low + lack), rng)
+        return Renderer(self._camera, self._faces, atlas, low - lack / 2)
+
+    def _look(self, now: Placed, pose: Pose, time_s: float) -> Frame:
+        swing = 1 + self.light_swing_ratio * math.sin(2 * math.pi * time_s / self.light_period_s)
+        meanwhile = [
+            Placed.at(self._camera, self._faces, x, y, yaw, time_s + after_s)
+            for after_s, (x, y, yaw) in moments(pose, self.exposure_s)
+        ]
         return self._renderer.render(
             now,
             self._before,
-            light=self.light_ratio * draw.light_ratio,
-            noise_sigma=self.noise_sigma * draw.noise_ratio,
+            meanwhile=meanwhile,
+            light=self.light_ratio * self._draw.light_ratio * swing,
+            noise_sigma=self.noise_sigma * self._draw.noise_ratio,
             rng=self._noise,
         )
 
@@ -197,14 +227,3 @@ def _truth(frame: Frame, interval_us: int) -> Truth | None:
     if frame.flow_px is None:
         return None
     return Truth(obstacle=frame.obstacle, depth_m=frame.depth_m, flow_px=frame.flow_px, interval_us=interval_us)
-
-
-def _renderer(camera: Camera, faces: Faces, draw: MapDraw, rng: np.random.Generator) -> Renderer:
-    """Return a renderer whose floor texture covers the map."""
-    standing = [body.outline for body in draw.bodies if body.patrol is None]
-    points = np.concatenate([[draw.start[:2]], draw.goal_m, *standing])
-    low, high = points.min(axis=0) - BEYOND_BODIES_M, points.max(axis=0) + BEYOND_BODIES_M
-    lack = np.maximum(SMALLEST_FLOOR_M - (high - low), 0.0)
-    textures = [draw.textures["floor"], *(draw.textures[name] for name in faces.textures)]
-    atlas = Atlas(textures, floor_texels(high - low + lack), rng)
-    return Renderer(camera, faces, atlas, low - lack / 2)

@@ -1,0 +1,28 @@
+"""Motion blur: where the robot is while the shutter is open."""
+
+from __future__ import annotations
+
+import math
+
+from graphnav_world.vehicle import Pose
+
+VIEWS = 5
+"""Views that a blurred picture is the mean of, the frame's own in their middle; they must be few pixels apart."""
+
+
+def moments(pose: Pose, exposure_s: float) -> list[tuple[float, tuple[float, float, float]]]:
+    """Return the other moments of an exposure around a frame: seconds after it, and the robot's (x, y, yaw) then.
+
+    The robot keeps the speeds that it has in the frame. None without an exposure.
+    """
+    if exposure_s == 0.0:
+        return []
+    middle = VIEWS // 2
+    times = [exposure_s * (k - middle) / VIEWS for k in range(VIEWS) if k != middle]
+    return [(after_s, _driven(pose, after_s)) for after_s in times]
+
+
+def _driven(pose: Pose, after_s: float) -> tuple[float, float, float]:
+    way_m, turn_rad = pose.v_mps * after_s, pose.omega_radps * after_s
+    heading = pose.yaw_rad + turn_rad / 2
+    return pose.x_m + way_m * math.cos(heading), pose.y_m + way_m * math.sin(heading), pose.yaw_rad + turn_rad
