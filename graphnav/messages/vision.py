@@ -102,8 +102,8 @@ class Potential(Message, lcm=graphnav_lcm.potential_t, grid=("potential", "gradi
 class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flow_px")):
     """What the simulator knows of a frame; for scores and oracles only.
 
-    ``obstacle``: uint8 (rows, cols), 0 on the ground plane, 1 elsewhere.
-    ``depth_m``: float32 (rows, cols) along the optical axis, infinite above the horizon.
+    ``obstacle``: uint8 (rows, cols), 1 where an obstacle is seen; 0 on the ground plane and above the horizon.
+    ``depth_m``: float32 (rows, cols) along the optical axis, infinite above the horizon, finite elsewhere.
     ``flow_px``: float32 (rows, cols, 2), as in `Flow`, also where the point was hidden or outside before.
     """
 

@@ -38,7 +38,7 @@ class truth_t(object):
         """ LCM Type: int32_t """
         self.obstacle = []
         """
-        0 on the ground plane, 1 elsewhere.
+        1 where an obstacle is seen; 0 on the ground plane and above the horizon.
         LCM Type: byte[rows][cols]
         """
 

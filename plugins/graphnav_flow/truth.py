@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 import graphnav
 from graphnav import Flow, Stage, param
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, came_from_inside
@@ -10,12 +12,13 @@ from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, came_from_inside
 class Truth(Stage):
     """The simulator's true flow, valid by the estimators' own rule; it isolates the error of the flow.
 
-    Texture plays no part, because the truth needs none.
+    Texture plays no part, because the truth needs none. Above the horizon there is no surface that could have any:
+    nothing is valid there.
     """
 
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
 
     def step(self, truth: graphnav.Truth) -> Flow:
         """Return the true flow since the last image."""
-        valid = came_from_inside(truth.flow_px, self.margin_px)
+        valid = came_from_inside(truth.flow_px, self.margin_px) & np.isfinite(truth.depth_m)
         return Flow(uv_px=truth.flow_px, valid=valid, interval_us=truth.interval_us, step_px=truth.step_px)

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 import graphnav
 from graphnav import Plane, Stage, block_sum, param
+from graphnav.stage import Role
 
 
 class Truth(Stage):
-    """Oracle: what the simulator knows to be obstacle. The score is the share of a cell that is obstacle."""
+    """Oracle: what the simulator knows to be obstacle. The score is the share of a cell that is obstacle.
+
+    Cells that show nothing but what is above the horizon are not valid.
+    """
+
+    role: ClassVar[Role] = "oracle"
 
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
     threshold_ratio: float = param(0.5, ge=0.0, lt=1.0, doc="a cell is obstacle if more than this share of it is")
@@ -20,11 +28,12 @@ class Truth(Stage):
         obstacle_px = block_sum(truth.obstacle.astype(np.float32), factor)
         score = obstacle_px / block_sum(np.ones_like(truth.obstacle, np.float32), factor)
         obstacle = (score > self.threshold_ratio).astype(np.uint8)
+        valid = block_sum(np.isfinite(truth.depth_m).astype(np.float32), factor) > 0
         return Plane(
             obstacle=obstacle,
             score=score,
-            valid=np.ones_like(obstacle),
+            valid=valid.astype(np.uint8),
             step_px=factor * truth.step_px,
-            obstacle_ratio=float(obstacle.mean()),
+            obstacle_ratio=float(obstacle.sum() / max(np.count_nonzero(valid), 1)),
             threshold=self.threshold_ratio,
         )

@@ -31,7 +31,8 @@ def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
 def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Counts, Counts]:
     """Return how many true pixels of each cell are obstacle and how many are ground, both ``shape``.
 
-    The same as repeating each cell over its pixels: cells at the rim that are cut off count what is there.
+    The same as repeating each cell over its pixels: cells at the rim that are cut off count what is there. Pixels
+    above the horizon are neither.
 
     Raises
     ------
@@ -39,6 +40,6 @@ def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Co
         The grid does not fit the truth.
     """
     factor = cell_factor(truth, shape, step_px)
-    is_obstacle = (truth.obstacle != 0).astype(np.int64)
-    obstacle = block_sum(is_obstacle, factor)
-    return obstacle, block_sum(np.ones_like(is_obstacle), factor) - obstacle
+    is_obstacle = truth.obstacle != 0
+    is_ground = ~is_obstacle & np.isfinite(truth.depth_m)
+    return block_sum(is_obstacle.astype(np.int64), factor), block_sum(is_ground.astype(np.int64), factor)

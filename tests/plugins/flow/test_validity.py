@@ -81,6 +81,16 @@ def test_estimators_and_truth_agree_on_what_came_from_inside(
     assert not estimated.valid[possible == 0].any()
 
 
+def test_true_flow_is_not_valid_above_the_horizon() -> None:
+    depth_m = np.ones((48, 64), np.float32)
+    depth_m[:20] = np.inf
+    flow_px = np.zeros((48, 64, 2), np.float32)
+    truth = graphnav.Truth(obstacle=np.zeros((48, 64), np.uint8), depth_m=depth_m, flow_px=flow_px, interval_us=1)
+    valid = Truth(margin_px=6.0).step(truth).valid
+    assert not valid[:20].any()
+    assert valid[20:-6, 6:-6].all()
+
+
 def test_valid_vectors_err_less_than_the_others(driven_pairs: Callable[..., list[Pair]]) -> None:
     stage = LucasKanade()
     for pair in driven_pairs(1.5, 4):

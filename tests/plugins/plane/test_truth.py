@@ -42,6 +42,13 @@ def test_cells_cut_by_the_rim_count_what_is_inside() -> None:
     assert np.array_equal(plane.score, np.ones((2, 2)))
 
 
+def test_cells_above_the_horizon_are_not_judged() -> None:
+    scene = truth(np.eye(12))
+    scene.depth_m[:6] = np.inf
+    plane = Oracle().step(scene)
+    assert np.array_equal(plane.valid, [[0] * 3, [1] * 3, [1] * 3])
+
+
 def test_a_coarser_truth_is_taken_as_it_is() -> None:
     plane = Oracle().step(truth(np.eye(4), step_px=8))
     assert plane.step_px == 8

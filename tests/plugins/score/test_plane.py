@@ -45,6 +45,19 @@ def test_figures_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, mak
     assert figures["judged_ratio"] == pytest.approx(len(pooled) / (3 * 24 * 32))
 
 
+def test_what_lies_above_the_horizon_counts_neither_way(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    rng = np.random.default_rng(2)
+    true = np.zeros((16, 32))
+    true[10:14, 4:20] = 1
+    score = rng.random((6, 8))
+    horizon = make_truth(np.concatenate([np.zeros((8, 32)), true]))
+    horizon.depth_m[:8] = np.inf
+    cut, whole = score_of(), score_of()
+    cut.step(make_plane(score[2:], step_px=4), make_truth(true))
+    whole.step(make_plane(score, step_px=4), horizon)
+    assert whole.summary() == cut.summary()
+
+
 def test_merged_scores_are_those_of_all_frames(make_plane: MakePlane, make_truth: MakeTruth) -> None:
     rng = np.random.default_rng(1)
     whole, halves = score_of(), (score_of(), score_of())
