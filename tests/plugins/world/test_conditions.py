@@ -82,7 +82,7 @@ def test_blur_leaves_the_truth_alone_and_a_robot_that_stands_sharp(maps: Path) -
 
 
 def test_conditions_repeat_and_leave_the_drive_alone(maps: Path) -> None:
-    conditions: dict[str, Any] = {"contrast_ratio": 0.3, "light_swing_ratio": 0.3, "exposure_s": 0.05, "noise_sigma": 4.0}
+    conditions: dict[str, Any] = {"contrast_ratio": 0.3, "light_swing_ratio": 0.3, "exposure_s": 0.05}
     plain = drive(maps / "crossing.yaml")
     one, same = (drive(maps / "crossing.yaml", **conditions) for _ in range(2))
     assert np.array_equal(pictures(one), pictures(same))
