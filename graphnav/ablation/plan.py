@@ -72,6 +72,8 @@ class Plan:
     """Columns of the table, ``stage.figure``, and which values are better; the one that decides first."""
     cases: tuple[Case, ...]
     """Graph by graph, in the same order of variants; the base first."""
+    less_is_better: tuple[str, ...] = ()
+    """All ``stage.figure`` of which less is better, as the stages of the cases say."""
     plugins: tuple[str, ...] = ()
     """Files given with ``--plugin``, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -98,6 +100,11 @@ class Plan:
     def n_jobs(self) -> int:
         """The number of runs."""
         return len(self.seeds) * sum(not case.same_as for case in self.cases)
+
+    def better(self, figure: str) -> Better:
+        """Return which values of a figure are better; a difference or a ratio is better where its first figure is."""
+        first = figure.split(maxsplit=1)[0]
+        return self.figures.get(figure) or ("less" if first in self.less_is_better else "more")
 
     def case(self, graph: str, variant: str) -> Case:
         """Return the case of a graph and a variant."""

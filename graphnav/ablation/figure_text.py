@@ -1,0 +1,57 @@
+"""What a study calls a figure: ``stage.figure``, or two of them as a difference or a ratio."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from graphnav.errors import UserError
+
+_OPERAND = r"[a-z][a-z0-9_]*\.\S+"
+_TEXT = re.compile(rf"({_OPERAND})(?: ([-/]) ({_OPERAND}))?")
+
+
+@dataclass(frozen=True)
+class FigureText:
+    """A column of a table, read: ``a.b``, ``a.b - c.d`` or ``a.b / c.d``, computed run by run.
+
+    So a detector stands relative to itself on true flow: ``sight.auroc / twin_sight.auroc``.
+    """
+
+    text: str
+    operands: tuple[str, ...]
+    """One or two, each ``stage.figure``."""
+    operator: str
+    """Empty, "-" or "/"."""
+
+    @classmethod
+    def parse(cls, text: str) -> FigureText:
+        """Read a text.
+
+        Raises
+        ------
+        UserError
+            It is none of the three forms.
+        """
+        found = _TEXT.fullmatch(" ".join(text.split()))
+        if found is None:
+            raise UserError.of(
+                f"'{text}' is no figure",
+                "write stage.figure, or two with ' - ' or ' / ' between, as in 'sight.auroc / twin_sight.auroc'",
+            )
+        first, operator, second = found.groups()
+        return cls(found.group(), (first, second) if operator else (first,), operator or "")
+
+    def value(self, figure: Callable[[str], float | None]) -> float | None:
+        """Return its value, given what says each operand's; None where an operand has none, or divides by 0."""
+        values = [found for found in map(figure, self.operands) if found is not None]
+        if len(values) < len(self.operands):
+            return None
+        if self.operator == "-":
+            return values[0] - values[1]
+        if self.operator == "/":
+            ratio = values[0] / values[1] if values[1] else math.nan
+            return ratio if math.isfinite(ratio) else None
+        return values[0]

@@ -1,0 +1,102 @@
+"""Intervals at 95 % for means over worlds and for differences between runs in the same worlds."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Doubles = npt.NDArray[np.float64]
+
+DRAWS = 10_000
+"""Resamples of the worlds in a bootstrap."""
+SEED = 20_260
+"""Of the resamples, so that a report made again says the same."""
+Z = 1.959963984540054
+"""The normal distribution's 97.5 % quantile."""
+
+
+class Interval(NamedTuple):
+    """Bounds; not a number where so few worlds say nothing."""
+
+    low: float
+    high: float
+
+
+def mean_interval(values: Doubles, *, is_binary: bool) -> Interval:
+    """Return the interval of a mean over worlds: Wilson's for figures that are 0 or 1, else the bootstrap's."""
+    return wilson(float(values.sum()), values.size) if is_binary else bootstrap(values)
+
+
+def difference_interval(values: Doubles, base: Doubles, *, is_binary: bool) -> Interval:
+    """Return the interval of the mean of ``values - base``, world by world: Bonett and Price's, or the bootstrap's.
+
+    ``is_binary``: whether all are 0 or 1. Resampling the worlds resamples both, so that the bootstrap of the pairs is
+    that of their differences.
+    """
+    if not is_binary:
+        return bootstrap(values - base)
+    return bonett_price(int(np.count_nonzero(values > base)), int(np.count_nonzero(values < base)), values.size)
+
+
+def bootstrap(values: Doubles) -> Interval:
+    """Return the percentile bootstrap's interval of the mean [Efron].
+
+    Not a number for fewer than two values, which do not show how they scatter.
+
+    References
+    ----------
+    .. [Efron] B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13.
+    """
+    if values.size < 2:
+        return Interval(math.nan, math.nan)
+    middle = float(values.mean())
+    # About their mean, so that single precision is plenty and equal values give an interval of no width.
+    means = np.einsum("ij,j->i", _resamples(values.size), (values - middle).astype(np.float32))
+    low, high = np.quantile(means, [0.025, 0.975])
+    return Interval(middle + float(low), middle + float(high))
+
+
+def wilson(successes: float, n: int) -> Interval:
+    """Return Wilson's score interval of a share, which has a width also where all worlds agree [Wilson].
+
+    References
+    ----------
+    .. [Wilson] E. B. Wilson, Probable Inference, the Law of Succession, and Statistical Inference, Journal of the
+       American Statistical Association 22, 1927; recommended by L. D. Brown et al., Statistical Science 16(2), 2001.
+    """
+    share = successes / n
+    middle = (share + Z**2 / (2 * n)) / (1 + Z**2 / n)
+    half = Z / (1 + Z**2 / n) * math.sqrt(share * (1 - share) / n + Z**2 / (4 * n**2))
+    return Interval(min(max(middle - half, 0.0), share), max(min(middle + half, 1.0), share))
+
+
+def bonett_price(only_this: int, only_base: int, n: int) -> Interval:
+    """Return the adjusted Wald interval of the difference of two shares in the same ``n`` worlds [Bonett].
+
+    ``only_this``, ``only_base``: in how many worlds one has it and the other has not. It has a width also where no
+    world tells them apart.
+
+    References
+    ----------
+    .. [Bonett] D. G. Bonett, R. M. Price, Adjusted Wald Confidence Interval for a Difference of Binomial Proportions
+       Based on Paired Data, Journal of Educational and Behavioral Statistics 37(4), 2012; recommended by
+       M. W. Fagerland et al., Statistics in Medicine 33(16), 2014.
+    """
+    this, base = (only_this + 1) / (n + 2), (only_base + 1) / (n + 2)
+    half = Z * math.sqrt((this + base - (this - base) ** 2) / (n + 2))
+    return Interval(max(this - base - half, -1.0), min(this - base + half, 1.0))
+
+
+@lru_cache(maxsize=4)
+def _resamples(n: int) -> npt.NDArray[np.float32]:
+    """Return how much each of ``n`` worlds weighs in each resample, (`DRAWS`, n); rows sum to 1."""
+    drawn = np.random.default_rng(SEED).integers(0, n, (DRAWS, n))
+    places = drawn + n * np.arange(DRAWS)[:, None]
+    counts = np.bincount(places.ravel(), minlength=DRAWS * n).reshape(DRAWS, n)
+    weights = (counts / n).astype(np.float32)
+    weights.setflags(write=False)
+    return weights

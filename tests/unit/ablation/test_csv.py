@@ -1,0 +1,88 @@
+"""The files for other programs."""
+
+from __future__ import annotations
+
+import csv
+import random
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from graphnav.ablation.csv_files import figure_columns, write_results, write_timing
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.records import Record
+
+MakePlan = Callable[..., Plan]
+MakeRecord = Callable[..., Record]
+
+
+def lines(path: Path) -> list[list[str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.reader(file))
+
+
+def test_a_line_a_run_and_a_column_a_figure(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
+    plan = make_plan(figures={"drive.spl": "more", "a.x / b.x": "more"})
+    records = [
+        make_record("ica", 0, {"a.x": 1 / 3, "drive.success": 1.0, "drive.spl": 0.5, "b.x": 2.0}),
+        make_record("affine", 2, {"drive.spl": 1e-30}, outcome="failed", failure='no "plane",\nnone at all'),
+    ]
+    write_results(plan, records, tmp_path / "results.csv")
+    header, first, second = lines(tmp_path / "results.csv")
+    assert header[:8] == ["graph", "variant", "plane", "seed", "outcome", "failure", "frames", "sim_s"]
+    assert header[8:] == ["drive.spl", "a.x", "b.x", "drive.success"], "the study's figures first"
+    assert first == ["corridor", "ica", "ica", "0", "goal", "", "10", "0.9", "0.5", repr(1 / 3), "2.0", "1.0"]
+    assert second[4:6] == ["failed", 'no "plane",\nnone at all']
+    assert second[8:] == ["1e-30", "", "", ""]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_order_of_runs_does_not_count(
+    make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path, seed: int
+) -> None:
+    rng = random.Random(seed)
+    plan = make_plan(graphs=("pillars", "corridor"), seeds=(7, 3, 5))
+    records = [
+        make_record(variant, world, {f"drive.{name}": rng.random() for name in rng.sample("abcde", 3)}, graph=graph)
+        for graph in plan.graphs
+        for variant in plan.variants
+        for world in plan.seeds
+    ]
+    write_results(plan, records, tmp_path / "ordered.csv")
+    rng.shuffle(records)
+    write_results(plan, records, tmp_path / "shuffled.csv")
+    whole = (tmp_path / "ordered.csv").read_bytes()
+    assert whole == (tmp_path / "shuffled.csv").read_bytes()
+    assert b"\r" not in whole
+    assert [line[0] for line in lines(tmp_path / "ordered.csv")[1::6]] == ["pillars", "corridor"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["ordered.csv", "shuffled.csv"], "nothing is left over"
+
+
+def test_a_file_that_is_there_is_replaced(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
+    path = tmp_path / "results.csv"
+    path.write_text("old\n" * 100)
+    write_results(make_plan(), [make_record("ica", 0)], path)
+    assert len(lines(path)) == 2
+
+
+def test_figures_of_derived_columns_come_as_what_they_are_made_of(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(figures={"a.x - b.x": "more", "c.never": "more"})
+    records = [make_record("ica", 0, {"z.z": 0.0, "b.x": 0.0, "a.x": 0.0})]
+    assert figure_columns(plan, records) == ("a.x", "b.x", "z.z")
+
+
+def test_times_stand_apart(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
+    write_timing(make_plan(), [make_record("affine", 1, p50_ms=0.25)], tmp_path / "timing.csv")
+    header, line = lines(tmp_path / "timing.csv")
+    assert dict(zip(header, line, strict=True)) == {
+        "graph": "corridor",
+        "variant": "affine",
+        "seed": "1",
+        "wall_s": "0.1",
+        "stage": "plane",
+        "use": "plane.affine",
+        "steps": "9",
+        "p50_ms": "0.25",
+        "p99_ms": "0.5",
+    }
