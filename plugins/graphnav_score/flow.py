@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,6 +21,8 @@ class Flow(Stage):
     - ``epe_px``: mean length of the error (end-point error), ``outlier_ratio``: share of vectors that are off by more
       than ``outlier_px``. Left out without a valid vector.
     """
+
+    less_is_better: ClassVar[frozenset[str]] = frozenset({"epe_px", "outlier_ratio"})
 
     outlier_px: float = param(1.0, gt=0.0, doc="error above which a vector is an outlier")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +37,10 @@ class Navigation(Stage):
     .. [BARN] X. Xiao et al., Autonomous Ground Navigation in Highly Constrained Spaces: Lessons Learned From the
        Benchmark Autonomous Robot Navigation Challenge at ICRA 2022, IEEE RAM 29(4), 2022.
     """
+
+    less_is_better: ClassVar[frozenset[str]] = frozenset(
+        {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3"}
+    )
 
     optimal_speed_mps: float = param(
         0.5, gt=0.0, doc="speed of the drive that `barn` calls optimal; more makes the score stricter"

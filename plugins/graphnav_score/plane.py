@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +35,8 @@ class Plane(Stage):
 
     A figure that is not defined (no such frame, no obstacle, no ground) is left out.
     """
+
+    less_is_better: ClassVar[frozenset[str]] = frozenset({"false_obstacle_ratio", "flicker_ratio"})
 
     min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="least true share of obstacle in a frame that counts")
     max_obstacle_ratio: float = param(0.5, ge=0.0, le=1.0, doc="greatest true share of obstacle in a frame that counts")

@@ -1,7 +1,9 @@
-"""Whether steering points to the freer side."""
+"""Whether steering points to the freer side, and how sure its direction is."""
 
 from __future__ import annotations
 
+import math
+from array import array
 from collections.abc import Mapping
 
 import numpy as np
@@ -11,11 +13,17 @@ from graphnav import Stage, Truth, param
 
 
 class Steering(Stage):
-    """Share of frames in which the control force points to the side with less true obstacle.
+    """Whether the control force points to the side with less true obstacle, and how sure its direction is.
 
-    Only frames count in which the shares of the picture that are obstacle in its left and in its right half differ
-    clearly. No force to either side counts as wrong. Figures: ``frames`` that counted, and ``right_sign_ratio``, left
-    out where there is no such frame.
+    Its figures:
+
+    - ``frames``: in how many the shares of the picture that are obstacle in its left and in its right half differ
+      clearly. Only these count for ``right_sign_ratio``, the share in which the force points to the freer side; no
+      force to either side counts as wrong.
+    - ``median_eigenvalue_ratio``: of the first over the second eigenvalue of the gradients' covariance, over all frames
+      that have a gradient; near 1 the principal direction is arbitrary.
+
+    A figure without a frame that counts, and a median that is infinite, is left out.
     """
 
     least_times: float = param(2.0, ge=1.0, doc="a frame counts if one half holds at least so many times the other's")
@@ -26,9 +34,13 @@ class Steering(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget everything counted."""
         self._frames = self._right = 0
+        self._ratios = array("d")
 
     def step(self, steering: graphnav.Steering, truth: Truth) -> None:
         """Count this frame."""
+        first, second = steering.eigenvalues
+        if first > 0:
+            self._ratios.append(first / second if second > 0 else math.inf)
         half = truth.obstacle.shape[1] // 2
         is_obstacle = truth.obstacle != 0
         left = np.count_nonzero(is_obstacle[:, :half]) / is_obstacle.size
@@ -45,4 +57,6 @@ class Steering(Stage):
         figures = {"frames": float(self._frames)}
         if self._frames:
             figures["right_sign_ratio"] = self._right / self._frames
+        if self._ratios and math.isfinite(median := float(np.median(self._ratios))):
+            figures["median_eigenvalue_ratio"] = median
         return figures

@@ -71,6 +71,35 @@ def test_success() -> None:
     assert figures["mean_jerk_mps3"] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("legs_m", "shortest_m", "seconds", "spl_", "barn_"),
+    [
+        # Around three sides of a square of 2 m where the shortest way is the fourth.
+        ([2.0, 2.0, 2.0], 2.0, 10.0, 2 / 6, 4 / 10),
+        # A robot that is faster than twice the optimal time (4 s) gains nothing more, nor does the slowest lose more.
+        ([2.0], 2.0, 5.0, 1.0, 0.5),
+        ([2.0], 2.0, 8.0, 1.0, 0.5),
+        ([2.0], 2.0, 32.0, 1.0, 1 / 8),
+        ([2.0], 2.0, 100.0, 1.0, 1 / 8),
+        # The goal is a region: a way may be shorter than the one that was planned to it.
+        ([1.9], 2.0, 16.0, 1.0, 1 / 4),
+    ],
+)
+def test_scores_of_whole_drives(
+    legs_m: list[float], shortest_m: float, seconds: float, spl_: float, barn_: float
+) -> None:
+    corners, directions = [At(0.0, 0.0)], [(1, 0), (0, 1), (-1, 0)]
+    for length_m, (x, y) in zip(legs_m, directions, strict=False):
+        corners.append(At(corners[-1].x_m + x * length_m, corners[-1].y_m + y * length_m))
+    corners[-1] = corners[-1]._replace(at_goal=True)
+    figures = drive(corners, map_of(shortest_m), period_s=seconds / len(legs_m))
+    assert figures["spl"] == pytest.approx(spl_)
+    assert figures["barn"] == pytest.approx(barn_)
+    touched = [*corners[:-1], corners[-1]._replace(contact=True)]
+    figures = drive(touched, map_of(shortest_m), period_s=seconds / len(legs_m))
+    assert figures["spl"] == figures["barn"] == 0.0
+
+
 def test_contact_is_no_success_and_no_timeout() -> None:
     figures = drive([At(0), At(1, contact=True, clearance_m=0.0)], map_of(6.0))
     assert (figures["success"], figures["collision"], figures["timeout"]) == (0.0, 1.0, 0.0)

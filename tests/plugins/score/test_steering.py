@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pytest
@@ -52,3 +52,22 @@ def test_middle_column_belongs_to_no_side(make_truth: MakeTruth) -> None:
     mask[:, 2] = 1
     assert summary(make_truth(mask), 1.0) == {"frames": 0.0}
     assert summary(make_truth(np.ones((3, 1))), 1.0) == {"frames": 0.0}
+
+
+def ratio_of(make_truth: MakeTruth, eigenvalues: Sequence[tuple[float, float]]) -> float | None:
+    stage = SteeringScore()
+    stage.reset(seed=0)
+    force = np.array([0.0, 1.0])
+    for pair in eigenvalues:
+        stage.step(
+            Steering(repulsive=force, guiding=force, control=force, theta_rad=0.0, eigenvalues=np.array(pair)),
+            make_truth(np.zeros((4, 4))),
+        )
+    return stage.summary().get("median_eigenvalue_ratio")
+
+
+def test_eigenvalue_ratio_is_the_median_over_frames_with_a_gradient(make_truth: MakeTruth) -> None:
+    assert ratio_of(make_truth, [(4.0, 2.0), (9.0, 1.0), (0.0, 0.0), (3.0, 3.0)]) == 2.0
+    assert ratio_of(make_truth, [(4.0, 2.0), (9.0, 0.0), (3.0, 1.0)]) == 3.0, "one direction alone is the surest"
+    assert ratio_of(make_truth, [(9.0, 0.0)]) is None
+    assert ratio_of(make_truth, [(0.0, 0.0)]) is None
