@@ -74,7 +74,7 @@ def run_recorded(
     A failing stage, a full disk and Ctrl-C end the run, not the record of it: the log holds every whole message up to
     there and the summary says how it ended. ``keep``: the channels that the log holds, None for what the graph's
     ``record`` says. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows.
-    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` the error that ended the run.
+    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` every error that ``failure`` tells.
 
     Raises
     ------
@@ -87,14 +87,14 @@ def run_recorded(
     with ExitStack() as cleanup, Interrupt() as interrupt:
         writer = _begin(graph, folder)
         started = time.monotonic()
-        cleanup.callback(_note_failure, failures, writer.close)
+        cleanup.callback(_note_failure, failures, on_failure, writer.close)
         sinks = [_kept(graph, writer, keep)]
         if tap is not None:
             cleanup.callback(tap.close)
             tap.announce(about_of(graph))
             sinks.append(tap)
         runner = Runner(graph, stages, Bus("memq://"), sinks)
-        cleanup.callback(_note_failure, failures, runner.close)
+        cleanup.callback(_note_failure, failures, on_failure, runner.close)
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait)
 
         def before_tick(utime: int) -> bool:
@@ -159,10 +159,11 @@ def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink
     return SmallOnly(writer) if graph.run.record == "small" else writer
 
 
-def _note_failure(failures: list[str], close: Callable[[], None]) -> None:
+def _note_failure(failures: list[str], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]) -> None:
     """Close something; what goes wrong is kept for the summary."""
     try:
         close()
     except GraphnavError as error:
         if str(error) not in failures:
             failures.append(str(error))
+            on_failure(error)

@@ -1,0 +1,78 @@
+"""Make the runs of a plan that are not there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from graphnav.ablation.dead import files_of_the_dead
+from graphnav.ablation.folder import StudyFolder
+from graphnav.ablation.plan import Job, Plan
+from graphnav.ablation.tasks import Tasks
+from graphnav.ablation.work import Result, Task, file_hash
+from graphnav.ablation.workers import Workers
+from graphnav.errors import GraphnavError
+from graphnav.runner import Outcome
+from graphnav.runner.summary import versions
+
+
+def with_versions(plan: Plan) -> Plan:
+    """Return the plan with all that its runs depend on: versions, and what the plugin files hold."""
+    hashes = {plugin: file_hash(Path(plugin)) for plugin in plan.plugins}
+    return replace(plan, versions={**plan.versions, **versions(), **hashes})
+
+
+def missing(plan: Plan, folder: StudyFolder) -> list[Job]:
+    """Return the runs of a plan that are still to be made."""
+    return [job for job in plan.jobs if not folder.holds(job.folder)]
+
+
+def execute(
+    jobs: Iterable[Job],
+    tasks: Tasks,
+    folder: StudyFolder,
+    workers: Workers,
+    on_made: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Make runs, in parallel, and keep each as soon as it is made; ``on_made`` gets its outcome.
+
+    A failing stage is a result. A run whose process died is made once more when all others are done, alone, for it may
+    have lacked memory; if it dies again, that is its result.
+
+    Raises
+    ------
+    GraphnavError
+        Something that has nothing to do with the stages: a full disk, a machine with other versions.
+    """
+    for result in perform_all(map(tasks.task, jobs), workers):
+        if result.died:
+            _keep(folder, replace(result, files=files_of_the_dead(result.task)))
+            on_made(Outcome.FAILED)
+        else:
+            _keep(folder, result)
+            on_made(result.outcome)
+
+
+def perform_all(tasks: Iterable[Task], workers: Workers) -> Iterator[Result]:
+    """Yield what comes of tasks; those that died have done so twice."""
+    died = []
+    for result in workers.perform_all(tasks):
+        if result.died:
+            died.append(result.task)
+        else:
+            yield _checked(result)
+    yield from map(_checked, workers.perform_all(died, one_at_a_time=True))
+
+
+def _checked(result: Result) -> Result:
+    if result.trouble:
+        raise GraphnavError(f"cannot go on: {result.trouble}")
+    return result
+
+
+def _keep(folder: StudyFolder, result: Result) -> None:
+    try:
+        folder.keep(result.task.folder, result.files)
+    except OSError as error:
+        raise GraphnavError(f"cannot write into {folder.path}: {error.strerror}") from error
