@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from graphnav.errors import Place
 
 
 @dataclass(frozen=True)
@@ -11,6 +15,9 @@ class Choice:
 
     label: str
     sets: tuple[str, ...]
+    places: tuple[Place, ...] = field(default=(), compare=False)
+    """Where each of ``sets`` was said."""
+    place: Place | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -19,6 +26,7 @@ class Axis:
 
     name: str
     choices: tuple[Choice, ...]
+    place: Place | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -37,3 +45,7 @@ class Study:
     """Columns of the table, ``stage.figure``, the one that decides first; empty for every figure there is."""
     one_at_a_time: bool = False
     """Whether each variant differs from the base in one axis; else the axes cross."""
+    folder: Path | None = field(default=None, compare=False)
+    """That of its file, beside which its paths are looked for first; None if the command line says it all."""
+    places: Mapping[str, Place] = field(default_factory=dict, compare=False)
+    """Where each of ``graphs``, ``sets`` and ``figures`` was said."""

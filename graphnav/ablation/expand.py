@@ -1,0 +1,110 @@
+"""The variants of a study: all combinations of its axes, or one axis changed at a time."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from graphnav.ablation.study import Axis, Choice, Study
+from graphnav.errors import UserError
+
+MAX_CASES = 2000
+"""More than anybody compares: every graph with every variant."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A choice of every axis."""
+
+    name: str
+    """What tables call it, unique in its study."""
+    choices: Mapping[str, Choice]
+    """By axis."""
+    is_base: bool
+
+    @property
+    def sets(self) -> tuple[str, ...]:
+        """The ``--set`` texts of its choices."""
+        return tuple(text for choice in self.choices.values() for text in choice.sets)
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """Its choice of every axis, as tables call it."""
+        return {axis: choice.label for axis, choice in self.choices.items()}
+
+
+def count_variants(study: Study) -> int:
+    """Return how many variants a study has, without making them."""
+    sizes = [len(axis.choices) for axis in study.axes]
+    return 1 + sum(size - 1 for size in sizes) if study.one_at_a_time else math.prod(sizes)
+
+
+def expand(study: Study) -> tuple[Variant, ...]:
+    """Return the variants of a study, the base first: every axis at its first choice.
+
+    Raises
+    ------
+    UserError
+        There are more than anybody compares.
+    """
+    variants = count_variants(study)
+    cases = variants * max(1, len(study.graphs))
+    if cases > MAX_CASES:
+        sizes = " x ".join(str(len(axis.choices)) for axis in study.axes)
+        what = f"the axes cross to {variants} variants ({sizes})"
+        what += f" on {len(study.graphs)} graphs, {cases} rows" if len(study.graphs) > 1 else ""
+        hint = "vary one axis at a time (--one-at-a-time, or one_at_a_time: true), or take fewer values"
+        raise UserError.of(f"{what}: that is more than {MAX_CASES}, too many to compare", hint)
+    short, rows = _short_labels(study.axes), _rows(study)
+    names = _unique(_one_at_a_time_names(study, rows, short) if study.one_at_a_time else _crossed_names(rows, short))
+    names_of_axes = [axis.name for axis in study.axes]
+    return tuple(
+        Variant(name, dict(zip(names_of_axes, row, strict=True)), is_base=number == 0)
+        for number, (name, row) in enumerate(zip(names, rows, strict=True))
+    )
+
+
+def _rows(study: Study) -> list[tuple[Choice, ...]]:
+    if not study.one_at_a_time:
+        return list(itertools.product(*(axis.choices for axis in study.axes)))
+    base = tuple(axis.choices[0] for axis in study.axes)
+    changed = [
+        (*base[:number], choice, *base[number + 1 :])
+        for number, axis in enumerate(study.axes)
+        for choice in axis.choices[1:]
+    ]
+    return [base, *changed]
+
+
+def _short_labels(axes: tuple[Axis, ...]) -> list[Mapping[str, str]]:
+    """Return what stands for each label in names: itself, with its axis where another axis has the same."""
+    times = Counter(choice.label for axis in axes for choice in axis.choices)
+    return [
+        {c.label: c.label if times[c.label] == 1 else f"{axis.name}={c.label}" for c in axis.choices} for axis in axes
+    ]
+
+
+def _crossed_names(rows: list[tuple[Choice, ...]], short: list[Mapping[str, str]]) -> Iterator[str]:
+    for row in rows:
+        yield " + ".join(names[choice.label] for names, choice in zip(short, row, strict=True))
+
+
+def _one_at_a_time_names(study: Study, rows: list[tuple[Choice, ...]], short: list[Mapping[str, str]]) -> Iterator[str]:
+    base = rows[0]
+    for row in rows:
+        changed = [number for number, choice in enumerate(row) if choice is not base[number]]
+        if len(study.axes) == 1:
+            changed = [0]
+        yield short[changed[0]][row[changed[0]].label] if changed else "base"
+
+
+def _unique(names: Iterator[str]) -> list[str]:
+    """Return names with a number behind those that were there before."""
+    found: dict[str, None] = {}
+    for name in names:
+        numbered = (f"{name} ({number})" for number in itertools.count(2))
+        found[name if name not in found else next(n for n in numbered if n not in found)] = None
+    return list(found)

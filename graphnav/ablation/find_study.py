@@ -1,0 +1,77 @@
+"""Find a study: a file, or the name of one in the working folder or among those that ship; tell it from a graph."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from graphnav.errors import Place, UserError, did_you_mean, shown_path
+from graphnav.graph import find_graph, shipped_folder, shipped_graphs
+from graphnav.spec import MAX_BYTES, Value, parse_yaml
+
+STUDY_KEYS = ("about", "graph", "graphs", "seeds", "one_at_a_time", "set", "vary", "figures")
+_ONLY_IN_STUDIES = frozenset(STUDY_KEYS) - {"about"}
+
+
+def shipped_studies() -> dict[str, Path]:
+    """Return the studies that ship, by name."""
+    return {path.stem: path for path in sorted((shipped_folder() / "studies").glob("*.yaml"))}
+
+
+def find(name: str | Path) -> Path:
+    """Return the file of a study or a graph: in the working folder, else a study that ships, else a graph that ships.
+
+    Raises
+    ------
+    UserError
+        There is none.
+    """
+    studies = shipped_studies()
+    try:
+        path = find_graph(name)
+    except UserError:
+        if str(name) in studies:
+            return studies[str(name)]
+        if Path(name).is_dir():
+            raise
+        near = sorted(str(p) for suffix in ("yaml", "yml") for p in Path().glob(f"*.{suffix}"))
+        hint = did_you_mean(str(name), {*studies, *shipped_graphs(), *near})
+        hint = hint or f"studies that ship: {', '.join(studies)}\ngraphs that ship: {', '.join(shipped_graphs())}"
+        raise UserError.of("there is no such study or graph", hint, Place(str(name))) from None
+    is_shipped_graph = path == shipped_graphs().get(str(name))
+    return studies.get(str(name), path) if is_shipped_graph else path
+
+
+def read(path: Path) -> bytes:
+    """Return the bytes of a file, one more than a study may have if there are more.
+
+    Raises
+    ------
+    UserError
+        It cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            return file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise UserError.of(f"it cannot be read: {error.strerror}", place=Place(shown_path(path))) from error
+
+
+def kind_of(value: Value) -> Literal["study", "graph"]:
+    """Return what a file is by what it says: a study varies something, a graph has stages."""
+    words = value.data if isinstance(value.data, dict) else {}
+    if "vary" in words:
+        return "study"
+    return "study" if "stages" not in words and _ONLY_IN_STUDIES & words.keys() else "graph"
+
+
+def classify(name: str | Path) -> Literal["study", "graph"]:
+    """Return whether a file or a name means a study or a graph.
+
+    Raises
+    ------
+    UserError
+        There is no such file, or it is no YAML.
+    """
+    path = find(name)
+    return kind_of(parse_yaml(read(path), shown_path(path))[0])

@@ -1,0 +1,32 @@
+"""Names of folders made from what people call things."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Iterable
+
+_LONGEST = 100
+_OTHER = re.compile(r"[^A-Za-z0-9._+=-]+")
+
+
+def folder_names(texts: Iterable[str]) -> dict[str, str]:
+    """Return a folder's name for each text: letters that every file system takes, no two alike in any case of letters.
+
+    A name depends on its text alone, but where texts would share one, or had to be cut; those end in a hash.
+    """
+    found = {text: _slug(text) for text in texts}
+    times = Counter(name.casefold() for name in found.values())
+    return {
+        text: name if name and times[name.casefold()] == 1 and len(name) <= _LONGEST else _hashed(text, name)
+        for text, name in found.items()
+    }
+
+
+def _slug(text: str) -> str:
+    return _OTHER.sub("_", text.replace(" + ", "+").replace("/", "_")).strip("._-")
+
+
+def _hashed(text: str, name: str) -> str:
+    return f"{name[:_LONGEST].rstrip('._-')}-{hashlib.sha256(text.encode()).hexdigest()[:8]}".lstrip("-")

@@ -1,0 +1,75 @@
+"""Which worlds a study meets: ``1000:1050``, or a list."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+from graphnav.errors import Place, UserError
+
+MAX_SEED = 4_294_967_295
+MAX_SEEDS = 100_000
+
+_RANGE = re.compile(r"\s*([0-9]{1,12})\s*:\s*([0-9]{1,12})\s*", re.ASCII)
+_LIST = re.compile(r"\s*\[?\s*([0-9]{1,12}(?:\s*,\s*[0-9]{1,12})*)\s*(,?)\s*\]?\s*", re.ASCII)
+_HINT = "write FIRST:END, the end not included (0:50 are 50 worlds), or a list as [1, 5, 7]"
+
+
+def parse_seeds(text: str, place: Place | None = None) -> tuple[int, ...]:
+    """Return the seeds that ``1000:1050`` (the end not included), ``[1, 5, 7]`` or ``1,5,7`` means.
+
+    Raises
+    ------
+    UserError
+        It says no seed, one twice, something else, or more than anybody runs.
+    """
+    if found := _RANGE.fullmatch(text):
+        first, end = int(found[1]), int(found[2])
+        if first == end:
+            raise UserError.of(
+                f"'{text}' has no seed in it: the end is not included", f"write {first}:{end + 1} for one", place
+            )
+        if first > end:
+            raise UserError.of(f"'{text}' ends before it begins", f"write {end}:{first}", place)
+        if end - first > MAX_SEEDS:
+            raise _too_many(end - first, place)
+        return checked_seeds(range(first, end), place)
+    listed = _LIST.fullmatch(text)
+    if listed is None:
+        raise UserError.of(f"'{text}' says no seeds", _HINT, place)
+    if "," not in text and "[" not in text:
+        raise bare_number(listed[1], place)
+    return checked_seeds([int(word) for word in listed[1].split(",")], place)
+
+
+def checked_seeds(seeds: Sequence[int], place: Place | None = None) -> tuple[int, ...]:
+    """Return seeds that can be used, each once.
+
+    Raises
+    ------
+    UserError
+        There are none or too many, one stands twice, or is out of bounds.
+    """
+    if not seeds:
+        raise UserError.of("there is no seed in the list", _HINT, place)
+    if len(seeds) > MAX_SEEDS:
+        raise _too_many(len(seeds), place)
+    for seed in seeds:
+        if not 0 <= seed <= MAX_SEED:
+            raise UserError.of(f"a seed must be from 0 to {MAX_SEED}, not {seed}", "write another", place)
+    twice = [seed for seed, times in Counter(seeds).items() if times > 1]
+    if twice:
+        hint = "keep one: a world that is met twice tells nothing new"
+        raise UserError.of(f"the seed {twice[0]} stands here {Counter(seeds)[twice[0]]} times", hint, place)
+    return tuple(seeds)
+
+
+def bare_number(word: str, place: Place | None = None) -> UserError:
+    """Return the error for a number alone, which may mean a world or how many."""
+    hint = f"write 0:{word} for {word} worlds, or [{word}] for that one"
+    return UserError.of(f"'{word}' may be one seed or a number of worlds", hint, place)
+
+
+def _too_many(number: int, place: Place | None) -> UserError:
+    return UserError.of(f"these are {number} seeds, and a study has at most {MAX_SEEDS}", "take fewer", place)

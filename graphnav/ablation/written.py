@@ -1,0 +1,41 @@
+"""Values of a study as the texts that ``--set`` takes, numbers as they were written."""
+
+from __future__ import annotations
+
+import re
+
+from graphnav.spec import Value, parse_scalar, write_value
+
+_NUMBER = re.compile(r"[^\s,\[\]{}#]+")
+_READ_AS_YAML = ("[", "{", '"', "'")
+
+
+class Written:
+    """The text of a file, to look up how its values were written."""
+
+    def __init__(self, data: bytes) -> None:
+        self._lines = data.decode("utf-8-sig", "replace").splitlines()
+
+    def text(self, value: Value) -> str:
+        """Return a value as ``--set`` takes it: 0.50 stays 0.50, words stay bare where that is safe."""
+        if isinstance(value.data, list):
+            return "[" + ", ".join(self._item(item) for item in value.data) + "]"
+        if isinstance(value.data, str):
+            text = value.data
+            is_bare = parse_scalar(text) == text and text.isprintable() and not text.startswith(_READ_AS_YAML)
+            return text if is_bare else write_value(text)
+        return self._item(value)
+
+    def label(self, value: Value) -> str:
+        """Return a value as tables show it: texts without quotes."""
+        return value.data if isinstance(value.data, str) and value.data.isprintable() else self.text(value)
+
+    def _item(self, value: Value) -> str:
+        if isinstance(value.data, list):
+            return self.text(value)
+        if isinstance(value.data, int | float) and not isinstance(value.data, bool):
+            line = self._lines[value.place.line - 1][value.place.column - 1 :]
+            token = _NUMBER.match(line)
+            if token and repr(parse_scalar(token[0])) == repr(value.data):
+                return token[0]
+        return write_value(value.plain())
