@@ -14,7 +14,8 @@ from graphnav_world.textures import BLOCK, TEXEL_M, Texture
 Bytes = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float32]
 
-LEVELS = 6
+FEWEST_LEVELS, MOST_LEVELS = 6, 8
+"""Mip levels: texels of 0.16 m are coarse enough for what lies within 6 m, those of 0.64 m up to the horizon."""
 PAD = 2
 LARGEST_TEXELS = 3072
 BODY_TEXELS = (2048, 512)
@@ -27,20 +28,27 @@ def floor_texels(extent_m: Sequence[float]) -> tuple[int, int]:
 
 
 class Atlas:
-    """Mip-mapped textures side by side in one uint8 picture, each level with a wrapped border.
+    """Mip-mapped textures side by side in one uint8 picture, each of ``levels`` with a wrapped border.
 
     Texture k at level l has texels of 5 mm times 2**l; the texture coordinate (u, v), in metres and within
     ``period_m[k]``, lies at pixel (u, v) / ``texel_m[l]`` + ``origin_px[k, l]``. The first texture is the floor's.
     """
 
-    def __init__(self, textures: Sequence[Texture], floor_size: tuple[int, int], rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        textures: Sequence[Texture],
+        floor_size: tuple[int, int],
+        rng: np.random.Generator,
+        levels: int = FEWEST_LEVELS,
+    ) -> None:
+        self.levels = levels
         sizes = [floor_size] + [BODY_TEXELS] * (len(textures) - 1)
-        heights = [height + LEVELS * 2 * PAD for _, height in sizes]
+        heights = [height + levels * 2 * PAD for _, height in sizes]
         width = max(w + (w // 2) for w, _ in sizes) + 4 * PAD
         self.pixels: Bytes = np.zeros((sum(heights), width), np.uint8)
-        self.texel_m = (TEXEL_M * 2.0 ** np.arange(LEVELS)).astype(np.float32)
+        self.texel_m = (TEXEL_M * 2.0 ** np.arange(levels)).astype(np.float32)
         self.period_m = np.array(sizes, np.float32) * np.float32(TEXEL_M)
-        self.origin_px: Floats = np.zeros((len(textures), LEVELS, 2), np.float32)
+        self.origin_px: Floats = np.zeros((len(textures), levels, 2), np.float32)
         top = 0
         for k, (texture, size) in enumerate(zip(textures, sizes, strict=True)):
             self._place(k, top, texture.pixels(*size, rng))
@@ -48,7 +56,7 @@ class Atlas:
 
     def _place(self, k: int, top: int, texels: Bytes) -> None:
         left, below = 0, top
-        for level in range(LEVELS):
+        for level in range(self.levels):
             padded = np.pad(texels, PAD, mode="wrap")
             height, width = padded.shape
             self.pixels[below : below + height, left : left + width] = padded

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,11 +10,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav_world.atlas import LEVELS, Atlas
+from graphnav_world.atlas import FEWEST_LEVELS, MOST_LEVELS, Atlas
 from graphnav_world.camera import Camera
 from graphnav_world.noise import normal_noise
 from graphnav_world.placed import Placed
 from graphnav_world.scene import Faces
+from graphnav_world.textures import TEXEL_M
 from graphnav_world.visibility import FLOOR, Visible, ZBuffer
 
 Bytes = npt.NDArray[np.uint8]
@@ -23,6 +25,15 @@ Ints = npt.NDArray[np.int32]
 
 STRETCH = 2.0
 """How much longer than wide a pixel's print on a surface may be before the texture is blurred along with it."""
+
+
+def level_count(camera: Camera) -> int:
+    """Return how many mip levels a world needs, so that its floor does not alias where this camera sees it."""
+    rays = camera.rays()
+    depth = camera.height_m / np.maximum(rays @ -camera.R_RC[2], 1e-3)
+    long_m = depth**2 * np.square(rays).sum(axis=-1) / (camera.focal_px * camera.height_m * STRETCH)
+    needed = math.ceil(math.log2(long_m.max() / TEXEL_M)) + 1
+    return min(max(needed, FEWEST_LEVELS), MOST_LEVELS)
 
 
 @dataclass(frozen=True)
@@ -67,7 +78,7 @@ class Renderer:
         self._rays_R: Floats = rays_R.T.astype(np.float32)
         self._ray_squared: Floats = np.square(self._rays_R).sum(axis=0, dtype=np.float32)
         self._per_m: Floats = np.reciprocal(atlas.texel_m)
-        self._first_cell = (faces.texture.astype(np.intp) + 1) * LEVELS
+        self._first_cell = (faces.texture.astype(np.intp) + 1) * atlas.levels
         self._origin_px = atlas.origin_px.view(np.complex64).reshape(-1)
         cx, cy = camera.center_px
         self._x: Floats = ((np.arange(camera.cols) - cx) / camera.focal_px).astype(np.float32)
@@ -142,7 +153,7 @@ class Renderer:
         wide = depth / np.float32(self._camera.focal_px * self._atlas.texel_m[0])
         long = wide * depth * ray_squared / distance / np.float32(STRETCH)
         level = np.log2(np.maximum(wide, long, out=long), out=long)
-        np.clip(level, np.float32(0), np.float32(LEVELS - 1.001), out=level)
+        np.clip(level, np.float32(0), np.float32(self._atlas.levels - 1.001), out=level)
         fine = level.astype(np.intp)
         level -= fine
         return fine, level

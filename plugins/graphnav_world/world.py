@@ -29,7 +29,7 @@ from graphnav_world.atlas import Atlas, floor_texels
 from graphnav_world.camera import Camera
 from graphnav_world.exposure import moments
 from graphnav_world.placed import Placed
-from graphnav_world.render import Frame, Renderer
+from graphnav_world.render import Frame, Renderer, level_count
 from graphnav_world.scene import faces_of
 from graphnav_world.vehicle import Limits, Pose, Vehicle
 from graphnav_world.world_map import WorldMap, load_map
@@ -159,7 +159,7 @@ class Pymunk(Source):
         lack = np.maximum(SMALLEST_FLOOR_M - (high - low), 0.0)
         textures = [draw.textures[name] for name in ("floor", *self._faces.textures)]
         textures = [replace(one, contrast=one.contrast * self.contrast_ratio) for one in textures]
-        atlas = Atlas(textures, floor_texels(high - low + lack), rng)
+        atlas = Atlas(textures, floor_texels(high - low + lack), rng, level_count(self._camera))
         return Renderer(self._camera, self._faces, atlas, low - lack / 2)
 
     def _look(self, now: Placed, pose: Pose, time_s: float) -> Frame:

@@ -98,3 +98,15 @@ def test_above_the_horizon_there_is_neither_ground_nor_obstacle(maps: Path) -> N
     assert sky[: math.ceil(rows_above)].all()
     assert not sky[math.ceil(rows_above) :].any()
     assert not out.truth.obstacle.any()
+
+
+def test_the_floor_does_not_flicker_on_its_way_to_the_horizon(maps: Path) -> None:
+    outputs = drive(maps / "empty.yaml", ticks=9, tilt_deg=20.0)
+    before, now = outputs[-2].image.pixels.astype(np.float32), outputs[-1]
+    assert now.truth is not None
+    x, y = np.meshgrid(np.arange(160, dtype=np.float32), np.arange(120, dtype=np.float32))
+    came_from = np.stack([x, y], axis=-1) - now.truth.flow_px
+    warped = cv2.remap(before, came_from, None, cv2.INTER_CUBIC)
+    far = np.s_[20:36, 12:-12]
+    flicker = np.abs(warped - now.image.pixels)[far].mean()
+    assert flicker < 4.0, "gray levels; with too few mip levels it is 12"
