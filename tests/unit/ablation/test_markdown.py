@@ -1,0 +1,144 @@
+"""What is read below a study: rounded, marked, repeatable."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import math
+from collections.abc import Callable
+
+import pytest
+from rich.console import Console
+
+from graphnav.ablation.comparison import Difference, Estimate, compare
+from graphnav.ablation.digits import difference_text, estimate_text
+from graphnav.ablation.legend import seeds_text
+from graphnav.ablation.markdown import table_markdown
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.records import Record
+from graphnav.ablation.table import print_comparison
+
+MakePlan = Callable[..., Plan]
+MakeRecord = Callable[..., Record]
+
+
+@pytest.mark.parametrize(
+    ("mean", "low", "high", "text"),
+    [
+        (0.9333, 0.9012, 0.9611, "0.933 [0.901, 0.961]"),
+        (0.98, 0.8950, 0.9965, "0.980 [0.895, 0.997]"),
+        (0.5, 0.1, 0.9, "0.50 [0.10, 0.90]"),
+        (1234.5, 1100.0, 1400.0, "1234 [1100, 1400]"),
+        (31.415, 29.3, 33.5, "31.4 [29.3, 33.5]"),
+        (0.0, 0.0, 0.0, "0.00 [0.00, 0.00]"),
+        (0.1, 0.1, 0.1, "0.1000 [0.1000, 0.1000]"),
+        (0.1, math.nan, math.nan, "0.1000"),
+        (-0.00001, -0.1, 0.1, "0.00 [-0.10, 0.10]"),
+        (3e-9, 2e-9, 4e-9, "0.000000 [0.000000, 0.000000]"),
+    ],
+)
+def test_digits_follow_the_interval(mean: float, low: float, high: float, text: str) -> None:
+    assert estimate_text(Estimate(mean, low, high, 50), 50) == text
+
+
+def test_worlds_without_the_figure_are_told() -> None:
+    assert estimate_text(Estimate(0.5, 0.1, 0.9, 12), 50) == "0.50 [0.10, 0.90] (n 12)"
+
+
+@pytest.mark.parametrize(
+    ("mean", "low", "high", "text"),
+    [
+        (0.02, -0.011, 0.053, "+0.020 [-0.011, +0.053], 7–3"),
+        (0.0, -0.053, 0.053, "0.000 [-0.053, +0.053], 7–3"),
+        (-2.0, math.nan, math.nan, "-2.000, 7–3"),
+    ],
+)
+def test_differences_have_a_sign(mean: float, low: float, high: float, text: str) -> None:
+    assert difference_text(Difference(mean, low, high, 50, 7, 3)) == text
+
+
+@pytest.mark.parametrize(
+    ("seeds", "text"),
+    [
+        (range(1000, 1050), "1000 to 1049 (50)"),
+        ((7,), "7 (1)"),
+        ((1, 5, 7), "1, 5, 7 (3)"),
+        ((3, 2, 1, 0, 9, 8), "0 to 3, 8, 9 (6)"),
+    ],
+)
+def test_seeds_in_short(seeds: tuple[int, ...], text: str) -> None:
+    assert seeds_text(seeds) == text
+
+
+@pytest.fixture
+def study(make_plan: MakePlan, make_record: MakeRecord) -> tuple[Plan, list[Record]]:
+    figures = {"drive.success": "more", "drive.time_s": "less", "a.x / b.x": "more", "a.x": "more"}
+    plan = make_plan(
+        variants=("ica", "affine", "twin", "random"), seeds=range(20), figures=figures, same_as={"twin": "affine"}
+    )
+    cases = tuple(
+        dataclasses.replace(case, role="control") if case.variant == "random" else case for case in plan.cases
+    )
+    records = [
+        make_record(variant, seed, {"drive.success": float(seed > shift), "drive.time_s": 30.0 + shift + 0.125 * seed})
+        for variant, shift in (("ica", 0), ("affine", 1), ("twin", 1))
+        for seed in range(20)
+    ]
+    broken = make_record("random", 0, outcome="failed", failure="stage 'plane' failed at 0.10 s: a|b\nworse")
+    return dataclasses.replace(plan, cases=cases), [*records, broken]
+
+
+def test_table_has_everything_it_takes(study: tuple[Plan, list[Record]]) -> None:
+    plan, records = study
+    text = table_markdown(plan, compare(plan, records))
+    for line in (
+        "# toy",
+        "Which one?",
+        "## corridor",
+        "| variant | worlds | outcomes | drive.success ↑ | difference | drive.time_s ↓ | difference | a.x / b.x ↑ |",
+        "| ica (base) | 20 | goal 20 | 0.95 [0.76, 0.99] |",
+        "| affine | 20 |",
+        "| **+1.000 [+1.000, +1.000], 0–20** |",
+        "| twin (the same graph as affine) | 20 |",
+        "| random (control) | 1 of 20 | failed 1 | 0.00 [0.00, 0.79] |",
+        "| variant | a.x ↑ | difference |",
+        "- random, 1: stage 'plane' failed: a\\|b worse",
+        "10000 resamples",
+        "A control is what",
+        "- command: `graphnav ablate toy --seeds 0:3`",
+        "- seeds: `0 to 19 (20)`",
+        "- versions: `graphnav 0.1.0`",
+    ):
+        assert line in text, line
+    tables = [block for block in text.split("\n\n") if block.startswith("| variant")]
+    for table in tables:
+        assert len({line.replace("\\|", "").count("|") for line in table.splitlines()}) == 1, (
+            "every row has every column"
+        )
+
+
+def test_a_study_without_figures_of_its_own_shows_all(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(less_is_better=("c.z",))
+    text = table_markdown(plan, compare(plan, [make_record("ica", 0, {"a.x": 1.0, "b.y": 2.0, "c.z": 0.5})]))
+    assert all(name in text for name in ("a.x ↑", "b.y ↑", "c.z ↓"))
+    assert "| variant | worlds | outcomes |" in table_markdown(plan, compare(plan, []))
+
+
+@pytest.mark.parametrize("width", [20, 80, 300])
+def test_terminal_shows_whole_numbers_however_narrow_it_is(study: tuple[Plan, list[Record]], width: int) -> None:
+    plan, records = study
+    out = io.StringIO()
+    print_comparison(Console(file=out, width=width), compare(plan, records), plan)
+    for text in ("0.95 [0.76, 0.99]", "+1.000 [+1.000, +1.000], 0–20", "drive.time_s ↓", "failed: a|b"):
+        assert text in out.getvalue()
+    assert "a.x" not in out.getvalue(), "only the figures that decide"
+
+
+def test_terminal_colours_what_is_sure(study: tuple[Plan, list[Record]]) -> None:
+    plan, records = study
+    out = io.StringIO()
+    print_comparison(
+        Console(file=out, width=200, force_terminal=True, color_system="standard"), compare(plan, records), plan
+    )
+    assert "\x1b[31m+1.000" in out.getvalue(), "longer is worse"
+    assert "\x1b[32m" not in out.getvalue()

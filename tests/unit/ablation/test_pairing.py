@@ -1,0 +1,104 @@
+"""Two studies side by side."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+from collections.abc import Callable, Sequence
+
+import pytest
+from rich.console import Console
+
+from graphnav.ablation.comparison import compare
+from graphnav.ablation.pairing import pair_studies
+from graphnav.ablation.pairing_markdown import pairing_markdown
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.records import Record
+from graphnav.ablation.table import print_pairing
+from graphnav.errors import UserError
+
+MakePlan = Callable[..., Plan]
+Runs = Callable[[str, Sequence[int], Sequence[float]], list[Record]]
+
+
+@pytest.fixture
+def runs(make_record: Callable[..., Record]) -> Runs:
+    """Return what makes runs of a variant with a time and a success each."""
+
+    def make(variant: str, seeds: Sequence[int], times_s: Sequence[float]) -> list[Record]:
+        return [
+            make_record(variant, seed, {"drive.time_s": time_s, "drive.success": float(time_s < 20)})
+            for seed, time_s in zip(seeds, times_s, strict=True)
+        ]
+
+    return make
+
+
+def test_the_same_worlds_are_compared(make_plan: MakePlan, runs: Runs) -> None:
+    before = make_plan(seeds=range(4), figures={"drive.time_s": "less", "drive.success": "more"})
+    after = dataclasses.replace(before, seeds=(2, 3, 4), versions={"graphnav": "0.2.0"})
+    pairing = pair_studies(
+        before,
+        runs("ica", range(4), [10, 20, 30, 40]) + runs("affine", [0, 1], [1, 2]),
+        after,
+        runs("ica", [2, 3, 4], [15, 41, 9]),
+    )
+    (row,) = pairing.rows
+    assert (row.name, row.seeds, row.only_a, row.only_b) == ("ica", (2, 3), (0, 1), (4,))
+    assert (row.estimates_a["drive.time_s"].mean, row.estimates_b["drive.time_s"].mean) == (35.0, 28.0)
+    found = row.differences["drive.time_s"]
+    assert (found.mean, found.n, found.won, found.lost) == (-7.0, 2, 1, 1)
+    assert (row.differences["drive.success"].won, row.differences["drive.success"].lost) == (1, 0)
+    assert pairing.only_a == (("corridor", "affine"),)
+    assert pairing.only_b == ()
+    assert pairing.different_versions == {"graphnav": ("0.1.0", "0.2.0")}
+
+    text = pairing_markdown(pairing)
+    out = io.StringIO()
+    print_pairing(Console(file=out, width=30), pairing)
+    for shown in (text, out.getvalue()):
+        for part in ("35.0 [30.0, 40.0]", "28 [15, 41]", "drive.time_s ↓", "corridor, affine: only A has runs of it"):
+            assert part in shown
+        assert "corridor, ica: only B has the seeds 4 (1)" in shown
+        assert "graphnav: 0.1.0 in A, 0.2.0 in B" in shown
+
+
+def test_a_study_does_not_differ_from_itself(make_plan: MakePlan, runs: Runs) -> None:
+    plan = make_plan(seeds=range(9))
+    records = runs("ica", range(9), range(9)) + runs("affine", range(9), range(3, 12))
+    pairing = pair_studies(plan, records, plan, list(reversed(records)))
+    assert [row.variant_a for row in pairing.rows] == ["ica", "affine"]
+    for row, single in zip(pairing.rows, compare(plan, records).rows, strict=True):
+        assert row.estimates_a == row.estimates_b == single.estimates
+        assert all(found.mean == found.won == found.lost == 0 for found in row.differences.values())
+    assert pairing.only_a == pairing.only_b == ()
+    assert "Only in one" not in pairing_markdown(pairing)
+
+
+def test_variants_of_different_names_pair_as_told(make_plan: MakePlan, runs: Runs) -> None:
+    a, b = make_plan(), make_plan(variants=("new", "newer"))
+    records_a = runs("ica", range(3), [1, 2, 3]) + runs("affine", range(3), [1, 2, 3])
+    records_b = runs("new", range(3), [2, 2, 2]) + runs("newer", range(3), [0, 0, 0])
+    pairing = pair_studies(a, records_a, b, records_b, [("ica", "new"), ("ica", "newer")])
+    assert [(row.name, row.differences["drive.time_s"].mean) for row in pairing.rows] == [
+        ("ica : new", 0.0),
+        ("ica : newer", -2.0),
+    ]
+    assert pairing.only_a == pairing.only_b == (), "nobody asked for the others"
+    with pytest.raises(UserError, match=r"the second study has no variant 'ica'\n  it has new, newer"):
+        pair_studies(a, records_a, b, records_b, [("ica", "ica")])
+
+
+def test_failures_count_as_in_every_table(make_plan: MakePlan, runs: Runs) -> None:
+    plan = make_plan()
+    good = runs("ica", range(3), [10, 10, 10])
+    broken = [dataclasses.replace(record, outcome="failed", failure="no") for record in good[:1]]
+    (row,) = pair_studies(plan, good, plan, broken + good[1:]).rows
+    assert row.differences["drive.success"].lost == 1
+    assert row.differences["drive.time_s"].n == 2
+
+
+def test_studies_without_a_common_run_cannot_be_compared(make_plan: MakePlan, runs: Runs) -> None:
+    a, b = make_plan(seeds=(0, 1)), make_plan(seeds=(2, 3))
+    with pytest.raises(UserError, match=r"have no run in common: .*\n  compare studies of the same"):
+        pair_studies(a, runs("ica", [0, 1], [1, 2]), b, runs("ica", [2, 3], [1, 2]))
