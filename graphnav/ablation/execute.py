@@ -47,11 +47,10 @@ def execute(
     """
     for result in perform_all(map(tasks.task, jobs), workers):
         if result.died:
-            _keep(folder, replace(result, files=files_of_the_dead(result.task)))
-            on_made(Outcome.FAILED)
+            folder.keep(result.task.folder, files_of_the_dead(result.task))
         else:
-            _keep(folder, result)
-            on_made(result.outcome)
+            folder.keep(result.task.folder, result.files)
+        on_made(Outcome.FAILED if result.died else result.outcome)
 
 
 def perform_all(tasks: Iterable[Task], workers: Workers) -> Iterator[Result]:
@@ -61,18 +60,11 @@ def perform_all(tasks: Iterable[Task], workers: Workers) -> Iterator[Result]:
         if result.died:
             died.append(result.task)
         else:
-            yield _checked(result)
-    yield from map(_checked, workers.perform_all(died, one_at_a_time=True))
+            yield _untroubled(result)
+    yield from map(_untroubled, workers.perform_all(died, one_at_a_time=True))
 
 
-def _checked(result: Result) -> Result:
+def _untroubled(result: Result) -> Result:
     if result.trouble:
-        raise GraphnavError(f"cannot go on: {result.trouble}")
+        raise GraphnavError(result.trouble)
     return result
-
-
-def _keep(folder: StudyFolder, result: Result) -> None:
-    try:
-        folder.keep(result.task.folder, result.files)
-    except OSError as error:
-        raise GraphnavError(f"cannot write into {folder.path}: {error.strerror}") from error

@@ -13,7 +13,7 @@ from typing import Self
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.sameness import check_same
-from graphnav.errors import UserError
+from graphnav.errors import GraphnavError, UserError
 from graphnav.runner.recorded import SUMMARY
 
 PLAN = "plan.json"
@@ -82,7 +82,19 @@ class StudyFolder:
         return (self.path / place / SUMMARY).is_file()
 
     def keep(self, place: str, files: Mapping[str, bytes]) -> None:
-        """Put a run's files at ``place``, all of them or, where the process is killed or the disk full, none."""
+        """Put a run's files at ``place``: all of them or, where the process is killed or the disk full, none.
+
+        Raises
+        ------
+        GraphnavError
+            The disk refuses.
+        """
+        try:
+            self._keep(place, files)
+        except OSError as error:
+            raise GraphnavError(f"cannot write into {self.path}: {error.strerror}") from error
+
+    def _keep(self, place: str, files: Mapping[str, bytes]) -> None:
         unfinished = Path(tempfile.mkdtemp(dir=self.scratch))
         for name, content in files.items():
             with (unfinished / name).open("wb") as file:

@@ -23,6 +23,10 @@ _PATIENCE_S = 5
 class Workers(Protocol):
     """Makes runs in parallel."""
 
+    @property
+    def at_once(self) -> int:
+        """The number of runs that are made at once."""
+
     def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
         """Yield what comes of the tasks, in the order in which they are finished."""
 
@@ -31,11 +35,12 @@ class LocalWorkers:
     """Processes of this machine, each in the hands of one of joblib's threads."""
 
     def __init__(self, crew: Crew, jobs: int) -> None:
-        self._crew, self._jobs = crew, jobs
+        self._crew = crew
+        self.at_once = jobs
 
     def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
         """Yield what comes of the tasks, in the order in which they are finished."""
-        jobs = 1 if one_at_a_time else self._jobs
+        jobs = 1 if one_at_a_time else self.at_once
         parallel = Parallel(jobs, "threading", return_as="generator_unordered", batch_size=1, pre_dispatch=jobs)
         yield from parallel(delayed(self._crew.perform)(task) for task in tasks)
 
@@ -45,6 +50,12 @@ class ClusterWorkers:
 
     def __init__(self, client: Any, address: str) -> None:
         self._client, self._address = client, address
+
+    @property
+    def at_once(self) -> int:
+        """The number of runs that are made at once; workers come and go."""
+        cores: dict[str, int] = self._client.ncores()
+        return max(1, sum(cores.values()))
 
     def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
         """Yield what comes of the tasks, in the order in which they are finished."""

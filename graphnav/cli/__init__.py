@@ -10,10 +10,12 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from graphnav.ablation.threads import ONE_THREAD
 from graphnav.cli.status import FAILED, INTERRUPTED, USER_ERROR
 
 COMMANDS = {
     "run": "run a graph and leave a run folder: log, summary, pictures",
+    "ablate": "swap stages and conditions, repeat over seeds, compare with statistics",
     "check": "say everything that is wrong with a graph, with line and column",
     "draw": "draw a graph: boxes in the terminal, svg, mermaid or dot",
     "stages": "list what can be plugged in, or tell all about one stage",
@@ -27,9 +29,6 @@ COMMANDS = {
     "doctor": "say what this machine lacks, with the command that mends it",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
-
-_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")
-"""Set before numpy and OpenCV load: thread counts change results and times, parallel work is many processes."""
 
 
 class _Intermixed(argparse.ArgumentParser):
@@ -73,11 +72,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     from graphnav.errors import GraphnavError, ParamError, UserError  # noqa: PLC0415
 
     _show_what_the_terminal_can()
-    for variable in _ONE_THREAD:
-        os.environ.setdefault(variable, "1")
+    for variable, value in ONE_THREAD.items():
+        os.environ.setdefault(variable, value)
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
     args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
+    args.words = words
     try:
         return int(args.main(args))
     except UserError as error:

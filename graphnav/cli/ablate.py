@@ -1,0 +1,159 @@
+"""``graphnav ablate``: swap, repeat over seeds, compare with statistics."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.cli.options import add_plugin_option, catalog_of, count
+from graphnav.cli.status import INTERRUPTED, OK
+from graphnav.errors import GraphnavError, UserError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from graphnav.ablation.plan import Plan
+    from graphnav.catalog import Catalog
+
+_ABOUT = """\
+A study is a YAML file, the name of one that ships, or graphs and --vary. Its folder keeps every run: a study that was
+stopped or killed goes on when the same command is given again, and more seeds add runs to those that are there.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.epilog = _ABOUT
+    parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files, or names of what ships")
+    parser.add_argument(
+        "--vary",
+        dest="varies",
+        action="append",
+        default=[],
+        metavar="AXIS=A,B,...",
+        help="what varies, the base's value first (plane=plane.ica,plane.affine); AXIS+=C adds a value to the study's",
+    )
+    parser.add_argument(
+        "--set",
+        dest="sets",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="what all runs have: a stage, a parameter or a wire",
+    )
+    parser.add_argument("--seeds", metavar="FIRST:END", help="the worlds, the end not included, or 1,2,5")
+    parser.add_argument(
+        "--one-at-a-time", action="store_true", help="change one axis of the base at a time; else cross"
+    )
+    parser.add_argument(
+        "--figures",
+        action="append",
+        default=[],
+        metavar="STAGE.FIGURE,...",
+        help="columns of the table, deciding first",
+    )
+    add_plugin_option(parser)
+    parser.add_argument(
+        "-o",
+        dest="folder",
+        type=Path,
+        metavar="DIR",
+        help="the study's folder (default: ablations/STUDY); with --compare the file to write",
+    )
+    parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one a core)")
+    parser.add_argument(
+        "--cluster",
+        metavar="URL",
+        help="run on the Dask cluster whose scheduler is at tcp://host:8786; its workers need graphnav, and "
+        "maps and plugins of your own at the same paths, but not this folder",
+    )
+    parser.add_argument(
+        "--gallery",
+        type=_count_or_none,
+        default=2,
+        metavar="N",
+        help="failures of each variant that are run again and drawn (default 2; controls 1)",
+    )
+    parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the failures that are drawn")
+    parser.add_argument("--yes", action="store_true", help="do not ask before more than 1000 runs")
+    parser.add_argument("--report", type=Path, metavar="DIR", help="write tables and report of a study's folder again")
+    parser.add_argument(
+        "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
+    )
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.ablation.folder import read_plan  # noqa: PLC0415
+    from graphnav.cli.study_output import write_outputs, write_pairing  # noqa: PLC0415
+
+    console = Console(highlight=False, soft_wrap=True)
+    if args.compare:
+        first, second = args.compare
+        write_pairing(first, second, args.folder, console)
+        return OK
+    if args.report:
+        write_outputs(read_plan(args.report), args.report, console)
+        return OK
+    if not args.names:
+        raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
+    catalog = catalog_of(args)
+    return _study(_plan(args, catalog), catalog, args, console)
+
+
+def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
+    """Return the checked plan of the study that the command line says."""
+    from graphnav.ablation.command_line import study_of_command  # noqa: PLC0415
+    from graphnav.ablation.execute import with_versions  # noqa: PLC0415
+    from graphnav.ablation.make_plan import make_plan  # noqa: PLC0415
+
+    study = study_of_command(
+        args.names,
+        varies=args.varies,
+        sets=args.sets,
+        figures=args.figures,
+        seeds=args.seeds,
+        one_at_a_time=args.one_at_a_time,
+    )
+    return with_versions(make_plan(study, catalog, shlex.join(["graphnav", *args.words]), args.plugins))
+
+
+def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
+    """Make what is missing of a study, draw its failures, write its report."""
+    from graphnav.ablation.execute import missing  # noqa: PLC0415
+    from graphnav.ablation.folder import StudyFolder  # noqa: PLC0415
+    from graphnav.ablation.tasks import Tasks  # noqa: PLC0415
+    from graphnav.cli.study_output import write_outputs  # noqa: PLC0415
+    from graphnav.cli.study_run import draw_worst, make_missing, workers_of  # noqa: PLC0415
+
+    with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
+        folder.begin(plan)
+        tasks = Tasks(plan, catalog)
+        try:
+            with workers_of(args.cluster, args.jobs, folder) as workers:
+                if not make_missing(plan, tasks, folder, workers, console, is_sure=args.yes):
+                    return OK
+                draw_worst(plan, tasks, folder, workers, console, each=args.gallery, keep_logs=args.keep_logs)
+            write_outputs(plan, folder.path, console)
+        except KeyboardInterrupt:
+            print(f"stopped: {_state(plan, len(missing(plan, folder)))}; the same command goes on", file=sys.stderr)
+            return INTERRUPTED
+        except UserError:
+            raise
+        except GraphnavError as error:
+            state = _state(plan, len(missing(plan, folder)))
+            raise GraphnavError(f"{error}\n  {state}; mend this, and the same command goes on") from error
+    return OK
+
+
+def _state(plan: Plan, n_missing: int) -> str:
+    return f"{plan.n_jobs - n_missing} of {plan.n_jobs} runs are made"
+
+
+def _count_or_none(text: str) -> int:
+    return 0 if text == "0" else count(text)

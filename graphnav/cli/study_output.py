@@ -1,0 +1,56 @@
+"""Write and print what a study came to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+
+from graphnav.ablation.comparison import compare
+from graphnav.ablation.csv_files import RESULTS, TIMING, write_results, write_timing
+from graphnav.ablation.folder import read_plan
+from graphnav.ablation.markdown import TABLE, table_markdown
+from graphnav.ablation.pairing import pair_studies
+from graphnav.ablation.pairing_markdown import pairing_markdown
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.records import read_records
+from graphnav.ablation.table import print_comparison, print_pairing
+from graphnav.errors import UserError
+
+
+def write_outputs(plan: Plan, folder: Path, console: Console) -> None:
+    """Make tables and report from the runs that are there, and print the table in short.
+
+    Raises
+    ------
+    UserError
+        A run's summary is not whole.
+    """
+    records = read_records(plan, folder)
+    comparison = compare(plan, records)
+    write_results(plan, records, folder / RESULTS)
+    write_timing(plan, records, folder / TIMING)
+    (folder / TABLE).write_text(table_markdown(plan, comparison), encoding="utf-8")
+    print_comparison(console, comparison, plan)
+    if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
+        console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
+    console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}", markup=False)
+
+
+def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:
+    """Compare the studies of two folders, world by world; print that in short and write all of it to ``file``.
+
+    Raises
+    ------
+    UserError
+        A folder holds no study, they have nothing in common, or the file cannot be written.
+    """
+    plan_a, plan_b = map(read_plan, (folder_a, folder_b))
+    pairing = pair_studies(plan_a, read_records(plan_a, folder_a), plan_b, read_records(plan_b, folder_b))
+    print_pairing(console, pairing)
+    if file is not None:
+        try:
+            file.write_text(pairing_markdown(pairing), encoding="utf-8")
+        except OSError as error:
+            raise UserError.of(f"cannot write {file}: {error.strerror}", "choose another file with -o") from error
+        console.print(str(file), markup=False)

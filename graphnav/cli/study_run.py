@@ -1,0 +1,98 @@
+"""Make the runs of a study while a person watches."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import joblib
+from rich.console import Console
+
+from graphnav.ablation.execute import execute, missing
+from graphnav.ablation.folder import StudyFolder
+from graphnav.ablation.gallery import draw_failures, undrawn, worst_failures
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.records import read_records
+from graphnav.ablation.tasks import Tasks
+from graphnav.ablation.workers import Workers, cluster_workers, local_workers
+from graphnav.cli.study_progress import study_bar
+from graphnav.errors import UserError
+
+MANY_RUNS = 1000
+"""Above so many it asks before it makes them."""
+
+
+@contextmanager
+def workers_of(cluster: str | None, jobs: int | None, folder: StudyFolder) -> Iterator[Workers]:
+    """Let a cluster, or as many processes as asked for or there are cores, make runs; SIGTERM stops like Ctrl-C."""
+    old = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    makers = cluster_workers(cluster) if cluster else local_workers(jobs or joblib.cpu_count(), folder.scratch)
+    try:
+        with makers as workers:
+            yield workers
+    finally:
+        signal.signal(signal.SIGTERM, old)
+
+
+def make_missing(
+    plan: Plan, tasks: Tasks, folder: StudyFolder, workers: Workers, console: Console, *, is_sure: bool
+) -> bool:
+    """Make the runs that are not there; return whether all are there then, False where the user does not want them.
+
+    Raises
+    ------
+    UserError
+        They are many, and there is nobody to ask.
+    """
+    jobs = missing(plan, folder)
+    if len(jobs) < plan.n_jobs:
+        console.print(f"{plan.n_jobs - len(jobs)} of {plan.n_jobs} runs are there already", markup=False)
+    if len(jobs) > MANY_RUNS and not is_sure:
+        if not (sys.stdin.isatty() and console.is_terminal):
+            what = f"{len(jobs)} runs are to be made, and there is nobody to ask whether that is meant"
+            raise UserError.of(what, "add --yes, or take fewer seeds")
+        if len(jobs) == plan.n_jobs:
+            console.print("one run is made first, to see how long it takes")
+            execute(jobs[:1], tasks, folder, workers)
+            jobs = jobs[1:]
+        if not _wants(len(jobs), _seconds_a_run(plan, folder) / workers.at_once, console):
+            console.print("nothing more is run; --seeds and --vary make the study smaller")
+            return False
+    with study_bar(Console(stderr=True), plan.name, plan.n_jobs - len(jobs), plan.n_jobs) as on_made:
+        execute(jobs, tasks, folder, workers, on_made)
+    return True
+
+
+def draw_worst(
+    plan: Plan, tasks: Tasks, folder: StudyFolder, workers: Workers, console: Console, *, each: int, keep_logs: bool
+) -> None:
+    """Draw the worst failures that are not drawn, and say so where one does not happen again."""
+    chosen = worst_failures(plan, read_records(plan, folder.path), each)
+    jobs = undrawn(chosen, folder, keep_logs=keep_logs)
+    with study_bar(Console(stderr=True), "failures", len(chosen) - len(jobs), len(chosen)) as on_made:
+        for line in draw_failures(jobs, tasks, folder, workers, on_made, keep_logs=keep_logs):
+            console.print(f"not the same again: {line}", markup=False)
+
+
+def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:
+    """Ask whether so many runs are meant."""
+    question = f"{n_jobs} runs are to be made, which takes about {spoken(n_jobs * seconds_each)}. Go on? [y/N] "
+    try:
+        return console.input(question, markup=False).strip().lower() in {"y", "yes"}
+    except EOFError:
+        return False
+
+
+def spoken(seconds: float) -> str:
+    """Return a duration as people say it."""
+    for unit, size in (("days", 86400), ("hours", 3600), ("minutes", 60)):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{max(seconds, 1):.0f} seconds"
+
+
+def _seconds_a_run(plan: Plan, folder: StudyFolder) -> float:
+    walls = [record.wall_s for record in read_records(plan, folder.path)]
+    return sum(walls) / len(walls)
