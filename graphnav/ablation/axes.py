@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from graphnav.ablation.study import Axis, Choice
-from graphnav.ablation.targets import is_stage, meaning, targets_of
+from graphnav.ablation.targets import is_stage, meaning
 from graphnav.errors import Place, Problem
 
 _COLUMNS = ("graph", "variant", "seed", "outcome", "failure", "frames", "sim_s")
@@ -42,6 +42,3 @@ def axis_problems(axis: Axis) -> Iterable[Problem]:
             yield Problem(choice.place, f"axis '{axis.name}': {choice.label} is the same as {other}", "keep one")
         labels.setdefault(choice.label, choice)
         meanings.setdefault(meaning(choice), choice)
-    for target in {t for choice in axis.choices for text in choice.sets for t in targets_of(text)}:
-        if target == ("run", "seed"):
-            yield Problem(axis.place, "run.seed cannot vary: a study's seeds are its worlds", "write seeds: FIRST:END")

@@ -94,9 +94,7 @@ def _origins(study: Study, variant: Variant) -> dict[str, Origin]:
     """Return the ``--set`` texts of a case and where each was said."""
     origins = {text: Origin(study.places.get(text)) for text in study.sets}
     for axis, choice in variant.choices.items():
-        places = choice.places or (choice.place,) * len(choice.sets)
-        for text, place in zip(choice.sets, places, strict=True):
-            origins[text] = Origin(place, axis, choice.label)
+        origins |= {text: Origin(place, axis, choice.label) for text, place in choice.placed_sets}
     return origins
 
 

@@ -76,7 +76,7 @@ def _named(names: Sequence[str]) -> Study:
     if "study" in kinds:
         if len(names) > 1:
             study = names[kinds.index("study")]
-            raise UserError.of(f"'{study}' is a study, which names its own graphs", "give it alone", Place(study))
+            raise UserError.of("this is a study, which names its own graphs", "give it alone", Place(study))
         return load_study(names[0])
     files: dict[Path, str] = {}
     for name in names:

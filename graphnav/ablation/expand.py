@@ -50,14 +50,7 @@ def expand(study: Study) -> tuple[Variant, ...]:
     UserError
         There are more than anybody compares.
     """
-    variants = count_variants(study)
-    cases = variants * max(1, len(study.graphs))
-    if cases > MAX_CASES:
-        sizes = " x ".join(str(len(axis.choices)) for axis in study.axes)
-        what = f"the axes cross to {variants} variants ({sizes})"
-        what += f" on {len(study.graphs)} graphs, {cases} rows" if len(study.graphs) > 1 else ""
-        hint = "vary one axis at a time (--one-at-a-time, or one_at_a_time: true), or take fewer values"
-        raise UserError.of(f"{what}: that is more than {MAX_CASES}, too many to compare", hint)
+    _check_size(study)
     short, rows = _short_labels(study.axes), _rows(study)
     names = _unique(_one_at_a_time_names(study, rows, short) if study.one_at_a_time else _crossed_names(rows, short))
     names_of_axes = [axis.name for axis in study.axes]
@@ -65,6 +58,21 @@ def expand(study: Study) -> tuple[Variant, ...]:
         Variant(name, dict(zip(names_of_axes, row, strict=True)), is_base=number == 0)
         for number, (name, row) in enumerate(zip(names, rows, strict=True))
     )
+
+
+def _check_size(study: Study) -> None:
+    variants, graphs = count_variants(study), len(study.graphs)
+    cases = variants * graphs
+    if cases <= MAX_CASES:
+        return
+    many = f"{variants} variants" if variants < 10**12 else "more than 10^12 variants"
+    on = f" on {graphs} graphs" if graphs > 1 else ""
+    if study.one_at_a_time:
+        what, hint = f"the axes have {many}{on}", "take fewer values"
+    else:
+        what = f"the axes cross to {many}{on}"
+        hint = "vary one axis at a time (--one-at-a-time, or one_at_a_time: true in the study), or take fewer values"
+    raise UserError.of(f"{what}: more than {MAX_CASES} rows are too many to compare", hint)
 
 
 def _rows(study: Study) -> list[tuple[Choice, ...]]:

@@ -32,7 +32,7 @@ def find(name: str | Path) -> Path:
     except UserError:
         if str(name) in studies:
             return studies[str(name)]
-        if Path(name).is_dir():
+        if _is_folder(Path(name)):
             raise
         near = sorted(str(p) for suffix in ("yaml", "yml") for p in Path().glob(f"*.{suffix}"))
         hint = did_you_mean(str(name), {*studies, *shipped_graphs(), *near})
@@ -59,8 +59,8 @@ def read(path: Path) -> bytes:
 
 def kind_of(value: Value) -> Literal["study", "graph"]:
     """Return what a file is by what it says: a study varies something, a graph has stages."""
-    words = value.data if isinstance(value.data, dict) else {}
-    if "vary" in words:
+    words = value.data
+    if not isinstance(words, dict) or "vary" in words:
         return "study"
     return "study" if "stages" not in words and _ONLY_IN_STUDIES & words.keys() else "graph"
 
@@ -75,3 +75,10 @@ def classify(name: str | Path) -> Literal["study", "graph"]:
     """
     path = find(name)
     return kind_of(parse_yaml(read(path), shown_path(path))[0])
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:  # a name too long
+        return False

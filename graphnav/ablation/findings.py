@@ -40,7 +40,8 @@ class Findings:
         for problem in error.problems:
             said = problem.place.file.removeprefix(f"{SET} ") if problem.place else ""
             origin = origins.get(said)
-            moved = Problem(origin.place if origin else problem.place, problem.what, problem.hint)
+            hint = _in_one_choice(problem.hint) if origin and origin.axis else problem.hint
+            moved = Problem(origin.place if origin else problem.place, problem.what, hint)
             variants = self._found.setdefault((origin, moved), {}).setdefault(graph, [])
             if variant not in variants:
                 variants.append(variant)
@@ -70,6 +71,12 @@ class Findings:
             if len(variants) < self._seen[graph]:
                 return Problem(problem.place, f"with {variants[0]}: {problem.what}", problem.hint)
         return problem
+
+
+def _in_one_choice(hint: str) -> str:
+    """Return the advice of a swap for a study, where ``--set`` would change the other variants, too."""
+    head, option, rest = hint.partition(f"choose with {SET} ")
+    return f"{head}write a choice that sets this, too: {rest.replace(f'{SET} ', '')}" if option else hint
 
 
 def listed(names: Sequence[str]) -> str:

@@ -5,18 +5,19 @@ from __future__ import annotations
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 _LONGEST = 100
 _OTHER = re.compile(r"[^A-Za-z0-9._+=-]+")
 
 
-def folder_names(texts: Iterable[str]) -> dict[str, str]:
+def folder_names(texts: Iterable[str], called: Callable[[str], str] = str) -> dict[str, str]:
     """Return a folder's name for each text: letters that every file system takes, no two alike in any case of letters.
 
-    A name depends on its text alone, but where texts would share one, or had to be cut; those end in a hash.
+    A name is made of what ``called`` says of its text. Where texts would share one, or it had to be cut, it ends in a
+    hash of the text.
     """
-    found = {text: _slug(text) for text in texts}
+    found = {text: _slug(called(text)) for text in texts}
     times = Counter(name.casefold() for name in found.values())
     return {
         text: name if name and times[name.casefold()] == 1 and len(name) <= _LONGEST else _hashed(text, name)

@@ -13,7 +13,7 @@ MAX_SEEDS = 100_000
 
 _RANGE = re.compile(r"\s*([0-9]{1,12})\s*:\s*([0-9]{1,12})\s*", re.ASCII)
 _LIST = re.compile(r"\s*\[?\s*([0-9]{1,12}(?:\s*,\s*[0-9]{1,12})*)\s*(,?)\s*\]?\s*", re.ASCII)
-_HINT = "write FIRST:END, the end not included (0:50 are 50 worlds), or a list as [1, 5, 7]"
+HINT = "write FIRST:END, the end not included (0:50 are 50 worlds), or a list as [1, 5, 7]"
 
 
 def parse_seeds(text: str, place: Place | None = None) -> tuple[int, ...]:
@@ -37,7 +37,7 @@ def parse_seeds(text: str, place: Place | None = None) -> tuple[int, ...]:
         return checked_seeds(range(first, end), place)
     listed = _LIST.fullmatch(text)
     if listed is None:
-        raise UserError.of(f"'{text}' says no seeds", _HINT, place)
+        raise UserError.of(f"'{text}' says no seeds", HINT, place)
     if "," not in text and "[" not in text:
         raise bare_number(listed[1], place)
     return checked_seeds([int(word) for word in listed[1].split(",")], place)
@@ -52,7 +52,7 @@ def checked_seeds(seeds: Sequence[int], place: Place | None = None) -> tuple[int
         There are none or too many, one stands twice, or is out of bounds.
     """
     if not seeds:
-        raise UserError.of("there is no seed in the list", _HINT, place)
+        raise UserError.of("there is no seed in the list", HINT, place)
     if len(seeds) > MAX_SEEDS:
         raise _too_many(len(seeds), place)
     for seed in seeds:

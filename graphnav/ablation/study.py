@@ -19,6 +19,11 @@ class Choice:
     """Where each of ``sets`` was said."""
     place: Place | None = field(default=None, compare=False)
 
+    @property
+    def placed_sets(self) -> tuple[tuple[str, Place | None], ...]:
+        """Its ``--set`` texts, each with its place."""
+        return tuple(zip(self.sets, self.places or (self.place,) * len(self.sets), strict=True))
+
 
 @dataclass(frozen=True)
 class Axis:

@@ -1,0 +1,60 @@
+"""What is wrong with a study whatever its graphs say: nothing to run, or one thing set twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from graphnav.ablation.expand import Variant
+from graphnav.ablation.study import Study
+from graphnav.ablation.targets import Target, targets_of
+from graphnav.errors import Place, Problem
+
+_OWN = {
+    "seed": ("a study's seeds are its worlds", "write seeds: FIRST:END, or --seeds FIRST:END"),
+    "record": ("a study records what is small, and of failures everything", "leave it out"),
+}
+"""Options of ``run:`` that a study decides itself."""
+
+
+def conflicts(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+    """Yield what is wrong with a study and its variants, each thing once, where it is said first."""
+    said = set()
+    for problem in _conflicts(study, variants):
+        if problem.what not in said:
+            said.add(problem.what)
+            yield problem
+
+
+def _conflicts(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+    if not study.graphs:
+        yield Problem(None, f"the study '{study.name}' has no graphs", "name one: graphnav ablate corridor_ccw ...")
+    if not study.seeds:
+        yield Problem(None, f"the study '{study.name}' has no seeds", "say which worlds: --seeds 0:50")
+    for text in study.sets:
+        yield from _own(text, study.places.get(text))
+    for variant in variants:
+        yield from _set_twice(study, variant)
+
+
+def _set_twice(study: Study, variant: Variant) -> Iterator[Problem]:
+    who: dict[Target, str] = {target: "'set'" for text in study.sets for target in targets_of(text)}
+    for axis, choice in variant.choices.items():
+        here: dict[Target, str] = {}
+        for text, place in choice.placed_sets:
+            yield from _own(text, place)
+            for target in targets_of(text):
+                if target in who:
+                    yield Problem(place, f"axis '{axis}' sets {_shown(target)}, as {who[target]} does", "keep one")
+                here[target] = f"axis '{axis}'"
+        who |= here
+
+
+def _own(text: str, place: Place | None) -> Iterator[Problem]:
+    for stage, key in targets_of(text):
+        if stage == "run" and key in _OWN:
+            why, hint = _OWN[key]
+            yield Problem(place, f"run.{key} is not for a study to set: {why}", hint)
+
+
+def _shown(target: Target) -> str:
+    return ".".join(filter(None, target))
