@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Flow, Plane, coarsen, param
-from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground
-
-Doubles = npt.NDArray[np.float64]
+from graphnav_plane.agreement import Doubles, agrees, length, median
+from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector, all_ground
 
 _SAMPLE = 200
 _LEAST_AREA = 1e-3
-_SIGMA_OF_MEDIAN = 1.4826
-_INLIER_SIGMAS = 2.5
 
 
 class Affine(Detector):
@@ -58,7 +54,7 @@ class Affine(Detector):
         for _ in range(self.refits):
             fit = _refitted(fit, places, uv, self.threshold_px)
         score = np.zeros(valid.shape)
-        score[valid] = _length(uv - places @ fit)
+        score[valid] = length(uv - places @ fit)
         return self._plane(score, valid, cells.step_px)
 
     def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:
@@ -83,11 +79,11 @@ class Affine(Detector):
             left -= seen[axis]
             left *= left
             squares += left
-        medians = np.where(proper, _median(squares), np.inf)
+        medians = np.where(proper, median(squares), np.inf)
         return fits[:, :, np.argmin(medians)].astype(np.float64)
 
 
-def _places(valid: npt.NDArray[np.bool_]) -> Doubles:
+def _places(valid: Cells) -> Doubles:
     """Return (x, y, 1) of the valid cells, x and y from -1 to 1 across the picture, (n, 3)."""
     rows, cols = np.nonzero(valid)
     height, width = valid.shape
@@ -97,23 +93,11 @@ def _places(valid: npt.NDArray[np.bool_]) -> Doubles:
 
 def _refitted(fit: Doubles, places: Doubles, uv: Doubles, noise_px: float) -> Doubles:
     """Return the least-squares fit to the vectors that agree with ``fit``."""
-    left = _length(uv - places @ fit)
-    sigma = max(_SIGMA_OF_MEDIAN * float(_median(left)), noise_px / _INLIER_SIGMAS)
-    agrees = left <= _INLIER_SIGMAS * sigma
-    return _least_squares(places[agrees], uv[agrees])
+    near = agrees(length(uv - places @ fit), noise_px)
+    return _least_squares(places[near], uv[near])
 
 
 def _least_squares(places: Doubles, uv: Doubles) -> Doubles:
     """Return the fit (3, 2); a little ridge keeps it finite where all places lie on one line."""
     products = places.T @ places
     return np.asarray(np.linalg.solve(products + 1e-9 * len(places) * np.eye(3), places.T @ uv))
-
-
-def _median(values: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
-    """Return the upper median along the last axis, several times as fast as numpy's."""
-    middle = values.shape[-1] // 2
-    return np.partition(values, middle, axis=-1)[..., middle]
-
-
-def _length(vectors: Doubles) -> Doubles:
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from graphnav import Flow, Planar, Plane
+from graphnav.stage import Role
 from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground, compared
 
 
@@ -13,6 +16,8 @@ class Residual(Detector):
 
     The control for `plane.ica`: the same inputs without the separation. An ablation of ICA is believed only beside it.
     """
+
+    role: ClassVar[Role] = "control"
 
     def step(self, flow: Flow, planar: Planar) -> Plane:
         """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.

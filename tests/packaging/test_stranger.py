@@ -57,16 +57,16 @@ def graphnav(site: Path | None, folder: Path, *words: str) -> subprocess.Complet
 
 def test_its_stages_are_listed_beside_those_that_ship(site: Path, folder: Path) -> None:
     said = graphnav(site, folder, "stages", "plane").stdout
-    assert "plane.all_ground" in said
+    assert "plane.level" in said
     assert "plane.affine" in said
     assert "of package graphnav-fixture" in graphnav(site, folder, "stages", "fixture_notes.diary").stdout
 
 
 def test_its_stage_is_swapped_in_and_runs_with_its_own_message_type(site: Path, folder: Path) -> None:
-    words = ["graph.yaml", "--plugin", str(TOYS), "--set", "plane=plane.all_ground"]
+    words = ["graph.yaml", "--plugin", str(TOYS), "--set", "plane=plane.level"]
     done = graphnav(site, folder, "run", *words, "-o", "out", "--no-tap", "--no-pictures")
     assert done.returncode == 0, done.stderr
-    assert "plane: toy.detector swapped for plane.all_ground; defaults: value=0.0" in done.stdout
+    assert "plane: toy.detector swapped for plane.level; defaults: value=0.0" in done.stdout
     assert b"diary.note" in (folder / "out" / "run.lcmlog").read_bytes()
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from graphnav_plane.affine import Affine
 from graphnav_plane.detector import Detector
+from graphnav_plane.homography import Homography
 from graphnav_plane.ica import Ica
 from graphnav_plane.residual import Residual
 
@@ -17,7 +18,7 @@ from graphnav import Flow, Plane
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scene, Scenes
 
-DETECTORS = [Ica, Affine, Residual]
+DETECTORS = [Ica, Affine, Homography, Residual]
 COMPARING = [Ica, Residual]
 MOTIONS = [(3.0, 0.0), (3.0, 0.05), (1.0, -0.1), (0.0, 0.1), (0.0, 0.0)]
 
@@ -26,7 +27,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 def seen(detector: Detector, scene: Scene) -> Plane:
     detector.reset(0)
-    if isinstance(detector, Affine):
+    if isinstance(detector, Affine | Homography):
         return detector.step(scene.flow)
     assert isinstance(detector, Ica | Residual)
     return detector.step(scene.flow, scene.planar)

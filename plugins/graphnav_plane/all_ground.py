@@ -1,0 +1,33 @@
+"""Ground everywhere: the control that says nothing."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from graphnav import Flow, Plane, Stage, coarsen, param
+from graphnav.stage import Role
+
+
+class AllGround(Stage):
+    """Control: every cell with a vector is ground, and all of them score alike.
+
+    Its AUROC is 0.5 and its balanced accuracy 0.5, whatever the world: what a figure owes to the detector is what it
+    gains over this one.
+    """
+
+    role: ClassVar[Role] = "control"
+
+    cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
+
+    def step(self, flow: Flow) -> Plane:
+        """Return ground on cells of ``cell_px`` (of the flow's own step, if that is coarser)."""
+        cells = coarsen(flow, max(self.cell_px, flow.step_px))
+        return Plane(
+            obstacle=np.zeros_like(cells.valid),
+            score=np.zeros(cells.valid.shape, np.float32),
+            valid=cells.valid,
+            step_px=cells.step_px,
+            obstacle_ratio=0.0,
+        )

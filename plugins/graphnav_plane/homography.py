@@ -1,0 +1,118 @@
+"""Dominant plane as what one homography of the picture explains."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from graphnav import Flow, Plane, coarsen, param
+from graphnav_plane.agreement import Doubles, agrees, length
+from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector, all_ground
+
+_METHODS = {
+    "usac_magsac": cv2.USAC_MAGSAC,
+    "usac_default": cv2.USAC_DEFAULT,
+    "ransac": cv2.RANSAC,
+    "lmeds": cv2.LMEDS,
+}
+_LEAST_SQUARES = 0
+_CONFIDENCE_RATIO = 0.99
+_LEAST_DEPTH_RATIO = 1e-6
+
+_UNIT_PX = 0.01
+"""The unit in which OpenCV is asked. Its MAGSAC takes noise to be anything up to ten units: in whole pixels, which is
+more than obstacles move by, it fits the plane and the obstacles alike, and what it leaves tells nothing."""
+
+
+class Homography(Detector):
+    """Dominant plane by a robust homography between where the cells are and where they go.
+
+    A plane seen by a moving camera moves as a homography exactly, at any tilt and for any displacement, where an
+    affine map only nearly does. Needs no planar flow; takes the largest plane for the ground. The score is what the
+    flow leaves of the homography's own flow.
+
+    OpenCV draws a first homography, which is then fitted by least squares to all that agrees with it, again and again,
+    as `plane.affine` is. Where noise is as large as on real flow it then hardly matters what drew the first. OpenCV
+    draws from generators that begin anew with every call: nothing here depends on a seed or on what ran before.
+
+    Where no homography can be fitted (all vectors on one line) nothing is obstacle.
+
+    References
+    ----------
+    .. [HZ] R. Hartley, A. Zisserman, Multiple View Geometry in Computer Vision, 2004, section 13.1.
+    .. [MAGSAC++] D. Barath, J. Noskova, M. Ivashechkin, J. Matas, MAGSAC++, a Fast, Reliable and Accurate Robust
+       Estimator, CVPR 2020.
+    """
+
+    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    method: Literal["usac_magsac", "usac_default", "ransac", "lmeds"] = param(
+        "usac_magsac", doc="what draws the first homography, by OpenCV's name"
+    )
+    reprojection_px: float = param(
+        0.1, gt=0.0, doc="what the first homography may leave of a vector that agrees with it; lmeds needs none"
+    )
+    draws: int = param(200, ge=1, le=100_000, doc="four-point draws, at most")
+    refits: int = param(2, ge=0, le=100, doc="least-squares fits to what agrees with the one before")
+
+    def step(self, flow: Flow) -> Plane:
+        """Return the plane on cells of ``cell_px``; nothing is judged where fewer than 6 vectors are valid."""
+        cells = coarsen(flow, max(self.cell_px, flow.step_px))
+        valid = cells.valid != 0
+        if np.count_nonzero(valid) < LEAST_VECTORS:
+            return all_ground(valid.shape, cells.step_px)
+        places = _places(valid, cells.step_px)
+        targets = places + cells.uv_px[valid]
+        score = np.zeros(valid.shape)
+        matrix = self._fitted(places, targets)
+        if matrix is not None:
+            score[valid] = _left(matrix, places, targets)
+        return self._plane(score, valid, cells.step_px)
+
+    def _fitted(self, places: Doubles, targets: Doubles) -> Doubles | None:
+        """Return the homography (3, 3) that takes most of ``places`` (n, 2) to their ``targets``, None without one."""
+        matrix = _homography(places, targets, _METHODS[self.method], self.reprojection_px, self.draws)
+        if matrix is None:
+            matrix = _homography(places, targets, _LEAST_SQUARES)
+        for _ in range(self.refits):
+            if matrix is None:
+                break
+            near = agrees(_left(matrix, places, targets), self.threshold_px)
+            if np.count_nonzero(near) < LEAST_VECTORS:
+                break
+            matrix = _homography(places[near], targets[near], _LEAST_SQUARES)
+        return matrix
+
+
+def _places(valid: Cells, step_px: int) -> Doubles:
+    """Return the middles of the valid cells, px right and down of the picture's middle, (n, 2)."""
+    rows, cols = np.nonzero(valid)
+    height, width = valid.shape
+    return step_px * np.column_stack([cols - (width - 1) / 2, rows - (height - 1) / 2])
+
+
+def _homography(
+    places: Doubles, targets: Doubles, method: int, reprojection_px: float = 0.0, draws: int = 1
+) -> Doubles | None:
+    matrix, _ = cv2.findHomography(
+        places / _UNIT_PX,
+        targets / _UNIT_PX,
+        method,
+        reprojection_px / _UNIT_PX,
+        maxIters=draws,
+        confidence=_CONFIDENCE_RATIO,
+    )
+    if matrix is None or not np.isfinite(matrix).all():
+        return None
+    return np.asarray(matrix * [[1.0, 1.0, _UNIT_PX], [1.0, 1.0, _UNIT_PX], [1 / _UNIT_PX, 1 / _UNIT_PX, 1.0]])
+
+
+def _left(matrix: Doubles, places: Doubles, targets: Doubles) -> Doubles:
+    """Return the distances in px from where ``matrix`` takes ``places`` to their ``targets``, (n,).
+
+    What it takes to the horizon or beyond is held just before it, so that the distance is huge but finite.
+    """
+    moved = places @ matrix[:, :2].T + matrix[:, 2]
+    depth = np.maximum(moved[:, 2:], _LEAST_DEPTH_RATIO)
+    return length(moved[:, :2] / depth - targets)

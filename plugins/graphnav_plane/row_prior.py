@@ -1,0 +1,43 @@
+"""Obstacle is what is high in the picture: the control that does not look."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from graphnav import Flow, Plane, Stage, coarsen, param
+from graphnav.stage import Role
+
+
+class RowPrior(Stage):
+    """Control: the higher a cell is in the picture, the more it counts as obstacle, whatever the flow.
+
+    What is far away is high in the picture, and more often obstacle than the floor before the robot's wheels: a camera
+    that looks ahead gives this control a high AUROC. A detector is believed for what it adds.
+    """
+
+    role: ClassVar[Role] = "control"
+
+    cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
+    horizon_ratio: float = param(
+        0.25, ge=0.0, le=1.0, doc="share of the picture's rows, from the top, that is called obstacle"
+    )
+
+    def step(self, flow: Flow) -> Plane:
+        """Return the plane on cells of ``cell_px`` (of the flow's own step, if that is coarser)."""
+        cells = coarsen(flow, max(self.cell_px, flow.step_px))
+        valid = cells.valid != 0
+        rows = valid.shape[0]
+        height = 1 - (np.arange(rows) + 0.5) / rows
+        score = np.where(valid, height[:, None], 0.0).astype(np.float32)
+        threshold = 1 - self.horizon_ratio
+        obstacle = (score > threshold) & valid
+        return Plane(
+            obstacle=obstacle.astype(np.uint8),
+            score=score,
+            valid=valid.astype(np.uint8),
+            step_px=cells.step_px,
+            obstacle_ratio=float(obstacle.sum() / max(np.count_nonzero(valid), 1)),
+            threshold=threshold,
+        )

@@ -1,0 +1,94 @@
+"""The controls score what theory says."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import graphnav_score.plane as score
+import numpy as np
+import pytest
+from graphnav_plane.affine import Affine
+from graphnav_plane.all_ground import AllGround
+from graphnav_plane.homography import Homography
+from graphnav_plane.ica import Ica
+from graphnav_plane.residual import Residual
+from graphnav_plane.row_prior import RowPrior
+from graphnav_plane.truth import Truth as Oracle
+
+from graphnav import Flow, Plane, Truth
+
+if TYPE_CHECKING:
+    from tests.plugins.plane.conftest import Cells, Scenes
+
+
+def scored(plane: Plane, obstacle: Cells) -> dict[str, float]:
+    stage = score.Plane()
+    stage.reset(0)
+    shape = obstacle.shape
+    flow_px = np.zeros((*shape, 2), np.float32)
+    depth_m = np.ones(shape, np.float32)
+    stage.step(
+        plane,
+        Truth(obstacle=obstacle.astype(np.uint8), depth_m=depth_m, flow_px=flow_px, interval_us=100_000, step_px=4),
+    )
+    return dict(stage.summary())
+
+
+def random_obstacle(seed: int) -> Cells:
+    rng = np.random.default_rng(seed)
+    return np.asarray(rng.random((30, 40)) < np.linspace(0.6, 0.0, 30)[:, None])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_all_ground_scores_one_half_exactly(scenes: Scenes, seed: int) -> None:
+    figures = scored(AllGround().step(scenes.scene(0.25, seed=seed).flow), random_obstacle(seed))
+    assert figures["auroc"] == 0.5
+    assert figures["balanced_accuracy_ratio"] == 0.5
+    assert figures["iou_ratio"] == 0.0
+    assert figures["false_obstacle_ratio"] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_row_prior_scores_what_the_rows_alone_tell(scenes: Scenes, seed: int) -> None:
+    obstacle = random_obstacle(seed)
+    figures = scored(RowPrior().step(scenes.scene(0.25, seed=seed).flow), obstacle)
+    rows = np.broadcast_to(np.arange(30)[:, None], obstacle.shape)
+    higher, level = rows[obstacle][:, None] < rows[~obstacle], rows[obstacle][:, None] == rows[~obstacle]
+    area = higher.mean() + level.mean() / 2
+    assert figures["auroc"] == pytest.approx(area, abs=0.005)  # the score's bins are 0.2 % wide
+
+
+def test_the_row_prior_does_not_look_at_the_flow(scenes: Scenes) -> None:
+    one, other = (RowPrior().step(scenes.scene(share, turn_rad=turn).flow) for share, turn in ((0.0, 0.0), (0.4, 0.1)))
+    assert np.array_equal(one.score, other.score)
+    assert np.array_equal(one.obstacle, other.obstacle)
+    assert (np.diff(one.score, axis=0) < 0).all()
+    assert (np.diff(one.score, axis=1) == 0).all()
+
+
+@pytest.mark.parametrize(("ratio", "rows"), [(0.0, 0), (0.1, 3), (0.5, 15), (1.0, 30)])
+def test_the_row_prior_calls_the_upper_rows_obstacle(scenes: Scenes, ratio: float, rows: int) -> None:
+    plane = RowPrior(horizon_ratio=ratio).step(scenes.scene().flow)
+    assert plane.obstacle[:rows].all()
+    assert not plane.obstacle[rows:].any()
+    assert plane.obstacle_ratio == pytest.approx(rows / 30)
+    assert np.array_equal(plane.obstacle > 0, plane.score > plane.threshold)
+
+
+@pytest.mark.parametrize("control", [AllGround(), RowPrior(horizon_ratio=1.0)])
+def test_controls_judge_the_cells_that_the_detectors_judge(scenes: Scenes, control: AllGround | RowPrior) -> None:
+    valid = np.ones((119, 158), np.uint8)
+    valid[:, :17] = 0
+    flow = Flow(uv_px=np.zeros((119, 158, 2), np.float32), valid=valid, interval_us=100_000)
+    stage = Affine()
+    stage.reset(0)
+    detected, plane = stage.step(flow), control.step(flow)
+    assert np.array_equal(plane.valid, detected.valid)
+    assert plane.step_px == detected.step_px
+    assert not plane.obstacle[plane.valid == 0].any()
+
+
+def test_tables_can_tell_methods_from_controls_and_oracles() -> None:
+    assert {kind.role for kind in (Ica, Affine, Homography)} == {"method"}
+    assert {kind.role for kind in (Residual, AllGround, RowPrior)} == {"control"}
+    assert Oracle.role == "oracle"
