@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 
@@ -22,14 +23,17 @@ the distance of wires that run back."""
 _PALETTE = ("#2563a8", "#b4501e", "#2e7d4f", "#7a4b9e", "#a3324b", "#0f7b83", "#7d6a14", "#4a5563")
 
 _STYLE = """
-  text { font: 12px "DejaVu Sans", Verdana, sans-serif; fill: #24292f; }
-  .name { font-weight: bold; font-size: 13px; fill: #ffffff; }
-  .use { font-size: 11px; fill: #ffffff; }
-  .renamed { font-size: 10px; fill: #6b7280; }
-  .box { fill: #ffffff; stroke: #9aa4b2; }
-  .wire { fill: none; stroke-width: 1.6; }
-  .sampled { stroke-dasharray: 5 4; }
+  .dataflow text { font: 12px "DejaVu Sans", Verdana, sans-serif; fill: #24292f; }
+  .dataflow .name { font-weight: bold; font-size: 13px; fill: #ffffff; }
+  .dataflow .use { font-size: 11px; fill: #ffffff; }
+  .dataflow .renamed { font-size: 10px; fill: #6b7280; }
+  .dataflow .box { fill: #ffffff; stroke: #9aa4b2; }
+  .dataflow .wire { fill: none; stroke-width: 1.6; }
+  .dataflow .sampled { stroke-dasharray: 5 4; }
+  .dataflow .mark { fill: none; stroke: #e08e00; stroke-width: 3; }
+  .dataflow .note { font-weight: bold; font-size: 12px; fill: #b26f00; }
 """
+"""Of this picture alone, also where a page holds it."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,8 @@ class _Box:
         return self.y + _HEAD + (names.index(port) + 0.5) * _ROW
 
 
-def svg_of(graph: Graph) -> str:
-    """Return the text of an SVG picture."""
+def svg_of(graph: Graph, notes: Mapping[str, str] | None = None) -> str:
+    """Return the text of an SVG picture; stages that ``notes`` names are marked, with their note above them."""
     heights = {node.name: _HEAD + _ROW * max(len(node.inputs), len(node.outputs), 1) + _FOOT for node in graph.nodes}
     layers = layers_of(graph, heights, _GAP_Y)
     boxes = _boxes(graph, layers)
@@ -62,11 +66,13 @@ def svg_of(graph: Graph) -> str:
         lanes += route.runs_back
         wires.append(_wire(route, boxes, columns, bottom + _LANE * lanes))
     height = bottom + _LANE * lanes + _MARGIN
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {right:.0f} {height:.0f}" width="{right:.0f}">'
+    size = f'viewBox="0 0 {right:.0f} {height:.0f}" width="{right:.0f}"'
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" class="dataflow" {size}>'
     title = f"<title>{escape(graph.about or graph.path.stem)}</title>"
     background = '<rect width="100%" height="100%" fill="#f6f8fa"/>'
     parts = [head, title, f"<style>{_STYLE}</style>", background, *wires]
-    return "\n".join([*parts, *(_box(box) for box in boxes.values()), "</svg>"]) + "\n"
+    marks = [_mark(boxes[stage], note) for stage, note in (notes or {}).items()]
+    return "\n".join([*parts, *(_box(box) for box in boxes.values()), *marks, "</svg>"]) + "\n"
 
 
 def _boxes(graph: Graph, layers: Layers) -> dict[str, _Box]:
@@ -166,3 +172,9 @@ def _box(box: _Box) -> str:
             f'<circle cx="{x + width:.1f}" cy="{port_y:.1f}" r="2.5" fill="{box.colour}"/>'
         )
     return "".join(parts) + "</g>"
+
+
+def _mark(box: _Box, note: str) -> str:
+    frame = f'x="{box.x - 4:.1f}" y="{box.y - 4:.1f}" width="{box.width + 8:.1f}" height="{box.height + 8:.1f}"'
+    text = f'<text class="note" x="{box.x:.1f}" y="{box.y - 9:.1f}">{escape(note)}</text>'
+    return f'<rect class="mark" {frame} rx="9"/>{text}'

@@ -24,6 +24,8 @@ Doubles = npt.NDArray[np.float64]
 
 _LONG_SIDE_IN, _SHORTEST_SIDE_IN = 4.2, 1.4
 _MARGIN_M = 0.15
+_WIDEST, _NARROWEST = 6.0, 1.5
+"""Widths of the lowest and the uppermost path, so that paths that coincide all show."""
 
 
 def draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], file: Path) -> Path | None:
@@ -41,9 +43,11 @@ def draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], 
         figure = ink.new_figure(width, height)
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         show_all(axes, low, high)
+        axes.spines[:].set_visible(False)
         draw_bodies(axes, world, at_start[0] if len(at_start) else np.empty((0, 3)))
-        for name, track in tracks.items():
-            axes.plot(*track.pose[:, :2].T, color=colours[name], lw=2.0, zorder=4, path_effects=ink.halo(3.4))
+        for place, (name, track) in enumerate(tracks.items(), 1):
+            width = _WIDEST - (_WIDEST - _NARROWEST) * place / len(tracks)
+            axes.plot(*track.pose[:, :2].T, color=colours[name], lw=width, zorder=4, solid_capstyle="round")
             axes.plot(*track.pose[-1, :2], marker="o", ms=5, mfc="white", mec=colours[name], mew=1.6, zorder=6)
         for name, track in tracks.items():
             _mark_contact(axes, world, track, colours[name])

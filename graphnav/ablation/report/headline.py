@@ -1,0 +1,101 @@
+"""The answer in a sentence, derived from the intervals and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from graphnav.ablation.comparison import Row
+from graphnav.ablation.report.forest import absence
+from graphnav.ablation.report.html import Html, esc, tag
+from graphnav.ablation.report.material import Material
+from graphnav.ablation.report.numbers import counted, estimated
+from graphnav.ablation.report.verdict import Verdict, verdict_of
+
+Found = Mapping[tuple[str, str], tuple[Verdict, Row]]
+"""What the worlds say of each method that is not the base, by variant and graph."""
+
+_MOST_NAMES = 3
+
+
+def verdicts(material: Material, figure: str) -> Found:
+    """Return what a figure says of every method with runs of its own."""
+    better = material.plan.better(figure)
+    return {
+        (row.case.variant, graph): (verdict_of(row, figure, better), row)
+        for graph in material.plan.graphs
+        for row in material.own_rows(graph)
+        if row.case.role == "method" and not row.case.is_base
+    }
+
+
+def lead(material: Material, figure: str, found: Found) -> Html:
+    """Return what the base does and whether anything does better."""
+    rivals = list(dict.fromkeys(variant for variant, _ in found))
+    if len(rivals) == 1:
+        return " ".join(
+            _paired(material, figure, *found[rivals[0], g]) for g in material.plan.graphs if (rivals[0], g) in found
+        )
+    sides = {side: [v for v in rivals if _side(found, v) == side] for side in ("better", "mixed", "worse")}
+    clauses = []
+    if sides["better"]:
+        clauses.append(f"{_names(sides['better'])} better")
+    if sides["mixed"]:
+        clauses.append(f"{_names(sides['mixed'])} better on some graphs and worse on others")
+    if rivals and not clauses:
+        clauses.append(f"None of the {len(rivals)} other methods is better")
+    if sides["worse"]:
+        n = len(sides["worse"])
+        clauses.append(f"{_names(sides['worse'])} worse" if n <= _MOST_NAMES else f"{n} of {len(rivals)} are worse")
+    said = f" {'; '.join(clauses)}." if clauses else ""
+    return f"{name(material.plan.base)} has {tag('b', esc(figure))} {_everywhere(material, figure)}.{said}"
+
+
+def _side(found: Found, variant: str) -> str:
+    """Return what a variant is over all graphs: better or worse somewhere, both ("mixed"), or neither."""
+    sides = {verdict for (called, _), (verdict, _) in found.items() if called == variant}
+    if {"better", "worse"} <= sides:
+        return "mixed"
+    return next((side for side in ("better", "worse") if side in sides), "neither")
+
+
+def _paired(material: Material, figure: str, verdict: Verdict, row: Row) -> Html:
+    """Return what one rival does, and how that differs from the base."""
+    where = f" on {esc(row.case.graph)}" if len(material.plan.graphs) > 1 else ""
+    estimate, difference = row.estimates.get(figure), row.differences.get(figure)
+    if estimate is None or difference is None:
+        return f"{name(row.case.variant)}{where}: {esc(absence(row))}."
+    value = estimated(estimate.mean, estimate.low, estimate.high)
+    change = estimated(difference.mean, difference.low, difference.high, signed=True)
+    words = {
+        "better": "better than the base",
+        "worse": "worse than the base",
+        "unclear": f"no difference that {counted(difference.n, 'world')} can tell",
+    }.get(verdict, f"{counted(difference.n, 'world')} cannot tell")
+    said = f"{tag('b', esc(figure))} {value}, {change} against {name(material.plan.base)}"
+    return f"{name(row.case.variant)}{where}: {said} \N{EM DASH} {words}."
+
+
+def _everywhere(material: Material, figure: str) -> Html:
+    graphs, base = material.plan.graphs, material.plan.base
+    said = []
+    for graph in graphs:
+        found = material.estimate(graph, base, figure)
+        if found is not None:
+            where = f" on {esc(graph)}" if len(graphs) > 1 else ""
+            said.append(estimated(found.mean, found.low, found.high) + where)
+    return ", ".join(said) or "in no run yet"
+
+
+def name(variant: str) -> Html:
+    """Return a variant's name as sentences show it."""
+    return tag("span", esc(variant), class_="variant")
+
+
+def _names(variants: Sequence[str]) -> Html:
+    """Return names with the verb that they take."""
+    if len(variants) == 1:
+        return f"{name(variants[0])} is"
+    shown = [name(variant) for variant in variants[:_MOST_NAMES]]
+    if len(variants) > _MOST_NAMES:
+        return f"{', '.join(shown)} and {len(variants) - _MOST_NAMES} more are"
+    return f"{', '.join(shown[:-1])} and {shown[-1]} are"

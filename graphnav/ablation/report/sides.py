@@ -1,0 +1,74 @@
+"""Who is better than the base, who cannot be told from it, who is worse."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from graphnav.ablation.comparison import Row
+from graphnav.ablation.report.forest import absence
+from graphnav.ablation.report.headline import Found, name
+from graphnav.ablation.report.html import Html, esc, tag
+from graphnav.ablation.report.material import Material
+from graphnav.ablation.report.numbers import counted, estimated, number
+from graphnav.ablation.report.verdict import Verdict
+
+_MOST_NAMED = 6
+_MOST_CHECKS = 3
+
+
+def sides(material: Material, figure: str, found: Found) -> Html:
+    """Return three lists of methods, each with its difference from the base on the graphs where that holds."""
+    titles: dict[Verdict, str] = {
+        "better": "Better than the base",
+        "unclear": f"No difference that {counted(material.n_seeds, 'world')} can tell",
+        "worse": "Worse than the base",
+        "unknown": "Not known",
+    }
+    rows = []
+    for verdict, title in titles.items():
+        entries = list(_entries(material, figure, found, verdict))
+        if not entries and verdict == "unknown":
+            continue
+        more = f" and {len(entries) - _MOST_NAMED} more" if len(entries) > _MOST_NAMED else ""
+        said = "; ".join(entries[:_MOST_NAMED]) + more if entries else tag("span", "none", class_="quiet")
+        rows.append(tag("dt", tag("span", class_=f"sign {verdict}"), esc(title)) + tag("dd", said))
+    return tag("dl", *rows, class_="sides") if found else ""
+
+
+def _entries(material: Material, figure: str, found: Found, verdict: Verdict) -> Iterator[Html]:
+    graphs = material.plan.graphs
+    for variant in dict.fromkeys(variant for variant, _ in found):
+        here = {g: found[variant, g][1] for g in graphs if (variant, g) in found and found[variant, g][0] == verdict}
+        if here:
+            changes = [_change(row, figure, graph if len(graphs) > 1 else "") for graph, row in here.items()]
+            yield f"{name(variant)} {tag('span', ', '.join(changes), class_='quiet')}"
+
+
+def _change(row: Row, figure: str, graph: str) -> Html:
+    found = row.differences.get(figure)
+    if found is None:
+        said = absence(row) if figure not in row.estimates else "no common world"
+    else:
+        said = estimated(found.mean, found.low, found.high, signed=True)
+    return esc(f"{said} on {graph}" if graph else said)
+
+
+def checks(material: Material, figure: str) -> Html:
+    """Return what controls and oracles came to: they say whether worlds and scores can be trusted."""
+    said = []
+    for role in ("control", "oracle"):
+        cases = [case for case in material.plan.cases if case.role == role and not case.same_as]
+        variants = list(dict.fromkeys(case.variant for case in cases))
+        if len(variants) > _MOST_CHECKS:
+            said.append(f"{len(variants)} {role}s {_range(material, variants, figure)}")
+        else:
+            said += [f"{role} {name(variant)} {_range(material, [variant], figure)}" for variant in variants]
+    return tag("p", f"For scale, {esc(figure)} over all graphs: ", "; ".join(said), ".", class_="note") if said else ""
+
+
+def _range(material: Material, variants: Sequence[str], figure: str) -> Html:
+    """Return the least and the greatest mean of variants over all graphs."""
+    every = [found.mean for g in material.plan.graphs for v in variants if (found := material.estimate(g, v, figure))]
+    if not every:
+        return "not known"
+    return " to ".join(dict.fromkeys(number(mean, 2) for mean in (min(every), max(every))))

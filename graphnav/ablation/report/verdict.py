@@ -1,0 +1,38 @@
+"""Whether a variant is better than the base, as far as the worlds can tell."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from graphnav.ablation.comparison import Row
+from graphnav.ablation.plan import Better
+
+Verdict = Literal["base", "better", "worse", "unclear", "unknown"]
+
+_NOISE = 1e-5
+"""How near to 0 a bound counts as 0, as a share of the other: resamples are summed in single precision."""
+
+WORDS: dict[Verdict, str] = {
+    "base": "the base",
+    "better": "better than the base",
+    "worse": "worse than the base",
+    "unclear": "no difference that these worlds can tell",
+    "unknown": "too few worlds to say",
+}
+
+
+def verdict_of(row: Row, figure: str, better: Better) -> Verdict:
+    """Return what the interval of the paired difference says: a side where it excludes 0.
+
+    "unknown" where there is no interval: no common worlds with the base, or a single one.
+    """
+    if row.case.is_base:
+        return "base"
+    difference = row.differences.get(figure)
+    if difference is None or difference.n < 2 or not (math.isfinite(difference.low) and math.isfinite(difference.high)):
+        return "unknown"
+    noise = _NOISE * max(abs(difference.low), abs(difference.high))
+    if difference.low <= noise and difference.high >= -noise:
+        return "unclear"
+    return "better" if (difference.mean > 0) == (better == "more") else "worse"
