@@ -14,9 +14,13 @@ from graphnav.ablation.figure_text import FigureText
 from graphnav.ablation.plan import Better, Case, Plan
 from graphnav.ablation.records import Record, in_plan_order
 from graphnav.ablation.statistics import difference_interval, mean_interval
+from graphnav.stage.describe import unit_of
 
 Values = Mapping[int, float]
 """One case's values of a figure, by seed: the seed is the world."""
+
+LEAST_WORLDS = 6
+"""Worlds from which on a difference may be called one."""
 
 _MOMENT = re.compile(r" at \d+(\.\d+)? s\b")
 
@@ -44,6 +48,14 @@ class Difference:
     n: int
     won: int
     lost: int
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether the interval leaves out 0, over enough worlds to mean it.
+
+        Where both are alike, n worlds all go one way with a chance of 2 / 2^n: 6 % for five, 3 % for six.
+        """
+        return self.n >= LEAST_WORLDS and (self.low > 0 or self.high < 0)
 
 
 @dataclass(frozen=True)
@@ -116,8 +128,13 @@ def values_of(figure: FigureText, runs: Iterable[Record]) -> Values:
 
 
 def is_binary(figure: FigureText, columns: Iterable[Values]) -> bool:
-    """Return whether a figure is 0 or 1 wherever it is known, which no difference and no ratio is meant to be."""
-    return not figure.operator and all(value in (0.0, 1.0) for column in columns for value in column.values())
+    """Return whether a figure is 0 or 1 wherever it is known and is meant to be.
+
+    No difference and no ratio of figures is, and nothing with a unit: an error may be 0 px in every world.
+    """
+    return not (figure.operator or unit_of(figure.text)) and all(
+        value in (0.0, 1.0) for column in columns for value in column.values()
+    )
 
 
 def estimate(values: Values, *, is_binary: bool) -> Estimate:

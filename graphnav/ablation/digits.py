@@ -6,16 +6,13 @@ import math
 
 from graphnav.ablation.comparison import Difference, Estimate
 
-MOST_DECIMALS = 6
-ROUNDING = 1e-9
-"""An interval that is narrower than this share of its mean is nothing but rounding."""
+MOST_DECIMALS = 4
 
 
 def decimals(mean: float, low: float, high: float) -> int:
     """Return how many decimals show two digits of half the interval's width; of the mean, four, where it has none."""
     half = (high - low) / 2
-    has_width = math.isfinite(half) and half > ROUNDING * abs(mean)
-    size, digits = (half, 2) if has_width else (abs(mean), 4)
+    size, digits = (half, 2) if math.isfinite(half) and half > 0 else (abs(mean), 4)
     if size == 0:
         return 2
     return min(max(digits - 1 - math.floor(math.log10(size)), 0), MOST_DECIMALS)
@@ -33,11 +30,6 @@ def difference_text(found: Difference) -> str:
     places = decimals(found.mean, found.low, found.high)
     numbers = [_number(found.mean, places, sign="+"), *_interval(found.low, found.high, places, sign="+")]
     return f"{' '.join(numbers)}, {found.won}–{found.lost}"
-
-
-def excludes_zero(found: Difference) -> bool:
-    """Return whether the interval of a difference leaves out 0."""
-    return found.low > 0 or found.high < 0
 
 
 def _interval(low: float, high: float, places: int, sign: str = "") -> list[str]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from graphnav.ablation.comparison import Comparison, Row
+from graphnav.ablation.comparison import LEAST_WORLDS, Comparison, Row
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.statistics import DRAWS, SEED
 
@@ -25,7 +25,7 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     reading = (
         "Each cell is the mean over worlds with its interval; ↑ more is better, ↓ less. Differences are from the base, "
         f"{plan.base}, in the same worlds: the mean with its interval, in how many worlds it was better–worse. "
-        "Differences whose interval leaves out 0 are bold."
+        f"Differences whose interval leaves out 0, over {LEAST_WORLDS} worlds or more, are bold."
     )
     sentences = [reading, INTERVALS, COUNTING]
     roles = {row.case.role for row in comparison.rows}
@@ -48,9 +48,17 @@ def marks(row: Row) -> tuple[str, ...]:
     found = ["base"] if row.case.is_base else []
     if row.case.role != "method":
         found.append(row.case.role)
-    if row.case.same_as:
-        found.append(f"the same graph as {row.case.same_as}")
     return tuple(found)
+
+
+def same_graphs(rows: Iterable[Row]) -> Iterator[str]:
+    """Yield which variants are the same graph, of which the tables show the first."""
+    others: dict[str, list[str]] = {}
+    for row in rows:
+        if row.case.same_as:
+            others.setdefault(row.case.same_as, []).append(row.case.variant)
+    for first, variants in others.items():
+        yield f"{first} is the same graph as {', '.join(variants)}"
 
 
 def outcome_counts(outcomes: Mapping[str, int]) -> str:

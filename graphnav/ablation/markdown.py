@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.ablation.comparison import Comparison, Difference, Row
-from graphnav.ablation.digits import difference_text, estimate_text, excludes_zero
-from graphnav.ablation.legend import legend, marks, origin, outcome_counts, shown_figures, worlds_text
+from graphnav.ablation.digits import difference_text, estimate_text
+from graphnav.ablation.legend import legend, marks, origin, outcome_counts, same_graphs, shown_figures, worlds_text
 from graphnav.ablation.plan import Better, Plan
 
 TABLE = "table.md"
@@ -49,22 +49,25 @@ def code(text: str) -> str:
 
 
 def difference_cell(found: Difference | None) -> str:
-    """Return a difference, bold where its interval leaves out 0."""
+    """Return a difference, bold where it is clear."""
     if found is None:
         return ""
     text = difference_text(found)
-    return f"**{text}**" if excludes_zero(found) else text
+    return f"**{text}**" if found.is_clear else text
 
 
 def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[str]:
     figures = shown_figures(plan, comparison)
+    own = [row for row in rows if not row.case.same_as]
     for first in range(0, max(len(figures), 1), FIGURES_A_TABLE):
         some = figures[first : first + FIGURES_A_TABLE]
         header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
         for figure in some:
             header += [f"{escaped(figure)} {ARROWS[plan.better(figure)]}", "difference"]
-        yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in rows))
-    failed = [(row, reason, times) for row in rows for reason, times in row.failures.items()]
+        yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in own))
+    if alike := list(same_graphs(rows)):
+        yield bullets(map(escaped, alike))
+    failed = [(row, reason, times) for row in own for reason, times in row.failures.items()]
     if failed:
         yield "Failed runs:"
         yield bullets(f"{escaped(row.case.variant)}, {times}: {escaped(reason)}" for row, reason, times in failed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from graphnav.ablation.comparison import LEAST_WORLDS
 from graphnav.ablation.digits import estimate_text
 from graphnav.ablation.legend import COUNTING, INTERVALS, origin, outcome_counts, seeds_text
 from graphnav.ablation.markdown import ARROWS, FIGURES_A_TABLE, bullets, code, difference_cell, escaped, table
@@ -12,7 +13,8 @@ from graphnav.ablation.pairing import Pairing, PairRow
 READING = (
     "A is the first study, B the second. Each cell is the mean over the worlds that both have, with its interval; ↑ "
     "more is better, ↓ less. B - A is the mean difference in the same worlds with its interval, then in how many of "
-    "them B was better–worse. Differences whose interval leaves out 0 are bold."
+    "them B was better–worse. "
+    f"Differences whose interval leaves out 0, over {LEAST_WORLDS} worlds or more, are bold."
 )
 
 

@@ -15,6 +15,8 @@ DRAWS = 10_000
 """Resamples of the worlds in a bootstrap."""
 SEED = 20_260
 """Of the resamples, so that a report made again says the same."""
+NORMAL_FROM = 2000
+"""Values in a bootstrap from which on nothing is drawn."""
 Z = 1.959963984540054
 """The normal distribution's 97.5 % quantile."""
 
@@ -45,19 +47,25 @@ def difference_interval(values: Doubles, base: Doubles, *, is_binary: bool) -> I
 def bootstrap(values: Doubles) -> Interval:
     """Return the percentile bootstrap's interval of the mean [Efron].
 
-    Not a number for fewer than two values, which do not show how they scatter.
+    Not a number for fewer than two values, which do not show how they scatter. From `NORMAL_FROM` values on it is the
+    normal distribution's, with the bootstrap's own spread: the resampled means are normal then.
 
     References
     ----------
     .. [Efron] B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13.
     """
-    if values.size < 2:
+    n, mean = values.size, float(values.mean())
+    if n < 2:
         return Interval(math.nan, math.nan)
-    middle = float(values.mean())
-    # About their mean, so that single precision is plenty and equal values give an interval of no width.
-    means = np.einsum("ij,j->i", _resamples(values.size), (values - middle).astype(np.float32))
+    if values.min() == values.max():
+        return Interval(float(values[0]), float(values[0]))
+    if n >= NORMAL_FROM:
+        half = Z * float(values.std()) / math.sqrt(n)
+        return Interval(mean - half, mean + half)
+    # Whole counts, not shares: resamples of nothing but zeros have a mean of exactly 0.
+    means = np.einsum("ij,j->i", _resamples(n), values) / n
     low, high = np.quantile(means, [0.025, 0.975])
-    return Interval(middle + float(low), middle + float(high))
+    return Interval(float(low), float(high))
 
 
 def wilson(successes: float, n: int) -> Interval:
@@ -91,12 +99,12 @@ def bonett_price(only_this: int, only_base: int, n: int) -> Interval:
     return Interval(max(this - base - half, -1.0), min(this - base + half, 1.0))
 
 
-@lru_cache(maxsize=4)
-def _resamples(n: int) -> npt.NDArray[np.float32]:
-    """Return how much each of ``n`` worlds weighs in each resample, (`DRAWS`, n); rows sum to 1."""
-    drawn = np.random.default_rng(SEED).integers(0, n, (DRAWS, n))
-    places = drawn + n * np.arange(DRAWS)[:, None]
-    counts = np.bincount(places.ravel(), minlength=DRAWS * n).reshape(DRAWS, n)
-    weights = (counts / n).astype(np.float32)
-    weights.setflags(write=False)
-    return weights
+@lru_cache(maxsize=8)
+def _resamples(n: int) -> npt.NDArray[np.int16]:
+    """Return how often each of ``n`` worlds is in each resample, (`DRAWS`, n); rows sum to n."""
+    rng = np.random.default_rng(SEED)
+    counts = np.empty((DRAWS, n), np.int16)
+    for resample in counts:
+        resample[:] = np.bincount(rng.integers(0, n, n), minlength=n)
+    counts.setflags(write=False)
+    return counts

@@ -11,8 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from graphnav.ablation.comparison import Comparison, Difference, Row
-from graphnav.ablation.digits import difference_text, estimate_text, excludes_zero
-from graphnav.ablation.legend import marks, outcome_counts, shown_figures, worlds_text
+from graphnav.ablation.digits import difference_text, estimate_text
+from graphnav.ablation.legend import marks, outcome_counts, same_graphs, shown_figures, worlds_text
 from graphnav.ablation.markdown import ARROWS
 from graphnav.ablation.pairing import Pairing, PairRow
 from graphnav.ablation.pairing_markdown import different_versions, only_in_one
@@ -28,7 +28,7 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
     """Print, graph by graph, how the runs of each variant ended and the figures that decide."""
     figures = shown_figures(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
-        rows = comparison.of_graph(graph)
+        rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
         table = new_table(graph, ["variant", "worlds", "outcomes"])
         for figure in figures:
             table.add_column(Text(f"{figure} {ARROWS[plan.better(figure)]}"))
@@ -36,6 +36,8 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
         for row in rows:
             table.add_row(*_cells(row, figures, plan))
         print_wide(console, table)
+        for line in same_graphs(comparison.of_graph(graph)):
+            console.print(Text(line, style="dim"), soft_wrap=True)
         for row in rows:
             for reason, times in row.failures.items():
                 line = " ".join(f"{row.case.variant}: {times} failed: {reason}".split())
@@ -73,10 +75,10 @@ def print_wide(console: Console, table: Table) -> None:
 
 
 def difference_cell(found: Difference | None, better: Better) -> Text:
-    """Return a difference, green or red where its interval leaves out 0."""
+    """Return a difference, green or red where it is clear."""
     if found is None:
         return Text()
-    if not excludes_zero(found):
+    if not found.is_clear:
         return Text(difference_text(found))
     return Text(difference_text(found), style="green" if (found.low > 0) == (better == "more") else "red")
 

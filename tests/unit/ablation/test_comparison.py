@@ -105,9 +105,14 @@ def test_only_figures_that_are_shares_of_worlds_get_their_intervals(
 ) -> None:
     """A true flow errs by exactly 0 px: no reason to say that it might err by 0.07."""
     plan = make_plan(variants=("truth", "dis"), seeds=range(50))
-    records = [make_record("truth", seed, {"sense.epe_px": 0.0, "drive.success": 1.0}) for seed in range(50)]
+    true = {"sense.epe_px": 0.0, "drive.success": 1.0}
+    records = [make_record("truth", seed, true) for seed in range(50)]
+    (alone, _) = compare(plan, records).rows
+    assert alone.estimates["sense.epe_px"].high == 0.0, "what has a unit is no share of worlds"
     records += [make_record("dis", seed, {"sense.epe_px": 0.1, "drive.success": 1.0}) for seed in range(50)]
     truth, dis = compare(plan, records).rows
+    assert not dis.differences["drive.success"].is_clear
+    assert dis.differences["sense.epe_px"].is_clear
     assert (truth.estimates["sense.epe_px"].low, truth.estimates["sense.epe_px"].high) == (0.0, 0.0)
     assert truth.estimates["drive.success"].low == pytest.approx(0.9287, abs=1e-4)
     assert dis.differences["drive.success"].low == pytest.approx(-0.0533, abs=1e-4)
@@ -160,3 +165,13 @@ def test_the_order_of_runs_does_not_count(make_plan: MakePlan, make_record: Make
 def test_times_are_the_median_over_runs(make_plan: MakePlan, make_record: MakeRecord) -> None:
     records = [make_record("ica", seed, p50_ms=p50_ms) for seed, p50_ms in enumerate([1.0, 9.0, 2.0])]
     assert compare(make_plan(), records).rows[0].p50_ms == {"plane": 2.0}
+
+
+@pytest.mark.parametrize(("worlds", "is_clear"), [(2, False), (5, False), (6, True), (50, True)])
+def test_few_worlds_make_no_difference_clear(
+    make_plan: MakePlan, make_record: MakeRecord, worlds: int, is_clear: bool
+) -> None:
+    plan = make_plan(seeds=range(worlds))
+    records = [make_record("ica", seed, {"a.x": 0.5}) for seed in range(worlds)]
+    records += [make_record("affine", seed, {"a.x": 0.6}) for seed in range(worlds)]
+    assert compare(plan, records).rows[1].differences["a.x"].is_clear == is_clear

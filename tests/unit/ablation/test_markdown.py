@@ -34,7 +34,7 @@ MakeRecord = Callable[..., Record]
         (0.1, 0.1, 0.1, "0.1000 [0.1000, 0.1000]"),
         (0.1, math.nan, math.nan, "0.1000"),
         (-0.00001, -0.1, 0.1, "0.00 [-0.10, 0.10]"),
-        (3e-9, 2e-9, 4e-9, "0.000000 [0.000000, 0.000000]"),
+        (3e-9, 2e-9, 4e-9, "0.0000 [0.0000, 0.0000]"),
     ],
 )
 def test_digits_follow_the_interval(mean: float, low: float, high: float, text: str) -> None:
@@ -99,11 +99,12 @@ def test_table_has_everything_it_takes(study: tuple[Plan, list[Record]]) -> None
         "| ica (base) | 20 | goal 20 | 0.95 [0.76, 0.99] |",
         "| affine | 20 |",
         "| **+1.000 [+1.000, +1.000], 0–20** |",
-        "| twin (the same graph as affine) | 20 |",
+        "- affine is the same graph as twin",
         "| random (control) | 1 of 20 | failed 1 | 0.00 [0.00, 0.79] |",
         "| variant | a.x ↑ | difference |",
         "- random, 1: stage 'plane' failed: a\\|b worse",
         "10000 resamples",
+        "over 6 worlds or more, are bold",
         "A control is what",
         "- command: `graphnav ablate toy --seeds 0:3`",
         "- seeds: `0 to 19 (20)`",

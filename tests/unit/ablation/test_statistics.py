@@ -11,6 +11,7 @@ import scipy.stats
 
 from graphnav.ablation.statistics import (
     DRAWS,
+    NORMAL_FROM,
     bonett_price,
     bootstrap,
     difference_interval,
@@ -73,6 +74,18 @@ def test_bootstrap_covers_the_true_mean() -> None:
     # For 50 values the percentile interval is a little short: sqrt(49 / 50) and 1.96 for Student's 2.01 make 0.939.
     # 600 trials scatter by 0.01; three of them.
     assert covered == pytest.approx(0.939, abs=0.03)
+
+
+def test_of_very_many_values_the_bootstrap_is_normal() -> None:
+    values = np.random.default_rng(0).exponential(1.0, NORMAL_FROM)
+    # Exponential values are skewed, which moves the quantiles by less than a tenth of the standard error.
+    assert bootstrap(values) == pytest.approx(bootstrap(values[:-1]), abs=0.1 / math.sqrt(NORMAL_FROM))
+
+
+def test_differences_in_few_worlds_do_not_reach_across_zero() -> None:
+    values = np.zeros(50)
+    values[7] = -9e-6
+    assert bootstrap(values).high == 0.0
 
 
 def test_bootstrap_of_few_or_equal_values() -> None:
