@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import logging
+import socket
 import warnings
 from collections.abc import Iterable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Protocol
+from urllib.parse import urlsplit
 
 from joblib import Parallel, delayed, parallel_config
 
@@ -68,6 +71,8 @@ class ClusterWorkers:
         except TimeoutError as error:
             what = f"the cluster at {self._address} has no worker"
             raise GraphnavError(f"{what}\n  start one: dask worker {self._address}") from error
+        except CancelledError as error:
+            raise GraphnavError(f"the cluster at {self._address} is gone") from error
 
 
 @contextmanager
@@ -95,14 +100,25 @@ def cluster_workers(address: str) -> Iterator[Workers]:
         from distributed import Client  # noqa: PLC0415 - an extra, and slow to import
     except ImportError as error:
         raise UserError.of("--cluster needs Dask", 'pip install "graphnav[cluster]"') from error
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in logging.root.manager.loggerDict:
+        if name.startswith("distributed"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said once, by graphnav
     try:
+        _knock(address)
         client = Client(address, timeout=_PATIENCE_S, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
+    except (OSError, ValueError) as error:
         hint = "give the address that 'dask scheduler' prints, as tcp://host:8786"
         raise UserError.of(f"--cluster {address}: no scheduler answers there", hint) from error
     with client:
         yield ClusterWorkers(client, address)
+
+
+def _knock(address: str) -> None:
+    """Raise OSError or ValueError where nobody listens: a Dask client would try for long."""
+    parts = urlsplit(address)
+    if not parts.hostname or not parts.port:
+        raise ValueError(address)
+    socket.create_connection((parts.hostname, parts.port), timeout=_PATIENCE_S).close()
 
 
 def _perform_here(task: Task) -> Result:
