@@ -90,14 +90,18 @@ def pair_studies(
     """Pair the runs of two studies by graph, variant and seed.
 
     ``variants``: pairs of a variant of the first and one of the second study that are compared instead of those of the
-    same name.
+    same name. Cases that are the same graph as another one in both studies are told once.
 
     Raises
     ------
     UserError
         There is no such variant, or the studies have no run in common.
     """
-    all_a, all_b = in_plan_order(plan_a, records_a), in_plan_order(plan_b, records_b)
+    again = set() if variants else _shared(plan_a) & _shared(plan_b)
+    all_a, all_b = (
+        [record for record in in_plan_order(plan, records) if (record.graph, record.variant) not in again]
+        for plan, records in ((plan_a, records_a), (plan_b, records_b))
+    )
     cases_a, cases_b = _by_case(all_a), _by_case(all_b)
     pairs = list(variants) or [(variant, variant) for variant in plan_a.variants]
     for side, plan, names in (
@@ -169,6 +173,11 @@ def _rows(
             estimates_b={text: estimate(of_b, is_binary=text in binary) for text, (_, of_b) in known.items()},
             differences={text: found for text, found in differences.items() if found is not None},
         )
+
+
+def _shared(plan: Plan) -> set[_Case]:
+    """Return the cases whose runs are those of another case."""
+    return {(case.graph, case.variant) for case in plan.cases if case.same_as}
 
 
 def _alone(cases: Iterable[_Case], matched: Sequence[_Case], asked: Sequence[str]) -> tuple[_Case, ...]:

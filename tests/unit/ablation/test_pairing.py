@@ -102,3 +102,13 @@ def test_studies_without_a_common_run_cannot_be_compared(make_plan: MakePlan, ru
     a, b = make_plan(seeds=(0, 1)), make_plan(seeds=(2, 3))
     with pytest.raises(UserError, match=r"have no run in common: .*\n  compare studies of the same"):
         pair_studies(a, runs("ica", [0, 1], [1, 2]), b, runs("ica", [2, 3], [1, 2]))
+
+
+def test_what_is_the_same_graph_in_both_is_told_once(make_plan: MakePlan, runs: Runs) -> None:
+    plan = make_plan(variants=("ica", "twin"), same_as={"twin": "ica"})
+    records = runs("ica", range(3), [1, 2, 3]) + runs("twin", range(3), [1, 2, 3])
+    pairing = pair_studies(plan, records, plan, records)
+    assert [row.name for row in pairing.rows] == ["ica"]
+    assert pairing.only_a == pairing.only_b == ()
+    other = make_plan(variants=("ica", "twin"))
+    assert [row.name for row in pair_studies(plan, records, other, records).rows] == ["ica", "twin"]
