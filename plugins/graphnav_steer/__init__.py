@@ -7,6 +7,8 @@ from graphnav import Stage, hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
     from graphnav_steer.forward import Forward  # noqa: PLC0415  # only graphs that use the family pay for it
+    from graphnav_steer.oracle import Oracle  # noqa: PLC0415
     from graphnav_steer.pca import Pca  # noqa: PLC0415
+    from graphnav_steer.random import Random  # noqa: PLC0415
 
-    return [Forward, Pca]
+    return [Forward, Oracle, Pca, Random]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from graphnav import Plane, Stage, Steering
@@ -13,6 +15,8 @@ class Forward(Stage):
 
     A control: worlds that this stage survives test nothing.
     """
+
+    role: ClassVar = "control"
 
     def step(self, plane: Plane) -> Steering:  # noqa: ARG002  # the plane only says when to steer
         """Return no repulsive force and the guiding force (0, 1)."""

@@ -1,0 +1,53 @@
+"""What steering could be at best: a way planned on the true map."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+
+from graphnav import Latest, Map, Stage, State, Steering, param
+from graphnav_steer.axes import toward
+from graphnav_steer.way import Way
+
+
+class Oracle(Stage):
+    """Oracle: follows a way that was planned on the true map, by pure pursuit [PP].
+
+    The way is the cheapest one to the goal region on the map inflated by the robot's radius; what is near a wall costs
+    more. It is known from everywhere, so that a robot that strays need not plan again. The robot heads for the place
+    ``look_ahead_m`` down the way; with `control.nonholonomic` (T = T_m cos θ, R = R_m sin θ) that is nearly the arc of
+    [PP]. Moving obstacles are ignored.
+
+    References
+    ----------
+    .. [PP] R. C. Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992.
+    """
+
+    role: ClassVar = "oracle"
+
+    look_ahead_m: float = param(0.5, gt=0.0, doc="distance of the place to head for; more cuts corners and sways less")
+    comfort_m: float = param(0.25, gt=0.0, doc="clearance of the rim from which on nearness costs nothing")
+    dread: float = param(4.0, ge=0.0, doc="what a metre along a wall costs above 1; more takes longer ways around")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
+        """Forget the way."""
+        self._way: Way | None = None
+
+    def step(self, state: State, map: Latest[Map]) -> Steering:  # noqa: A002  # the port's name
+        """Return no repulsive force and a guiding force along the way.
+
+        Raises
+        ------
+        ValueError
+            There is no map, or it has no goal.
+        """
+        if self._way is None:
+            if map.value is None:
+                raise ValueError("steer.oracle plans on the map: connect it: --set steer.in.map=robot.map")
+            self._way = Way(map.value, self.comfort_m, self.dread)
+        x, y = self._way.ahead(state.x_m, state.y_m, self.look_ahead_m) - (state.x_m, state.y_m)
+        theta_rad = 0.0 if x == y == 0.0 else math.remainder(math.atan2(y, x) - state.yaw_rad, 2 * math.pi)
+        way, nothing = toward(theta_rad), np.zeros(2)
+        return Steering(repulsive=nothing, guiding=way, control=way, theta_rad=theta_rad, eigenvalues=nothing)
