@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         Twist,
     )
     from graphnav.record import Recording
-    from graphnav.stage import Finished, Latest, Source, Stage, Stamp, param
+    from graphnav.stage import Finished, Latest, Role, Source, Stage, Stamp, param
 
 __version__ = "0.1.0"
 
@@ -69,7 +69,7 @@ _HOMES = {
         "Twist",
     ),
     "graphnav.record": ("Recording",),
-    "graphnav.stage": ("Finished", "Latest", "Source", "Stage", "Stamp", "param"),
+    "graphnav.stage": ("Finished", "Latest", "Role", "Source", "Stage", "Stamp", "param"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 
@@ -93,6 +93,7 @@ __all__ = [
     "Potential",
     "Problem",
     "Recording",
+    "Role",
     "Source",
     "Stage",
     "Stamp",

@@ -6,8 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Plane, Stage, coarsen, param
-from graphnav.stage import Role
+from graphnav import Flow, Plane, Role, Stage, coarsen, param
 
 
 class AllGround(Stage):

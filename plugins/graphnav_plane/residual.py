@@ -6,8 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Planar, Plane
-from graphnav.stage import Role
+from graphnav import Flow, Planar, Plane, Role
 from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground, compared
 
 

@@ -7,8 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 import graphnav
-from graphnav import Plane, Stage, block_sum, param
-from graphnav.stage import Role
+from graphnav import Plane, Role, Stage, block_sum, param
 
 
 class Truth(Stage):
