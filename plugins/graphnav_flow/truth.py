@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 import graphnav
@@ -15,6 +17,8 @@ class Truth(Stage):
     Texture plays no part, because the truth needs none. Above the horizon there is no surface that could have any:
     nothing is valid there.
     """
+
+    role: ClassVar = "oracle"
 
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
 

@@ -7,7 +7,7 @@ import numpy as np
 import graphnav
 from graphnav import Flow, Planar, PlanarModel, coarsen, param
 from graphnav_planar.refinement import Doubles, correction
-from graphnav_planar.taught import Taught, check_size, planar
+from graphnav_planar.taught import Taught, check_size, planar, stacked
 from graphnav_planar.terms import driving_terms, factors, orders
 
 
@@ -46,10 +46,10 @@ class Motion(Taught):
 
     def _correction(self, by_term: Doubles, cells: Flow) -> Doubles:
         """Return what the corrected motion adds to the factors of the terms, to the first order."""
-        both = np.flatnonzero(np.tile(((cells.valid & self._model.valid) != 0).reshape(-1), 2))
+        both, uv_px = stacked(cells, self._model)
         basis = self._basis[:, both]
         rates = self._orders * by_term
-        difference_px = cells.uv_px.transpose(2, 0, 1).reshape(-1)[both] - by_term @ basis
+        difference_px = uv_px - by_term @ basis
         shares = correction(rates @ basis, difference_px, self.odometry_error_ratio)
         return np.asarray(shares @ rates)
 

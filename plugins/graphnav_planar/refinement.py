@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from graphnav_planar.robust import NOISE_PX, agreement
+
 Doubles = npt.NDArray[np.float64]
 
 _ITERATIONS = 3
-_NOISE_PX = 0.1
 _RIDGE_PX2 = 1e-6
 
 
@@ -23,12 +24,9 @@ def correction(rates_px: Doubles, difference_px: Doubles, most: float) -> Double
     limit keeps the fit from following them.
     """
     shares = np.zeros(2)
-    n = difference_px.size // 2
     for _ in range(_ITERATIONS):
-        left = difference_px - shares @ rates_px
-        left *= left
-        falling = 1 / (1 + (left[:n] + left[n:]) / _NOISE_PX**2)
-        weighted = rates_px * np.tile(falling * falling, 2)
+        explained = agreement(difference_px - shares @ rates_px, NOISE_PX)
+        weighted = rates_px * np.tile(explained * explained, 2)
         products = weighted @ rates_px.T + _RIDGE_PX2 * np.eye(2)
         shares = np.clip(np.linalg.solve(products, weighted @ difference_px), -most, most)
     return shares

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,11 @@ import numpy.typing as npt
 
 from graphnav import Flow, ParamError, Planar, PlanarModel, Stage, param
 from graphnav_planar.model_file import TEACH, read_model
+
+Doubles = npt.NDArray[np.float64]
+
+LEAST_VECTORS = 6
+"""Fewer valid vectors tell nothing of the ground."""
 
 
 class Taught(Stage):
@@ -63,4 +69,20 @@ def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], interval_us: int
         residual_px=model.residual_px,
         interval_us=interval_us,
         step_px=model.step_px,
+    )
+
+
+def stacked(cells: Flow, model: PlanarModel) -> tuple[npt.NDArray[np.intp], Doubles]:
+    """Return where in a flattened field (2, rows, cols) the valid vectors are, (2n,), and these themselves, (2n,).
+
+    Horizontal parts first, then the vertical ones. ``cells``: a flow on the model's grid.
+    """
+    both = np.flatnonzero(np.tile(((cells.valid & model.valid) != 0).reshape(-1), 2))
+    return both, cells.uv_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
+
+
+def unknown(model: PlanarModel, interval_us: int) -> Planar:
+    """Return a planar flow without a valid cell."""
+    return replace(
+        planar(model, np.zeros((*model.valid.shape, 2)), interval_us), planar_valid=np.zeros_like(model.valid)
     )

@@ -1,0 +1,49 @@
+"""Planar flow as the taught mean times one number."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from graphnav import Flow, Planar, coarsen, param
+from graphnav_planar.mean import Mean
+from graphnav_planar.robust import NOISE_DOC, NOISE_PX, agreement
+from graphnav_planar.taught import LEAST_VECTORS, check_size, planar, stacked, unknown
+
+_ITERATIONS = 10
+_LEAST_PX2 = 1e-12
+
+
+class Gain(Mean):
+    """Planar flow as the taught mean times one gain, fitted to the flow of the frame.
+
+    The control for `planar.subspace` and `planar.motion`: it knows the speed and nothing of turns. Without it nobody
+    believes that the motion must be modelled. The gain starts from the median over the vectors (of how much of the mean
+    each holds), then least squares are reweighted so that obstacles do not count. Where less than 6 vectors are valid
+    there is nothing to fit, and no cell of the planar flow is.
+    """
+
+    role: ClassVar = "control"
+
+    noise_px: float = param(NOISE_PX, gt=0.0, doc=NOISE_DOC)
+
+    def step(self, flow: Flow) -> Planar:
+        """Return the mean times the gain for the grid of ``flow``.
+
+        Raises
+        ------
+        ValueError
+            The flow is of another image size than the model.
+        """
+        check_size(self._model, flow)
+        both, uv_px = stacked(coarsen(flow, self._model.step_px), self._model)
+        if both.size < 2 * LEAST_VECTORS:
+            return unknown(self._model, flow.interval_us)
+        mean_px = self._mean_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
+        products, squares = (field.reshape(2, -1).sum(axis=0) for field in (mean_px * uv_px, mean_px * mean_px))
+        gain = float(np.median(products / np.maximum(squares, _LEAST_PX2)))
+        for _ in range(_ITERATIONS):
+            weights = agreement(uv_px - gain * mean_px, self.noise_px) ** 2
+            gain = float(weights @ products) / max(float(weights @ squares), _LEAST_PX2)
+        return planar(self._model, gain * self._mean_px, flow.interval_us)

@@ -1,0 +1,72 @@
+"""Planar flow for the motion that the flow itself shows: no odometry."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphnav import Flow, Planar, PlanarModel, coarsen, param
+from graphnav_planar.egomotion import best_motion, fitted_motion, motions_of_pairs
+from graphnav_planar.robust import NOISE_DOC, NOISE_PX
+from graphnav_planar.series import Series
+from graphnav_planar.taught import LEAST_VECTORS, Taught, check_size, planar, stacked, unknown
+from graphnav_planar.terms import driving_terms, orders
+
+
+class Subspace(Taught):
+    """Planar flow for the current motion, which is estimated from the flow.
+
+    The flows of an obstacle-free ground form a subspace of all flows, spanned by the basis that `planar.teach` fitted;
+    the one with which most of the picture agrees is the ground's. The factors of the basis are not free: forward
+    displacement and turn determine all of them. So two numbers are fitted, by least squares that are reweighted so that
+    obstacles do not count (Geman and McClure's estimator).
+
+    That fit ends near where it starts. It starts from the best of these: the last frame's motion, the same without its
+    turn, and the motions that explain random pairs of vectors [FB]. So the ground need only be the largest part of the
+    picture that moves as one plane does. Where less than 6 vectors are valid there is nothing to fit, and no cell of
+    the planar flow is.
+
+    References
+    ----------
+    .. [FB] M. A. Fischler, R. C. Bolles, Random sample consensus, Communications of the ACM 24(6), 1981.
+    """
+
+    noise_px: float = param(NOISE_PX, gt=0.0, doc=NOISE_DOC)
+    draws: int = param(
+        16, ge=0, le=1000, doc="random pairs of vectors whose motions the fit may start from; 0 trusts the last frame"
+    )
+
+    def reset(self, seed: int) -> None:
+        """Read the model and stand still."""
+        super().reset(seed)
+        self._rng = np.random.default_rng(seed)
+        self._motion = np.zeros(2)
+
+    def step(self, flow: Flow) -> Planar:
+        """Return the planar flow of the motion that ``flow`` shows, for its grid.
+
+        Raises
+        ------
+        ValueError
+            The flow is of another image size than the model.
+        """
+        check_size(self._model, flow)
+        both, uv_px = stacked(coarsen(flow, self._model.step_px), self._model)
+        if both.size < 2 * LEAST_VECTORS:
+            return unknown(self._model, flow.interval_us)
+        series = Series(self._series.basis[:, both], self._orders)
+        starts = np.stack([self._motion, self._motion * (1.0, 0.0)])
+        if self.draws:
+            starts = np.concatenate([starts, motions_of_pairs(series, uv_px, self.draws, self._rng)])
+        start = best_motion(series, uv_px, starts, self.noise_px)
+        self._motion = fitted_motion(series, uv_px, start, self.noise_px)
+        field = (self._series.factors(self._motion) @ self._series.basis).reshape(2, *self._model.valid.shape)
+        return planar(self._model, field.transpose(1, 2, 0), flow.interval_us)
+
+    def _use(self, model: PlanarModel) -> None:
+        terms = driving_terms(model.terms)
+        if not {"v", "w"} <= set(terms):
+            raise self._not_taught("how the flow depends on the motion", model)
+        fields = model.basis[[model.terms.index(term) for term in terms]].transpose(0, 3, 1, 2)
+        self._orders = orders(terms)
+        self._series = Series(fields.reshape(len(terms), -1).astype(np.float64), self._orders)
+        self._model = model

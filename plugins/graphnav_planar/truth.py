@@ -1,0 +1,66 @@
+"""The simulator's planar flow."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+import graphnav
+from graphnav import Planar, Stage, block_sum, param
+from graphnav_planar.homography import homography, moved, nearness
+
+Doubles = npt.NDArray[np.float64]
+Cells = npt.NDArray[np.bool_]
+
+_MOST_PIXELS = 2000
+
+
+class Truth(Stage):
+    """Oracle: the flow that the ground would give at every place, also behind obstacles; it isolates the planar model.
+
+    Between two frames a plane moves by a homography. The one that the visible ground's true flow determines gives the
+    flow of the rest. Where too little ground is visible for that, and above its horizon, no cell is valid.
+    """
+
+    role: ClassVar = "oracle"
+
+    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    least_ground_ratio: float = param(
+        0.01, gt=0.0, le=1.0, doc="least share of the picture that must be ground; too little tells nothing of the rest"
+    )
+
+    def step(self, truth: graphnav.Truth) -> Planar:
+        """Return the ground's flow on cells of ``cell_px`` (of the truth's own step, if that is coarser)."""
+        factor = max(1, self.cell_px // truth.step_px)
+        uv_px, known = self._ground_flow(truth)
+        size = block_sum(np.ones_like(known, np.float64), factor)
+        mean = np.stack([block_sum(part, factor) / size for part in np.moveaxis(uv_px, -1, 0)], axis=-1)
+        valid = block_sum(known.astype(np.float64), factor) == size
+        return Planar(
+            planar_uv_px=mean.astype(np.float32),
+            planar_valid=valid.astype(np.uint8),
+            residual_px=np.zeros(valid.shape, np.float32),
+            interval_us=truth.interval_us,
+            step_px=factor * truth.step_px,
+        )
+
+    def _ground_flow(self, truth: graphnav.Truth) -> tuple[Doubles, Cells]:
+        """Return the ground's flow in px, (rows, cols, 2), and where it is known, (rows, cols); elsewhere it is 0."""
+        rows, cols = truth.obstacle.shape
+        unit_px = truth.step_px * cols / 2
+        row, col = np.mgrid[:rows, :cols]
+        points = np.stack([col - (cols - 1) / 2, row - (rows - 1) / 2], axis=-1) * (truth.step_px / unit_px)
+        ground = np.flatnonzero((truth.obstacle == 0) & np.isfinite(truth.depth_m))
+        none = np.zeros(points.shape), np.zeros((rows, cols), np.bool_)
+        if ground.size < self.least_ground_ratio * truth.obstacle.size:
+            return none
+        used = ground[:: 1 + ground.size // _MOST_PIXELS]
+        seen = points.reshape(-1, 2)[used]
+        matrix = homography(seen, seen - truth.flow_px.reshape(-1, 2)[used] / unit_px)
+        if matrix is None:
+            return none
+        before, scale = moved(matrix, points)
+        known = (nearness(seen, truth.depth_m.reshape(-1)[used], points) > 0.0) & (scale > 0.0)
+        return np.where(known[..., None], (points - before) * unit_px, 0.0), known
