@@ -70,7 +70,7 @@ def check_cases(study: Study, variants: tuple[Variant, ...], catalog: Catalog, f
                 fine |= new.keys()
                 checked.append(case)
             except UserError as error:
-                findings.add(name, variant.name, error, origins)
+                findings.add(name, variant, error, origins)
     return checked
 
 

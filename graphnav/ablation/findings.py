@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from graphnav.ablation.expand import Variant
 from graphnav.ablation.study import Axis
 from graphnav.errors import Place, Problem, UserError
 from graphnav.graph.settings import SET
@@ -28,49 +30,64 @@ class Findings:
 
     def __init__(self, axes: Iterable[Axis]) -> None:
         self._axes = {axis.name: axis for axis in axes}
-        self._found: dict[_Finding, dict[str, list[str]]] = {}
-        self._seen: dict[str, int] = {}
+        self._found: dict[_Finding, dict[str, list[Variant]]] = {}
+        self._seen: Counter[str] = Counter()
 
     def saw(self, graph: str) -> None:
         """Note that a case of a graph was looked at."""
-        self._seen[graph] = self._seen.get(graph, 0) + 1
+        self._seen[graph] += 1
 
-    def add(self, graph: str, variant: str, error: UserError, origins: Mapping[str, Origin]) -> None:
+    def add(self, graph: str, variant: Variant, error: UserError, origins: Mapping[str, Origin]) -> None:
         """Add what is wrong with a case; ``origins``: of its ``--set`` texts."""
-        for problem in error.problems:
+        for problem in dict.fromkeys(error.problems):
             said = problem.place.file.removeprefix(f"{SET} ") if problem.place else ""
-            origin = origins.get(said)
-            hint = _in_one_choice(problem.hint) if origin and origin.axis else problem.hint
-            moved = Problem(origin.place if origin else problem.place, problem.what, hint)
-            variants = self._found.setdefault((origin, moved), {}).setdefault(graph, [])
-            if variant not in variants:
-                variants.append(variant)
+            finding = origins.get(said), problem
+            self._found.setdefault(finding, {}).setdefault(graph, []).append(variant)
 
     def problems(self) -> list[Problem]:
-        """Return what is wrong: what all choices of an axis have at the axis, all else where it was said."""
-        choices: dict[tuple[str, str, str], set[str]] = {}
-        for origin, problem in self._found:
-            if origin and origin.axis:
-                choices.setdefault((origin.axis, problem.what, problem.hint), set()).add(origin.choice)
-        graphs: dict[Problem, list[str]] = {}
-        said = []
-        for (origin, problem), where in self._found.items():
-            if origin is None:
-                said.append(self._with_variant(problem, where))
-                continue
-            axis, place = self._axes.get(origin.axis), problem.place
-            if axis and 1 < len(axis.choices) == len(choices[axis.name, problem.what, problem.hint]):
-                place = axis.place
-            graphs.setdefault(Problem(place, problem.what, problem.hint), []).extend(where)
-        said += [Problem(p.place, f"in {listed(list(dict.fromkeys(g)))}: {p.what}", p.hint) for p, g in graphs.items()]
-        return said
+        """Return what is wrong: what all choices of an axis have at the axis, all else where it was said.
 
-    def _with_variant(self, problem: Problem, where: Mapping[str, Sequence[str]]) -> Problem:
-        """Return a problem of a graph with a variant that has it, unless all have."""
-        for graph, variants in where.items():
-            if len(variants) < self._seen[graph]:
-                return Problem(problem.place, f"with {variants[0]}: {problem.what}", problem.hint)
-        return problem
+        What a graph says, but only with some variants, is said at the choice that all of them have in common.
+        """
+        said: dict[Problem, None] = {}
+        found: dict[tuple[Origin, str, str], list[str]] = {}
+        for (origin, problem), where in self._found.items():
+            by = origin or self._common_choice(where)
+            if by is None:
+                said[problem] = None
+            else:
+                hint = _in_one_choice(problem.hint) if by.axis else problem.hint
+                found.setdefault((by, problem.what, hint), []).extend(where)
+        choices: dict[tuple[str, str, str], set[str]] = {}
+        for origin, what, hint in found:
+            choices.setdefault((origin.axis, what, hint), set()).add(origin.choice)
+        graphs: dict[Problem, list[str]] = {}
+        for (origin, what, hint), names in found.items():
+            axis = self._axes.get(origin.axis)
+            is_whole = axis is not None and 1 < len(axis.choices) == len(choices[origin.axis, what, hint])
+            place = axis.place if axis and is_whole else origin.place
+            graphs.setdefault(Problem(place, what, hint), []).extend(names)
+        return [
+            *said,
+            *(
+                Problem(p.place, f"in {listed(list(dict.fromkeys(names)))}: {p.what}", p.hint)
+                for p, names in graphs.items()
+            ),
+        ]
+
+    def _common_choice(self, where: Mapping[str, Sequence[Variant]]) -> Origin | None:
+        """Return the choice that all variants with a problem have in common, None if it is not for a choice."""
+        if all(len(variants) == self._seen[graph] for graph, variants in where.items()):
+            return None
+        variants = [variant for found in where.values() for variant in found]
+        common = [
+            Origin(choice.place, axis.name, choice.label)
+            for axis in self._axes.values()
+            for choice in reversed(axis.choices)
+            if all(variant.choices[axis.name] is choice for variant in variants)
+        ]
+        bases = {(axis.name, axis.choices[0].label) for axis in self._axes.values()}
+        return next((o for o in common if (o.axis, o.choice) not in bases), common[0] if common else None)
 
 
 def _in_one_choice(hint: str) -> str:

@@ -12,7 +12,7 @@ MAX_SEED = 4_294_967_295
 MAX_SEEDS = 100_000
 
 _RANGE = re.compile(r"\s*([0-9]{1,12})\s*:\s*([0-9]{1,12})\s*", re.ASCII)
-_LIST = re.compile(r"\s*\[?\s*([0-9]{1,12}(?:\s*,\s*[0-9]{1,12})*)\s*(,?)\s*\]?\s*", re.ASCII)
+_LIST = re.compile(r"\s*(\[)?\s*([0-9]{1,12}(?:\s*,\s*[0-9]{1,12})*)\s*(?(1)\])\s*", re.ASCII)
 HINT = "write FIRST:END, the end not included (0:50 are 50 worlds), or a list as [1, 5, 7]"
 
 
@@ -38,9 +38,10 @@ def parse_seeds(text: str, place: Place | None = None) -> tuple[int, ...]:
     listed = _LIST.fullmatch(text)
     if listed is None:
         raise UserError.of(f"'{text}' says no seeds", HINT, place)
-    if "," not in text and "[" not in text:
-        raise bare_number(listed[1], place)
-    return checked_seeds([int(word) for word in listed[1].split(",")], place)
+    words = listed[2].split(",")
+    if len(words) == 1 and not listed[1]:
+        raise bare_number(words[0].strip(), place)
+    return checked_seeds([int(word) for word in words], place)
 
 
 def checked_seeds(seeds: Sequence[int], place: Place | None = None) -> tuple[int, ...]:

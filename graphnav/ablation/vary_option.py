@@ -56,7 +56,7 @@ def split_values(text: str) -> Iterator[str]:
     for number, char in enumerate(text):
         if quote:
             quote = "" if char == quote else quote
-        elif char in "\"'":
+        elif char in "\"'" and (depth > 0 or not text[start:number].strip()):
             quote = char
         elif char in _OPENING:
             depth += 1

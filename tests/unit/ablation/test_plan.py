@@ -1,0 +1,203 @@
+"""A plan holds every graph with every variant, checked, and what is to be run."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from graphnav.ablation.command_line import study_of_command
+from graphnav.ablation.make_plan import make_plan
+from graphnav.ablation.plan import Plan
+from graphnav.catalog import Catalog
+from graphnav.errors import UserError
+from graphnav.graph import load_graph, resolved_yaml
+
+STUDIES = Path(__file__).resolve().parent.parent.parent / "errors" / "studies"
+GRAPHS = STUDIES / "graphs"
+
+MakePlan = Callable[..., Plan]
+
+
+@pytest.fixture(scope="module")
+def judges() -> Catalog:
+    """Return a catalog with the families ``toy`` and ``judge``."""
+    catalog = Catalog()
+    for file in (STUDIES.parent / "stages.py", STUDIES / "stages.py"):
+        catalog.add_file(file)
+    return catalog
+
+
+@pytest.fixture
+def plan(judges: Catalog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MakePlan:
+    """Return what makes plans of the toy graphs, which are in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    for file in GRAPHS.glob("*.yaml"):
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+
+    def made(*varies: str, names: Sequence[str] = ("loop",), plugins: Sequence[Path] = (), **options: object) -> Plan:
+        study = study_of_command(names, varies=varies, seeds="0:3", **options)  # type: ignore[arg-type]
+        return make_plan(study, judges, "graphnav ablate ...", plugins)
+
+    return made
+
+
+def test_every_graph_with_every_variant_the_base_first(plan: MakePlan) -> None:
+    made = plan("plane=toy.detector,judge.blind", "flow.layers=2,3", names=("loop", "chain"))
+    assert [(c.graph, c.variant) for c in made.cases] == [(g, v) for g in ("loop", "chain") for v in made.variants]
+    assert made.variants == (
+        "toy.detector + flow.layers=2",
+        "toy.detector + flow.layers=3",
+        "judge.blind + flow.layers=2",
+        "judge.blind + flow.layers=3",
+    )
+    assert [case.is_base for case in made.cases] == [True, False, False, False] * 2
+    assert made.base == made.variants[0]
+    assert made.axes == {"plane": ("toy.detector", "judge.blind"), "flow.layers": ("flow.layers=2", "flow.layers=3")}
+    assert made.case("chain", made.variants[3]).labels == {"plane": "judge.blind", "flow.layers": "flow.layers=3"}
+
+
+def test_a_case_is_the_graph_with_its_sets(plan: MakePlan, judges: Catalog) -> None:
+    made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1"], names=("loop", "chain"))
+    for case in made.cases:
+        graph = load_graph(case.graph, judges, case.sets)
+        assert case.sets[0] == "robot.noise_px=1"
+        assert case.graph_yaml == resolved_yaml(graph)
+        assert case.uses == {node.name: node.use for node in graph.nodes}
+        assert list(case.uses) == [node.name for node in graph.nodes]
+
+
+def test_folders_are_unique_and_below_the_study(plan: MakePlan) -> None:
+    Path("lab").mkdir()
+    Path("lab/loop.yaml").write_bytes(Path("loop.yaml").read_bytes())
+    made = plan("plane=toy.detector,judge.blind", names=("loop", "lab/loop.yaml"))
+    folders = [case.folder for case in made.cases]
+    assert len(set(folders)) == 4
+    assert all(Path(folder).parts[0] == "runs" and len(Path(folder).parts) == 3 for folder in folders)
+    assert plan("plane=toy.detector,judge.blind").cases[1].folder == "runs/loop/judge.blind"
+
+
+def test_graphs_that_come_out_the_same_are_run_once(plan: MakePlan) -> None:
+    made = plan("plane=toy.detector,toy.guess", "smooth.alpha=0.1,0.5", names=("chain",))
+    assert [case.same_as for case in made.cases] == ["", "", "", "toy.guess + smooth.alpha=0.1"]
+    assert made.cases[3].folder == made.cases[2].folder
+    assert made.n_jobs == 9
+    assert len({job.folder for job in made.jobs}) == 9
+
+
+def test_a_value_that_is_the_default_is_the_same_graph(plan: MakePlan) -> None:
+    made = plan("robot.noise_px=2,2.0,3")
+    assert [case.same_as for case in made.cases] == ["", "robot.noise_px=2", ""]
+
+
+def test_same_graphs_of_other_names_are_run_each(plan: MakePlan) -> None:
+    Path("copy.yaml").write_bytes(Path("loop.yaml").read_bytes())
+    assert not any(case.same_as for case in plan("plane=toy.detector,judge.blind", names=("loop", "copy")).cases)
+
+
+def test_the_most_special_role_that_the_axes_put_in(plan: MakePlan) -> None:
+    made = plan("plane=toy.detector,judge.blind,judge.oracle", "robot.noise_px=1,2")
+    assert [case.role for case in made.cases] == ["method"] * 2 + ["control"] * 2 + ["oracle"] * 2
+    base = plan("plane=judge.oracle,toy.detector").cases
+    assert [case.role for case in base] == ["oracle", "method"]
+
+
+def test_what_all_runs_have_makes_no_role(plan: MakePlan) -> None:
+    made = plan("robot.noise_px=1,2", sets=["plane=judge.oracle"])
+    assert [case.role for case in made.cases] == ["method", "method"]
+
+
+def test_swapped_stages_are_those_that_the_base_has_not(plan: MakePlan) -> None:
+    made = plan("plane=judge.blind,toy.detector", "flow.layers=2,3")
+    assert [case.swapped for case in made.cases] == [(), (), ("plane",), ("plane",)]
+
+
+def test_notices_say_what_changed_and_nothing_of_what_did_not(plan: MakePlan) -> None:
+    base, other = plan("plane=toy.detector,toy.guess", names=("chain",)).cases
+    assert base.notices == ()
+    assert other.notices[0].startswith("plane: toy.detector swapped for toy.guess")
+    assert "smooth: pruned, nobody reads it any more" in other.notices
+
+
+def test_figures_know_which_way_is_better(plan: MakePlan) -> None:
+    made = plan("plane=toy.detector,judge.blind", figures=["sight.wrong,sight.right,sight.wrong - sight.right"])
+    assert made.figures == {"sight.wrong": "less", "sight.right": "more", "sight.wrong - sight.right": "less"}
+    assert next(iter(made.figures)) == "sight.wrong"
+    assert made.less_is_better == ("sight.wrong",)
+    assert plan("plane=toy.detector,judge.blind").figures == {}
+
+
+def test_a_plan_reads_back_as_it_was_written(plan: MakePlan, tmp_path: Path) -> None:
+    made = plan(
+        "plane=toy.detector,judge.blind",
+        "robot.noise_px=1,1e1",
+        figures=["sight.right"],
+        plugins=[Path("mine.py")],
+        names=("loop", "chain"),
+    )
+    made.write(tmp_path / "plan.json")
+    assert Plan.read(tmp_path / "plan.json") == made
+    assert made.plugins == (str(tmp_path / "mine.py"),)
+    assert made.command == "graphnav ablate ..."
+    assert made.versions["python"]
+
+
+STUDY = "graph: loop\nseeds: [0]\nvary: {robot.map: [here.yaml, there.yaml, maps/empty.yaml]}\n"
+
+
+def test_paths_of_a_study_are_beside_it_then_where_set_finds_them_then_what_ships(
+    plan: MakePlan, tmp_path: Path
+) -> None:
+    (tmp_path / "lab").mkdir()
+    for name in ("here.yaml", "there.yaml", "lab/here.yaml"):
+        (tmp_path / name).touch()
+    (tmp_path / "lab/study.yaml").write_text(STUDY, encoding="utf-8")
+    made = plan(names=("lab/study.yaml",))
+    assert [case.sets for case in made.cases] == [
+        (f"robot.map={tmp_path}/lab/here.yaml",),
+        ("robot.map=there.yaml",),
+        ("robot.map=maps/empty.yaml",),
+    ]
+    assert made.axes["robot.map"][0] == "robot.map=here.yaml"
+
+
+def test_paths_of_the_command_line_are_those_of_the_working_folder(plan: MakePlan, tmp_path: Path) -> None:
+    (tmp_path / "lab").mkdir()
+    for name in ("here.yaml", "there.yaml", "lab/here.yaml"):
+        (tmp_path / name).touch()
+    (tmp_path / "lab/study.yaml").write_text(STUDY, encoding="utf-8")
+    made = plan("robot.map=there.yaml,here.yaml", names=("lab/study.yaml",))
+    assert made.cases[1].sets == ("robot.map=here.yaml",)
+
+
+def test_words_that_are_no_paths_stay_whatever_lies_beside_the_study(plan: MakePlan, tmp_path: Path) -> None:
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab/otsu").touch()
+    text = "graph: loop\nvary: {plane.rule: [otsu, mad]}\n"
+    (tmp_path / "lab/study.yaml").write_text(text, encoding="utf-8")
+    assert plan(names=("lab/study.yaml",)).cases[0].sets == ("plane.rule=otsu",)
+
+
+def test_a_missing_path_beside_the_study_is_said_at_its_value(plan: MakePlan, tmp_path: Path) -> None:
+    text = "graph: loop\nvary: {robot.map: [maps/empty.yaml, nowhere.yaml]}\n"
+    (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(UserError, match=r"^study\.yaml:2:37: in loop: toy\.robot: there is no map nowhere\.yaml"):
+        plan(names=("study",))
+
+
+def test_a_detector_of_ones_own_gets_its_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(
+        "import numpy as np\nfrom graphnav import Flow, Plane, Stage, hookimpl\nFAMILY = 'plane'\n\n\n"
+        "class Mine(Stage):\n    def step(self, flow: Flow) -> Plane:\n        raise NotImplementedError\n\n\n"
+        "@hookimpl\ndef graphnav_stages():\n    return [Mine]\n",
+        encoding="utf-8",
+    )
+    catalog = Catalog()
+    catalog.add_file(Path("mine.py"))
+    study = study_of_command(["detectors"], varies=["plane+=plane.mine"], seeds="0:2")
+    made = make_plan(study, catalog, "", [Path("mine.py")])
+    mine = [case for case in made.cases if case.labels["plane"] == "plane.mine"]
+    assert {case.graph for case in mine} == set(made.graphs)
+    assert all(case.uses["plane"] == "plane.mine" for case in mine)
+    assert all("planar" not in case.uses for case in mine)
+    assert sum(not case.same_as for case in mine) == len(made.graphs)
