@@ -4,8 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Plane, Stage, hookimpl, param
-from graphnav.stage import Role
+from graphnav import Flow, Plane, Role, Stage, hookimpl, param
 
 FAMILY = "judge"
 
