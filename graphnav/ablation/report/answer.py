@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from graphnav.ablation.comparison import LEAST_WORLDS
+from graphnav.ablation.legend import seeds_text
 from graphnav.ablation.report.forest import forest, key
 from graphnav.ablation.report.headline import lead, verdicts
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.material import Material
-from graphnav.ablation.report.numbers import counted, seeds_text
+from graphnav.ablation.report.numbers import counted
 from graphnav.ablation.report.sides import checks, sides
-
-_FEW = 10
-"""Worlds below which the percentile bootstrap is known to be too narrow."""
 
 
 def answer(material: Material) -> Html:
@@ -67,9 +66,7 @@ def _facts(material: Material) -> Html:
 def _warning(n: int) -> Html:
     if n == 1:
         return tag("p", "One world: no interval means anything, and no difference does.", class_="note warn")
-    if n < _FEW:
-        said = (
-            f"{n} worlds are few: intervals of figures that are not 0 or 1 are too narrow, and differences are hints."
-        )
+    if n < LEAST_WORLDS:
+        said = f"{n} worlds are too few to call a difference one: that takes {LEAST_WORLDS}."
         return tag("p", said, class_="note warn")
     return ""

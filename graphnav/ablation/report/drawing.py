@@ -35,7 +35,7 @@ def _drawing(material: Material, cases: list[Case]) -> Html:
     ]
     lines += [f"{tag('b', esc(stage))}: {esc(', '.join(targets))} varied" for stage, targets in tuned.items()]
     try:
-        graph = graph_of(base.graph_yaml.encode(), Path(base.graph), material.catalog)
+        graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), material.catalog)
     except GraphnavError as error:
         picture = tag("p", f"It cannot be drawn here: {esc(str(error).splitlines()[0])}", class_="note warn")
     else:
@@ -56,7 +56,8 @@ def _rivals(base: Case, cases: list[Case]) -> dict[str, list[str]]:
             uses = found.setdefault(stage, [])
             if use not in uses and use != base.uses.get(stage):
                 uses.append(use)
-    return {stage: uses for stage, uses in found.items() if uses}
+    order = [*base.uses, *(stage for stage in found if stage not in base.uses)]
+    return {stage: found[stage] for stage in order if found.get(stage)}
 
 
 def _tuned(base: Case, cases: list[Case]) -> dict[str, list[str]]:

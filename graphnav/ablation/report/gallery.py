@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from graphnav.ablation.gallery import failure_folder, is_failure
 from graphnav.ablation.records import Record
 from graphnav.ablation.report.html import Html, details, esc, tag
 from graphnav.ablation.report.looks import badge
@@ -12,16 +13,16 @@ from graphnav.ablation.report.material import Material
 from graphnav.ablation.report.numbers import counted
 from graphnav.ablation.report.pictures import embedded
 
-FOLDER = "failures"
-_CAUSES = {"contact": "Contact", "timeout": "Time was up", "failed": "The run broke down", "stopped": "Stopped"}
+_CAUSES = {"contact": "Contact", "timeout": "Time was up", "failed": "The run broke down"}
 _MOST = 24
 _MOST_PX = 1180
 
 
 def gallery(material: Material) -> Html:
     """Return the pictures that the folder has of failures, the methods' first, few of each variant."""
-    found = [(run, file) for run, file in _failures(material) if file is not None]
-    n = sum(run.outcome in _CAUSES for run in material.records)
+    failures = _failures(material)
+    found = [(run, file) for run in failures if (file := _picture(material, run)) is not None]
+    n = len(failures)
     if not found:
         said = "No run ended otherwise than it should." if not n else f"{counted(n, 'run')} failed; none is drawn."
         return tag("p", said, class_="note")
@@ -35,17 +36,13 @@ def gallery(material: Material) -> Html:
     return "".join(parts)
 
 
-def _failures(material: Material) -> list[tuple[Record, Path | None]]:
+def _failures(material: Material) -> list[Record]:
     own = {(case.graph, case.variant) for case in material.plan.cases if not case.same_as}
-    return [
-        (run, _picture(material.folder, run.folder))
-        for run in material.records
-        if run.outcome in _CAUSES and (run.graph, run.variant) in own
-    ]
+    return [run for run in material.records if is_failure(run) and (run.graph, run.variant) in own]
 
 
-def _picture(folder: Path, run: str) -> Path | None:
-    place = folder / FOLDER / run.removeprefix("runs/")
+def _picture(material: Material, run: Record) -> Path | None:
+    place = material.folder / failure_folder(material.plan.case(run.graph, run.variant), run.seed)
     pictures = sorted(place.glob("*.png"), key=lambda file: (file.name != "end.png", file.name))
     return pictures[0] if pictures else None
 

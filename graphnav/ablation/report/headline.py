@@ -32,9 +32,7 @@ def lead(material: Material, figure: str, found: Found) -> Html:
     """Return what the base does and whether anything does better."""
     rivals = list(dict.fromkeys(variant for variant, _ in found))
     if len(rivals) == 1:
-        return " ".join(
-            _paired(material, figure, *found[rivals[0], g]) for g in material.plan.graphs if (rivals[0], g) in found
-        )
+        return " ".join(_paired(material, figure, verdict, row) for verdict, row in found.values())
     sides = {side: [v for v in rivals if _side(found, v) == side] for side in ("better", "mixed", "worse")}
     clauses = []
     if sides["better"]:

@@ -17,7 +17,7 @@ from graphnav.record.find import LOG
 from graphnav.report.pictures import DRAWING_FAMILY
 
 FOLDER = "paths"
-_FIRST, _DISPUTED, _MANY_GRAPHS = 3, 3, 4
+_FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
 _MOST_PATHS = {"method": 8, "control": 2, "oracle": 2}
 _MOST_PX = 520
 
@@ -29,7 +29,8 @@ def maps(material: Material) -> Html:
     material.catalog.load(DRAWING_FAMILY)
     parts = []
     for graph in material.plan.graphs:
-        runs = {v: {run.seed: run for run in material.runs.get((graph, v), ())} for v in variants}
+        own = [variant for variant in variants if not material.plan.case(graph, variant).same_as]
+        runs = {v: {run.seed: run for run in material.runs.get((graph, v), ())} for v in own}
         seeds = _worlds(material, graph, variants)
         drawn = [
             _map(material, graph, seed, [of[seed] for of in runs.values() if seed in of], colours) for seed in seeds

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
+from graphnav.ablation.comparison import LEAST_WORLDS
+from graphnav.ablation.legend import COUNTING, INTERVALS, seeds_text
 from graphnav.ablation.report.html import Html, details, esc, listed, tag
 from graphnav.ablation.report.material import Material
-from graphnav.ablation.report.numbers import seeds_text
-from graphnav.ablation.statistics import DRAWS
 
 _MEANING = """\
 A world is a seed: map, start, textures and noise are drawn from it, and every variant meets the same ones.
 
-Means are over worlds. In brackets stand 95 % intervals: Wilson's for figures that are 0 or 1 in every run, for all others
-the percentile bootstrap over worlds ({draws} resamples).
+Differences are paired: this variant minus the base in the same world. A variant is called better or worse only where
+the interval of that difference leaves out 0, over {least} worlds or more. An interval that holds 0 does not say that
+two are equal: it says how far apart they may be.
 
-Differences are paired: this variant minus the base in the same world. Their intervals are Bonett and Price's for figures
-that are 0 or 1, else the bootstrap of the pairs.
+Of {n} comparisons with the base, about {chance} leave out 0 by chance alone.
 
-A variant is called better or worse only where the interval of the difference excludes 0. An interval that holds 0 does
-not say that two are equal: it says how far apart they may be.
-
-Each interval stands for itself: of {n} comparisons with the base, about {chance} exclude 0 by chance alone.
-
-A run that breaks down counts as no success and has no other figure. Controls must do badly and oracles well; where one
-does not, doubt the worlds or the score before the methods."""
+Controls must do badly and oracles well; where one does not, doubt the worlds or the score before the methods."""
 
 
 def reproduce(material: Material) -> Html:
@@ -48,7 +42,8 @@ def reproduce(material: Material) -> Html:
 
 def _meaning(material: Material) -> Html:
     n = sum(1 for row in material.comparison.rows if row.differences and not row.case.same_as)
-    said = _MEANING.format(draws=f"{DRAWS:,}", n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
+    own = _MEANING.format(least=LEAST_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
+    said = [own[0], INTERVALS, *own[1:], COUNTING]
     return tag("h3", "What the intervals mean") + listed([esc(text) for text in said], class_="meaning")
 
 

@@ -10,9 +10,6 @@ from graphnav.ablation.plan import Better
 
 Verdict = Literal["base", "better", "worse", "unclear", "unknown"]
 
-_NOISE = 1e-5
-"""How near to 0 a bound counts as 0, as a share of the other: resamples are summed in single precision."""
-
 WORDS: dict[Verdict, str] = {
     "base": "the base",
     "better": "better than the base",
@@ -23,16 +20,15 @@ WORDS: dict[Verdict, str] = {
 
 
 def verdict_of(row: Row, figure: str, better: Better) -> Verdict:
-    """Return what the interval of the paired difference says: a side where it excludes 0.
+    """Return what the paired difference says: a side where it is clear.
 
-    "unknown" where there is no interval: no common worlds with the base, or a single one.
+    "unknown" where it has no interval: no common worlds with the base, or a single one.
     """
     if row.case.is_base:
         return "base"
     difference = row.differences.get(figure)
-    if difference is None or difference.n < 2 or not (math.isfinite(difference.low) and math.isfinite(difference.high)):
+    if difference is None or not (math.isfinite(difference.low) and math.isfinite(difference.high)):
         return "unknown"
-    noise = _NOISE * max(abs(difference.low), abs(difference.high))
-    if difference.low <= noise and difference.high >= -noise:
+    if not difference.is_clear:
         return "unclear"
     return "better" if (difference.mean > 0) == (better == "more") else "worse"

@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from graphnav.ablation.digits import decimals
 from graphnav.ablation.report.html import Html, esc, tag
-from graphnav.ablation.report.numbers import decimals_of, number
+from graphnav.ablation.report.numbers import number
 from graphnav.ablation.report.scale import Scale, scale_of
 
 _WIDTH, _GAP, _VALUE = 1128.0, 30.0, 58.0
@@ -108,6 +109,6 @@ def _mark(mark: Mark, scale: Scale, y: float) -> Html:
         parts.append(f'<path class="dot" d="M{x:.1f},{y - 5.5:.1f}l5.5,5.5l-5.5,5.5l-5.5,-5.5z"/>')
     else:
         parts.append(f'<circle class="dot" cx="{x:.1f}" cy="{y:.1f}" r="4.5"/>')
-    text = number(mark.mean, decimals_of(mark.mean, mark.low, mark.high))
+    text = number(mark.mean, decimals(mark.mean, mark.low, mark.high))
     parts.append(tag("text", text, x=f"{scale.stop + _VALUE - 4:.1f}", y=f"{y + 4:.1f}", class_="value"))
     return tag("g", *parts, class_=mark.look)
