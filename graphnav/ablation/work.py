@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from graphnav.catalog import Catalog
-from graphnav.errors import GraphnavError, StageError, UserError
+from graphnav.errors import GraphnavError, LogError, StageError, UserError
 from graphnav.graph import Graph, graph_of
 from graphnav.record import LOG, Recording
 from graphnav.report.pictures import draw_pictures
@@ -62,6 +62,10 @@ def perform(task: Task, scratch: Path) -> Result:
     """Make a run in the empty folder ``scratch`` and return its files; a failing stage is a result like any other."""
     try:
         return _perform(task, scratch)
+    except LogError as error:
+        cause = error.__cause__
+        said = f"cannot write into {scratch.parent}: {cause.strerror}" if isinstance(cause, OSError) else str(error)
+        return Result(task, {}, trouble=said)
     except (GraphnavError, OSError) as error:
         return Result(task, {}, trouble=str(error))
 

@@ -98,7 +98,7 @@ def main(args: argparse.Namespace) -> int:
         write_pairing(first, second, args.folder, console)
         return OK
     if args.report:
-        write_outputs(read_plan(args.report), args.report, console)
+        write_outputs(read_plan(args.report), args.report, catalog_of(args), console)
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
@@ -139,7 +139,7 @@ def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Cons
                 if not make_missing(plan, tasks, folder, workers, console, is_sure=args.yes):
                     return OK
                 draw_worst(plan, tasks, folder, workers, console, each=args.gallery, keep_logs=args.keep_logs)
-            write_outputs(plan, folder.path, console)
+            write_outputs(plan, folder.path, catalog, console)
         except KeyboardInterrupt:
             print(f"stopped: {_state(plan, len(missing(plan, folder)))}; the same command goes on", file=sys.stderr)
             return INTERRUPTED

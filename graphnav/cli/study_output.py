@@ -14,11 +14,13 @@ from graphnav.ablation.pairing import pair_studies
 from graphnav.ablation.pairing_markdown import pairing_markdown
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import read_records
+from graphnav.ablation.report import write_report
 from graphnav.ablation.table import print_comparison, print_pairing
+from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 
 
-def write_outputs(plan: Plan, folder: Path, console: Console) -> None:
+def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) -> None:
     """Make tables and report from the runs that are there, and print the table in short.
 
     Raises
@@ -31,10 +33,11 @@ def write_outputs(plan: Plan, folder: Path, console: Console) -> None:
     write_results(plan, records, folder / RESULTS)
     write_timing(plan, records, folder / TIMING)
     (folder / TABLE).write_text(table_markdown(plan, comparison), encoding="utf-8")
+    report = write_report(plan, comparison, records, folder, catalog)
     print_comparison(console, comparison, plan)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
-    console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}", markup=False)
+    console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {report.name}", markup=False)
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:
