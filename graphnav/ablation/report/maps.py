@@ -76,7 +76,8 @@ def _worlds(material: Material, graph: str, variants: Sequence[str]) -> Sequence
 
 
 def _map(material: Material, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> Html:
-    file = material.folder / FOLDER / graph / f"{seed}.png"
+    beside = Path(next(case.folder for case in material.plan.cases if case.graph == graph)).parent.name
+    file = material.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
     with ExitStack() as stack:
         recordings = {}
         for run in reversed(runs):
