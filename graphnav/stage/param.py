@@ -7,8 +7,11 @@ import math
 import re
 import sys
 import types
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from graphnav.errors import DeclarationError, ParamError, did_you_mean
@@ -97,7 +100,7 @@ def param(
     return dataclasses.field(default=default, kw_only=True, metadata={"doc": doc, "bounds": bounds})
 
 
-def params_of(cls: type) -> dict[str, Param]:
+def params_of(cls: type) -> Mapping[str, Param]:
     """Return the declared parameters of a stage class, in order.
 
     Raises
@@ -105,6 +108,11 @@ def params_of(cls: type) -> dict[str, Param]:
     DeclarationError
         A field without `param`, or of a type that a graph cannot give.
     """
+    return _params_of(cls)
+
+
+@cache
+def _params_of(cls: Any) -> Mapping[str, Param]:
     hints = get_type_hints(cls)
     found = {}
     for f in dataclasses.fields(cls):
@@ -119,7 +127,7 @@ def params_of(cls: type) -> dict[str, Param]:
                 "use bool, int, float, str, Path, Literal, a tuple of them, or one of these | None"
             )
         found[f.name] = Param(f.name, hints[f.name], f.default, f.metadata["doc"], **f.metadata["bounds"])
-    return found
+    return MappingProxyType(found)
 
 
 def type_text(kind: Any) -> str:
