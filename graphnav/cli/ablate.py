@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_plugin_option, catalog_of, count
 from graphnav.cli.status import INTERRUPTED, OK
-from graphnav.errors import GraphnavError, UserError
+from graphnav.errors import CatalogError, GraphnavError, UserError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -98,7 +99,8 @@ def main(args: argparse.Namespace) -> int:
         write_pairing(first, second, args.folder, console)
         return OK
     if args.report:
-        write_outputs(read_plan(args.report), args.report, catalog_of(args), console)
+        plan = read_plan(args.report)
+        write_outputs(plan, args.report, _catalog_of_what_is_left(plan), console)
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
@@ -149,6 +151,17 @@ def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Cons
             state = _state(plan, len(missing(plan, folder)))
             raise GraphnavError(f"{error}\n  {state}; mend this, and the same command goes on") from error
     return OK
+
+
+def _catalog_of_what_is_left(plan: Plan) -> Catalog:
+    """Return the catalog with those plugin files of a study that can still be used: only drawings need them."""
+    from graphnav.catalog import Catalog  # noqa: PLC0415
+
+    catalog = Catalog()
+    for plugin in plan.plugins:
+        with suppress(CatalogError):
+            catalog.add_file(Path(plugin))
+    return catalog
 
 
 def _state(plan: Plan, n_missing: int) -> str:

@@ -1,0 +1,106 @@
+"""``graphnav ablate``: what it asks, refuses and writes."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import shutil
+import subprocess
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from graphnav.cli import main
+
+GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
+
+
+def test_many_runs_without_anybody_to_ask_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert study.run(seeds="0:501") == 2
+    assert capsys.readouterr().err == (
+        "1002 runs are to be made, and there is nobody to ask whether that is meant\n  add --yes, or take fewer seeds\n"
+    )
+    assert study.runs == {}
+
+
+@pytest.mark.parametrize("answer", ["n", ""])
+def test_many_runs_are_asked_for_with_the_time_that_they_take(study: Any, answer: str) -> None:
+    ours, theirs = pty.openpty()
+    words = study.words("--set", "run.until_s=0.3", seeds="0:501")
+    process = subprocess.Popen([str(GRAPHNAV), *words], stdin=theirs, stdout=theirs, stderr=subprocess.DEVNULL)
+    os.close(theirs)
+    os.write(ours, f"{answer}\n".encode())
+    said = b""
+    with open(ours, "rb", buffering=0) as terminal:
+        try:
+            while block := terminal.read(4096):
+                said += block
+        except OSError:  # so a terminal says that the other end is closed
+            pass
+    assert process.wait() == 0
+    assert b"one run is made first, to see how long it takes" in said
+    assert b"1001 runs are to be made, which takes about " in said
+    assert b"nothing more is run" in said
+    assert len(study.runs) == 1
+
+
+def test_nothing_is_run_before_a_wrong_study_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert study.run(vary="robot.odd=fine,nonsense") == 2
+    assert "--vary robot.odd=fine,nonsense" in capsys.readouterr().err
+    assert not study.out.exists()
+    assert main(["ablate"]) == 2
+    assert capsys.readouterr().err.startswith("no study is named\n")
+
+
+def test_a_cluster_that_is_not_there_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    for address in ("tcp://127.0.0.1:1", "nonsense", "tcp://127.0.0.1:99999"):
+        assert study.run("--cluster", address) == 2
+        assert capsys.readouterr().err == (
+            f"--cluster {address}: no scheduler answers there\n"
+            "  give the address that 'dask scheduler' prints, as tcp://host:8786\n"
+        )
+    assert study.runs == {}
+
+
+def test_the_report_is_made_again_from_the_runs_alone(study: Any) -> None:
+    study.run()
+    names = ("results.csv", "timing.csv", "table.md", "report.html")
+    before = {name: (study.out / name).read_bytes() for name in names}
+    moved = study.out.rename(study.out.with_name("moved"))
+    for name in names:
+        (moved / name).unlink()
+    assert main(["ablate", "--report", str(moved)]) == 0
+    assert {name: (moved / name).read_bytes() for name in names} == before
+    study.plugin.unlink()
+    assert main(["ablate", "--report", str(moved)]) == 0
+    assert (moved / "results.csv").read_bytes() == before["results.csv"]
+
+
+def test_an_unfinished_study_has_a_report_that_says_so(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    study.run()
+    shutil.rmtree(study.out / "runs" / "toy" / "robot.odd=fine" / "2")
+    assert main(["ablate", "--report", str(study.out)]) == 0
+    assert "1 of 8 runs are not there yet" in capsys.readouterr().out
+    assert main(["ablate", "--report", "nowhere"]) == 2
+    assert capsys.readouterr().err == "nowhere is no folder of a study: there is no plan.json\n  name one that has it\n"
+
+
+def test_two_studies_are_paired_world_by_world(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    study.run()
+    first = study.out.rename(study.out.with_name("first"))
+    study.run("--set", "robot.times=2")
+    capsys.readouterr()
+    page = study.out.with_name("pair.md")
+    assert main(["ablate", "--compare", str(first), str(study.out), "-o", str(page)]) == 0
+    assert "robot.odd=fine" in capsys.readouterr().out
+    assert "drive.way_m" in page.read_text()
+
+
+def test_the_command_that_repeats_it_is_written_down(study: Any) -> None:
+    words = study.words(seeds="0:1")
+    main(words)
+    assert json.loads((study.out / "plan.json").read_text())["command"] == " ".join(["graphnav", *words])
+    assert " ".join(["graphnav", *words]) in (study.out / "report.html").read_text()
