@@ -1,4 +1,4 @@
-"""The one direction that a field of gradients points in: its first principal direction."""
+"""The one direction that a field of gradients points in: its first principal direction, or its mean's."""
 
 from __future__ import annotations
 
@@ -38,9 +38,23 @@ def principal_direction(gradient: Doubles, about: About, isotropic_ratio: float)
     v1, eigenvalues = _first_eigenvector(M)
     agreement = float(v1 @ mean)
     if eigenvalues[0] < isotropic_ratio * eigenvalues[1] or abs(agreement) <= nothing:
-        length = float(np.hypot(*mean))
-        return Principal(mean / length if length > nothing else None, eigenvalues)
+        return Principal(_direction(mean, nothing), eigenvalues)
     return Principal(v1 if agreement > 0 else -v1, eigenvalues)
+
+
+def mean_direction(gradient: Doubles) -> Principal:
+    """Return the direction of the mean gradient; there are no eigenvalues, both are zero.
+
+    ``gradient``: (..., 2). Without a mean gradient there is none.
+    """
+    g = gradient.reshape(-1, 2)
+    nothing = NOTHING * math.sqrt(float((g * g).sum()) / len(g))
+    return Principal(_direction(g.mean(axis=0), nothing), np.zeros(2))
+
+
+def _direction(vector: Doubles, nothing: float) -> Doubles | None:
+    length = float(np.hypot(*vector))
+    return vector / length if length > nothing else None
 
 
 def _first_eigenvector(M: Doubles) -> tuple[Doubles, Doubles]:

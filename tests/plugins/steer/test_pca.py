@@ -14,7 +14,7 @@ import pytest
 from graphnav_steer.pca import Pca
 from hypothesis.extra import numpy as nps
 
-from graphnav import Goal, Latest, Plane, Steering
+from graphnav import Goal, Latest, Planar, Plane, Steering
 
 MakePlane = Callable[..., Plane]
 Map = npt.NDArray[np.uint8]
@@ -22,6 +22,7 @@ Map = npt.NDArray[np.uint8]
 ROWS, COLS = 30, 40
 QUARTER = math.pi / 2
 UNHEARD: Latest[Goal] = Latest()
+NO_PLANAR: Latest[Planar] = Latest()
 GROUND: Map = np.zeros((ROWS, COLS), np.uint8)
 PARAMETERS: list[dict[str, Any]] = [
     {},
@@ -38,7 +39,7 @@ every_rule = pytest.mark.parametrize("parameters", PARAMETERS)
 def steer(plane: Plane, goal: Latest[Goal] = UNHEARD, **parameters: Any) -> Steering:
     stage = Pca(**parameters)
     stage.reset(seed=0)
-    return stage.step(plane, goal).steering
+    return stage.step(plane, goal, NO_PLANAR).steering
 
 
 def drawn(rows: slice, cols: slice) -> Map:
@@ -114,11 +115,11 @@ def test_tie_goes_to_the_side_of_the_last_turn(make_plane: MakePlane) -> None:
     everywhere = make_plane(GROUND + 1)
     stage = Pca()
     stage.reset(seed=0)
-    assert stage.step(everywhere, UNHEARD).steering.theta_rad == math.pi
-    stage.step(make_plane(drawn(slice(5, 20), slice(0, 12))), UNHEARD)
-    assert stage.step(everywhere, UNHEARD).steering.theta_rad == -math.pi
+    assert stage.step(everywhere, UNHEARD, NO_PLANAR).steering.theta_rad == math.pi
+    stage.step(make_plane(drawn(slice(5, 20), slice(0, 12))), UNHEARD, NO_PLANAR)
+    assert stage.step(everywhere, UNHEARD, NO_PLANAR).steering.theta_rad == -math.pi
     stage.reset(seed=0)
-    assert stage.step(everywhere, UNHEARD).steering.theta_rad == math.pi
+    assert stage.step(everywhere, UNHEARD, NO_PLANAR).steering.theta_rad == math.pi
 
 
 @every_rule
@@ -165,7 +166,7 @@ def test_everything_is_finite_whatever_the_grid(
 ) -> None:
     stage = Pca(guiding="goal", **parameters)
     stage.reset(seed=0)
-    outputs = stage.step(make_plane(d), heard(bearing_rad))
+    outputs = stage.step(make_plane(d), heard(bearing_rad), NO_PLANAR)
     assert outputs.steering.not_finite() is None
     assert outputs.potential.not_finite() is None
     assert outputs.potential.gradient.shape == (*d.shape, 2)
@@ -189,7 +190,7 @@ def test_share_counts_only_what_was_judged(make_plane: MakePlane) -> None:
 def test_strength_by_gradient_is_its_mean_length(make_plane: MakePlane) -> None:
     stage = Pca(strength="gradient", gain=3.0)
     stage.reset(seed=0)
-    outputs = stage.step(make_plane(drawn(slice(5, 25), slice(30, 38))), UNHEARD)
+    outputs = stage.step(make_plane(drawn(slice(5, 25), slice(30, 38))), UNHEARD, NO_PLANAR)
     mean = np.hypot(*outputs.potential.gradient.reshape(-1, 2).mean(axis=0))
     assert np.hypot(*outputs.steering.repulsive) == pytest.approx(3.0 * mean * (0.5 * COLS) / 255, rel=1e-5)
 

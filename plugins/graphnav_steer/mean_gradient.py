@@ -1,0 +1,34 @@
+"""Steering away from the mean gradient of the obstacle potential: what eq. 7 of [OI] has to beat."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Goal, Latest, Planar, Plane, Steering
+from graphnav_steer.potential import Potential
+from graphnav_steer.principal import Principal, mean_direction
+
+Doubles = npt.NDArray[np.float64]
+
+
+class MeanGradient(Potential):
+    """Direction of the mean gradient of the obstacle potential.
+
+    The simplest rival of `steer.pca`: the same Gaussian of the dominant map and the same forces, but r points against
+    the mean of the gradients, not along their principal direction. The mean of a field's gradients is the difference
+    of its values at opposite borders, so that this weighs the picture's four sides against each other.
+    """
+
+    def step(self, plane: Plane, goal: Latest[Goal], planar: Latest[Planar]) -> Steering:
+        """Return the forces.
+
+        Raises
+        ------
+        ValueError
+            The guiding force is to come from the planar flow, and there is none.
+        """
+        return self._forces(plane, goal.value, planar.value)[0]
+
+    def _to_obstacle(self, gradient: Doubles) -> Principal:
+        return mean_direction(gradient)

@@ -1,0 +1,94 @@
+"""The force away from the obstacle potential, whatever direction is read off its gradients."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+import graphnav
+from graphnav import Goal, Planar, Plane, Steering, param
+from graphnav_steer.attention import cell_weights
+from graphnav_steer.axes import AHEAD, upright
+from graphnav_steer.field import OBSTACLE_LEVEL, Field, obstacle_field
+from graphnav_steer.forces import Forces
+from graphnav_steer.principal import Principal
+
+Doubles = npt.NDArray[np.float64]
+
+EVERYWHERE_RATIO = 0.9
+"""From this share of obstacle on, there is no ground to tell it from."""
+TINY = 1e-9
+
+
+class Potential(Forces):
+    """A stage that steers away from a wide Gaussian of the dominant map, along one direction of its gradients."""
+
+    sigma_ratio: float = param(
+        0.5,
+        gt=0.0,
+        le=4.0,
+        doc="standard deviation of the Gaussian, in picture widths; less sees only what is close by",
+    )
+    border: Literal["zero", "nearest"] = param(
+        "zero", doc="what the Gaussian meets beyond the picture: no obstacle, or the outermost cell going on"
+    )
+    strength: Literal["share", "gradient"] = param(
+        "share", doc="what r's length grows with: the obstacle's share of the picture, or the mean gradient's length"
+    )
+    gain: float = param(
+        4.0, gt=0.0, doc="r's length at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
+    )
+    bell_ratio: float | None = param(
+        None,
+        gt=0.0,
+        doc="standard deviation, in picture widths, of a bell that weighs the map's columns; null for none",
+    )
+    near_weight: float = param(
+        1.0, ge=0.0, le=1.0, doc="weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
+    )
+    backward: bool = param(True, doc="whether r may point backwards; without it r only turns the robot aside")
+
+    def _to_obstacle(self, gradient: Doubles) -> Principal:
+        """Return the direction of gradients (rows, cols, 2)."""
+        raise NotImplementedError
+
+    def _forces(self, plane: Plane, goal: Goal | None, planar: Planar | None) -> tuple[Steering, graphnav.Potential]:
+        """Return the forces and the potential that they come from."""
+        weights = cell_weights(*plane.obstacle.shape, self.bell_ratio, self.near_weight)
+        weighted = weights * plane.obstacle
+        sigma_cells = self.sigma_ratio * plane.obstacle.shape[1]
+        field = obstacle_field(weighted, sigma_cells, self.border)
+        found = self._to_obstacle(field.gradient)
+        share = float(weighted.sum()) / max(float((weights * plane.valid).sum()), TINY)
+        repulsive = self._repulsive_force(found.direction, share, field, sigma_cells)
+        guiding = self._guiding_force(goal, planar)
+        return (
+            self._steering(repulsive, guiding, _freer_side(weighted), found.eigenvalues),
+            graphnav.Potential(
+                potential=field.potential.astype(np.float32),
+                gradient=field.gradient.astype(np.float32),
+                step_px=plane.step_px,
+            ),
+        )
+
+    def _repulsive_force(self, obstacle: Doubles | None, share: float, field: Field, sigma_cells: float) -> Doubles:
+        """Return r; ``obstacle`` is the direction to it (right, down)."""
+        length = self.gain * share
+        if self.strength == "gradient":
+            mean = float(np.hypot(*field.gradient.mean(axis=(0, 1))))
+            length = self.gain * mean * sigma_cells / OBSTACLE_LEVEL
+        if share >= EVERYWHERE_RATIO:
+            return -max(length, 1.0) * AHEAD
+        if obstacle is None:
+            return np.zeros(2)
+        force = -length * upright(obstacle)
+        return force if self.backward else np.array([force[0], max(force[1], 0.0)])
+
+
+def _freer_side(weighted: Doubles) -> float:
+    """Return 1.0 where the left half holds less obstacle than the right, -1.0 where it holds more, else 0.0."""
+    half = weighted.shape[1] // 2
+    left, right = weighted[:, :half].sum(), weighted[:, weighted.shape[1] - half :].sum()
+    return float(np.sign(right - left))
