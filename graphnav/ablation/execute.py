@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from pathlib import Path
 
 from graphnav.ablation.dead import files_of_the_dead
 from graphnav.ablation.folder import StudyFolder
 from graphnav.ablation.plan import Job, Plan
+from graphnav.ablation.provenance import provenance
 from graphnav.ablation.tasks import Tasks
-from graphnav.ablation.work import Result, Task, file_hash
+from graphnav.ablation.work import Result, Task
 from graphnav.ablation.workers import Workers
 from graphnav.errors import GraphnavError
 from graphnav.runner import Outcome
-from graphnav.runner.summary import versions
 
 
 def with_versions(plan: Plan) -> Plan:
-    """Return the plan with all that its runs depend on: versions, and what the plugin files hold."""
-    hashes = {plugin: file_hash(Path(plugin)) for plugin in plan.plugins}
-    return replace(plan, versions={**plan.versions, **versions(), **hashes})
+    """Return the plan with all that its runs depend on: versions, and the code of its stages."""
+    families = {use.partition(".")[0] for case in plan.cases for use in case.uses.values()}
+    return replace(plan, versions=provenance(families, plan.plugins))
 
 
 def missing(plan: Plan, folder: StudyFolder) -> list[Job]:

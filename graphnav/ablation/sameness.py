@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
 from pathlib import Path
 
 from graphnav.ablation.plan import Case, Plan
+from graphnav.ablation.provenance import difference
 from graphnav.errors import UserError
 
 
@@ -32,7 +32,7 @@ def check_same(old: Plan, new: Plan, folder: Path) -> None:
             raise UserError.of(f"{what}: {change}", hint)
     if old.base != new.base:
         raise UserError.of(f"{folder} holds a study whose base is {old.base}, not {new.base}", hint)
-    if change := _difference(old.versions, new.versions):
+    if change := difference(old.versions, new.versions):
         raise UserError.of(f"the runs in {folder} were made with {change}", hint)
 
 
@@ -45,11 +45,4 @@ def _change_of(old: Case, new: Case) -> str:
         return f"'{was}' was, '{now}' is"
     if old.folder != new.folder:
         return f"they were to be in {old.folder}, now in {new.folder}"
-    return ""
-
-
-def _difference(old: Mapping[str, str], new: Mapping[str, str]) -> str:
-    for name in old.keys() & new.keys():
-        if old[name] != new[name]:
-            return f"another {name}: {old[name]}, now {new[name]}"
     return ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
+from graphnav.ablation.provenance import difference_here
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError, LogError, StageError, UserError
 from graphnav.graph import Graph, graph_of
@@ -17,7 +17,6 @@ from graphnav.record import LOG, Recording
 from graphnav.report.pictures import draw_pictures
 from graphnav.runner import Outcome
 from graphnav.runner.recorded import run_recorded
-from graphnav.runner.summary import versions
 
 ENDING = "end.png"
 """The picture of how a run ended: the map, and the panels of the last frame."""
@@ -70,11 +69,6 @@ def perform(task: Task, scratch: Path) -> Result:
         return Result(task, {}, trouble=str(error))
 
 
-def file_hash(path: Path) -> str:
-    """Return what tells a plugin file from any other."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
 def _perform(task: Task, scratch: Path) -> Result:
     catalog = _catalog(task.plugins, tuple(task.versions.items()))
     errors: list[GraphnavError] = []
@@ -102,22 +96,13 @@ def _graph(task: Task, catalog: Catalog) -> Graph:
 
 @lru_cache(maxsize=1)
 def _catalog(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> Catalog:
-    """Return the catalog of a study; raises UserError where this machine has other versions or other plugin files."""
-    found = versions() | {plugin: _hash_or_nothing(Path(plugin)) for plugin in plugins}
-    for name, version in wanted:
-        if found.get(name, version) != version:
-            raise UserError.of(
-                f"{platform.node()} has another {name} than the study: {found[name]}, not {version}",
-                "the runs would not compare: let all machines, from beginning to end, have the same",
-            )
+    """Return the catalog of a study; raises UserError where this process is not what the study is made with."""
+    if other := difference_here(wanted, plugins):
+        raise UserError.of(
+            f"{platform.node()} does not have what the study began with, but {other}",
+            "the runs would not compare: let all machines, from beginning to end, have the same",
+        )
     catalog = Catalog()
     for plugin in plugins:
         catalog.add_file(Path(plugin))
     return catalog
-
-
-def _hash_or_nothing(path: Path) -> str:
-    try:
-        return file_hash(path)
-    except OSError as error:
-        return str(error.strerror)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import fcntl
 import os
 import shutil
@@ -10,6 +11,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+
+from graphnav.ablation.folder import read_plan
 
 Wait = Callable[[Callable[[], object]], None]
 
@@ -89,6 +92,13 @@ def test_a_default_that_has_changed_is_refused(study: Any, capsys: pytest.Captur
     study.run(seeds="0:1")
     study.plugin.write_text(study.plugin.read_text().replace("param(1, ge=1", "param(2, ge=1"))
     assert "'times: 1  # default' was, 'times: 2  # default' is" in refused(study, capsys)
+
+
+def test_other_versions_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    study.run(seeds="0:1")
+    plan = read_plan(study.out)
+    dataclasses.replace(plan, versions={**plan.versions, "numpy": "0.9"}).write(study.out / "plan.json")
+    assert f"were made with another numpy: 0.9, now {plan.versions['numpy']}\n" in refused(study, capsys)
 
 
 def test_a_folder_that_is_somebody_elses_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,114 @@
+"""A study gives the same results however it is made: by one process, by two, by a cluster, killed in between."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import sysconfig
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+SCRIPTS = Path(sysconfig.get_path("scripts"))
+STUDY = ["corridor_ccw", "--vary", "plane=plane.ica,plane.affine", "--gallery", "0"]
+SHORT, LONG = (["--set", f"run.until_s={until_s}"] for until_s in (1, 30))
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Return the results of the study, made by one process."""
+    folder = tmp_path_factory.mktemp("study")
+    return finished(folder / "one", "-j", "1")
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of a Dask scheduler with two workers of a thread each, real processes on loopback."""
+    folder = tmp_path_factory.mktemp("dask")
+    with ExitStack() as stack:
+        scheduler = stack.enter_context(process("dask", "scheduler", "--port", "0", "--host", "127.0.0.1"))
+        stack.callback(scheduler.terminate)
+        assert scheduler.stderr is not None
+        address = next(found.group() for line in scheduler.stderr if (found := re.search(r"tcp://[\d.]+:\d+", line)))
+        for name in ("first", "second"):
+            local = ["--local-directory", str(folder / name)]
+            worker = stack.enter_context(process("dask", "worker", address, "--nthreads", "1", *local))
+            stack.callback(worker.terminate)
+        yield address
+
+
+def process(program: str, *words: str) -> subprocess.Popen[str]:
+    """Start one of Dask's programs."""
+    command = [str(SCRIPTS / program), *words, "--no-dashboard"]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
+def start(folder: Path, *words: str, until: list[str] = SHORT) -> subprocess.Popen[str]:
+    """Start the study as the leader of a process group."""
+    command = [str(SCRIPTS / "graphnav"), "ablate", *STUDY, *until, "--seeds", "0:2", "-o", str(folder), *words]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True)
+
+
+def wait_until(condition: Callable[[], bool], study: subprocess.Popen[str]) -> None:
+    """Return once something is so, or the study is over; it is given a minute."""
+    deadline = time.monotonic() + 60
+    while not condition() and study.poll() is None and time.monotonic() < deadline:
+        os.sched_yield()
+
+
+def finished(folder: Path, *words: str) -> bytes:
+    """Run the study to its end and return its results."""
+    study = start(folder, *words)
+    _, said = study.communicate()
+    assert (study.returncode, said) == (0, "")
+    return (folder / "results.csv").read_bytes()
+
+
+def test_two_processes_give_the_same_results(undisturbed: bytes, tmp_path: Path) -> None:
+    assert finished(tmp_path / "two", "-j", "2") == undisturbed
+    assert undisturbed.count(b"\n") == 5
+
+
+def test_a_cluster_gives_the_same_results(undisturbed: bytes, tmp_path: Path, cluster: str) -> None:
+    assert finished(tmp_path / "cluster", "--cluster", cluster) == undisturbed
+
+
+def test_kill_9_at_any_moment_changes_no_result(undisturbed: bytes, tmp_path: Path) -> None:
+    out = tmp_path / "killed"
+    for made in range(1, 4):
+        study = start(out, "-j", "2")
+        wait_until(lambda: len(list(out.glob("runs/*/*/*"))) >= made, study)  # noqa: B023 - called before it changes
+        os.killpg(study.pid, signal.SIGKILL)
+        study.communicate()
+    assert finished(out, "-j", "2") == undisturbed
+
+
+def test_ctrl_c_on_a_cluster_is_clean(tmp_path: Path, cluster: str) -> None:
+    out = tmp_path / "stopped"
+    study = start(out, "--cluster", cluster, until=LONG)
+    wait_until((out / ".scratch").exists, study)
+    os.killpg(study.pid, signal.SIGINT)
+    assert study.communicate() == ("", "stopped: 0 of 4 runs are made; the same command goes on\n")
+    assert study.returncode == 130
+
+
+def test_a_thread_count_from_outside_changes_no_result(
+    undisturbed: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"):
+        monkeypatch.setenv(name, "4")
+    assert finished(tmp_path / "threads") == undisturbed
+
+
+def test_without_dask_it_is_said_what_to_install(tmp_path: Path) -> None:
+    code = "import sys; sys.modules['distributed'] = None; from graphnav.cli import main; sys.exit(main(sys.argv[1:]))"
+    words = ["ablate", *STUDY, "--seeds", "0:1", "-o", str(tmp_path / "out"), "--cluster", "tcp://127.0.0.1:1"]
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, '--cluster needs Dask\n  pip install "graphnav[cluster]"\n')

@@ -1,0 +1,42 @@
+"""Results of other code do not compare: what is hashed, and that a process that has other code takes no part."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from graphnav.ablation.provenance import difference, difference_here, provenance
+from graphnav.ablation.work import Task, perform
+
+
+def test_packages_and_files_are_known_by_what_they_hold(tmp_path: Path) -> None:
+    plugin = tmp_path / "mine.py"
+    plugin.write_text("one = 1\n")
+    first = provenance(["plane", "world", "nobodys"], [str(plugin)])
+    assert {"python", "numpy", "graphnav", "code of plane", "code of world", str(plugin)} <= first.keys()
+    assert "code of nobodys" not in first
+    plugin.write_text("one = 2\n")
+    second = provenance(["plane", "world"], [str(plugin)])
+    assert {name for name in second if second[name] != first[name]} == {str(plugin)}
+    assert difference(first, second) == f"another {plugin}: {first[str(plugin)]}, now {second[str(plugin)]}"
+
+
+def test_what_only_one_of_them_has_is_no_difference() -> None:
+    assert difference({"numpy": "2", "code of plane": "a"}, {"numpy": "2", "code of flow": "b"}) == ""
+
+
+def test_this_process_is_compared_by_all_that_it_is_asked_for() -> None:
+    wanted = provenance(["plane"], [])
+    assert difference_here(tuple(wanted.items()), ()) == ""
+    old = {**wanted, "code of plane": "0123456789ab"}
+    assert difference_here(tuple(old.items()), ()).startswith("another code of plane: 0123456789ab, now ")
+
+
+@pytest.mark.parametrize("name", ["numpy", "code of plane"])
+def test_a_process_that_is_not_the_same_makes_no_run(tmp_path: Path, name: str) -> None:
+    versions = {**provenance(["plane"], []), name: "another"}
+    task = Task("runs/a", "stages: {}", "a.yaml", (), 0, (), versions)
+    result = perform(task, tmp_path)
+    assert f"does not have what the study began with, but another {name}: another, now " in result.trouble
+    assert not result.files
