@@ -10,6 +10,7 @@ from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.material import Material
 from graphnav.ablation.report.numbers import counted
 from graphnav.ablation.report.sides import checks, sides
+from graphnav.ablation.report.sweeps import deciding_sweeps
 
 
 def answer(material: Material) -> Html:
@@ -22,7 +23,7 @@ def answer(material: Material) -> Html:
         _facts(material),
     ]
     if material.deciding is not None:
-        parts += [forest(material, material.deciding), key()]
+        parts += [deciding_sweeps(material), forest(material, material.deciding), key()]
     return tag("header", *parts)
 
 
@@ -46,7 +47,7 @@ def _facts(material: Material) -> Html:
     plan = material.plan
     shared = sum(bool(case.same_as) for case in plan.cases)
     facts = [
-        ("worlds", f"{material.n_seeds} per graph, the same for all: seeds {seeds_text(plan.seeds)}"),
+        ("worlds", f"seeds {seeds_text(plan.seeds)}, the same for all variants"),
         ("graphs", ", ".join(plan.graphs)),
         (
             "variants",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.numbers import number
@@ -34,8 +34,9 @@ def stacked_bars(rows: Mapping[str, Mapping[str, float]], colours: Mapping[str, 
     return tag("div", svg, class_="scroll")
 
 
-def _bar(label: str, parts: Mapping[str, float], colours: Mapping[str, str], at: object, y: float) -> Html:
-    assert callable(at)
+def _bar(
+    label: str, parts: Mapping[str, float], colours: Mapping[str, str], at: Callable[[float], float], y: float
+) -> Html:
     room = int(_LEFT / _CHAR) - 1
     shown = label if len(label) <= room else label[: room - 1] + "…"
     drawn = [tag("text", tag("title", esc(label)) + esc(shown), x=0, y=f"{y + 4:.1f}", class_="label")]

@@ -40,10 +40,16 @@ def lead(material: Material, figure: str, found: Found) -> Html:
     if sides["mixed"]:
         clauses.append(f"{_names(sides['mixed'])} better on some graphs and worse on others")
     if rivals and not clauses:
-        clauses.append(f"None of the {len(rivals)} other methods is better")
+        clauses.append(f"None of the {len(rivals)} others is better")
     if sides["worse"]:
         n = len(sides["worse"])
-        clauses.append(f"{_names(sides['worse'])} worse" if n <= _MOST_NAMES else f"{n} of {len(rivals)} are worse")
+        clauses.append(
+            f"{_names(sides['worse'])} worse"
+            if n <= _MOST_NAMES
+            else f"{n} of {len(rivals)} are worse"
+            if n < len(rivals)
+            else "all are worse"
+        )
     said = f" {'; '.join(clauses)}." if clauses else ""
     return f"{name(material.plan.base)} has {tag('b', esc(figure))} {_everywhere(material, figure)}.{said}"
 

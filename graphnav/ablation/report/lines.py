@@ -11,7 +11,9 @@ from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.numbers import number
 from graphnav.ablation.report.scale import Scale, scale_of
 
-_WIDTH, _HEIGHT = 556.0, 300.0
+_HEIGHT = 300.0
+HALF, WHOLE = 556.0, 1128.0
+"""Widths of charts that stand side by side, and of one that stands alone."""
 _LEFT, _TOP, _BOTTOM, _CHAR = 46.0, 34.0, 46.0, 6.8
 _MOST_NAME = 26
 _LINE = 15.0
@@ -37,11 +39,11 @@ class Series:
     is_dashed: bool = False
 
 
-def line_chart(title: str, x_label: str, series: Sequence[Series]) -> Html:
+def line_chart(title: str, x_label: str, series: Sequence[Series], width: float = HALF) -> Html:
     """Return SVG; each line's name stands at its right end."""
     points = [point for one in series for point in one.points]
     names = [one.name if len(one.name) <= _MOST_NAME else one.name[: _MOST_NAME - 1] + "…" for one in series]
-    right = _WIDTH - 14 - max((len(name) for name in names), default=0) * _CHAR
+    right = width - 14 - max((len(name) for name in names), default=0) * _CHAR
     ends = sorted({point.x for point in points})
     across = scale_of(ends).between(_LEFT, right)
     up = scale_of([y for p in points for y in (p.mean, p.low, p.high)]).between(_HEIGHT - _BOTTOM, _TOP)
@@ -53,8 +55,8 @@ def line_chart(title: str, x_label: str, series: Sequence[Series]) -> Html:
         look = f"fill:{one.colour}"
         text = tag("title", esc(one.name)) + esc(name)
         parts.append(tag("text", text, x=f"{right + 10:.1f}", y=f"{y + 4:.1f}", style=look, class_="name"))
-    box = f"0 0 {_WIDTH:.0f} {_HEIGHT:.0f}"
-    return tag("svg", *parts, class_="chart", viewBox=box, width=f"{_WIDTH:.0f}", role="img", aria_label=title)
+    box = f"0 0 {width:.0f} {_HEIGHT:.0f}"
+    return tag("svg", *parts, class_="chart", viewBox=box, width=f"{width:.0f}", role="img", aria_label=title)
 
 
 def _axes(across: Scale, up: Scale, x_label: str, ends: Sequence[float]) -> Html:

@@ -14,6 +14,8 @@ from graphnav.ablation.report.verdict import Verdict
 
 _MOST_NAMED = 6
 _MOST_CHECKS = 3
+_MOST_INTERVALS = 8
+"""Of more differences the means stand alone; the chart and the tables have the intervals."""
 
 
 def sides(material: Material, figure: str, found: Found) -> Html:
@@ -24,9 +26,10 @@ def sides(material: Material, figure: str, found: Found) -> Html:
         "worse": "Worse than the base",
         "unknown": "Not known",
     }
+    is_brief = len(found) > _MOST_INTERVALS
     rows = []
     for verdict, title in titles.items():
-        entries = list(_entries(material, figure, found, verdict))
+        entries = list(_entries(material, figure, found, verdict, is_brief=is_brief))
         if not entries and verdict == "unknown":
             continue
         more = f" and {len(entries) - _MOST_NAMED} more" if len(entries) > _MOST_NAMED else ""
@@ -35,22 +38,23 @@ def sides(material: Material, figure: str, found: Found) -> Html:
     return tag("dl", *rows, class_="sides") if found else ""
 
 
-def _entries(material: Material, figure: str, found: Found, verdict: Verdict) -> Iterator[Html]:
+def _entries(material: Material, figure: str, found: Found, verdict: Verdict, *, is_brief: bool) -> Iterator[Html]:
     graphs = material.plan.graphs
     for variant in dict.fromkeys(variant for variant, _ in found):
         here = {g: found[variant, g][1] for g in graphs if (variant, g) in found and found[variant, g][0] == verdict}
         if here:
-            changes = [_change(row, figure, graph if len(graphs) > 1 else "") for graph, row in here.items()]
+            changes = [_change(row, figure, is_brief=is_brief) for row in here.values()]
+            if len(graphs) > 1:
+                changes = [f"{change} on {esc(graph)}" for graph, change in zip(here, changes, strict=True)]
             yield f"{name(variant)} {tag('span', ', '.join(changes), class_='quiet')}"
 
 
-def _change(row: Row, figure: str, graph: str) -> Html:
+def _change(row: Row, figure: str, *, is_brief: bool) -> Html:
     found = row.differences.get(figure)
     if found is None:
-        said = absence(row) if figure not in row.estimates else "no common world"
-    else:
-        said = estimated(found.mean, found.low, found.high, signed=True)
-    return esc(f"{said} on {graph}" if graph else said)
+        return esc(absence(row)) if figure not in row.estimates else "no common world"
+    text = estimated(found.mean, found.low, found.high, signed=True)
+    return text.partition(" ")[0] if is_brief else text
 
 
 def checks(material: Material, figure: str) -> Html:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
 
 from graphnav.ablation.plan import Case
 from graphnav.ablation.report.html import Html, esc, tag
-from graphnav.ablation.report.lines import Point, Series, line_chart
+from graphnav.ablation.report.lines import HALF, WHOLE, Point, Series, line_chart
 from graphnav.ablation.report.looks import BASE, METHODS
 from graphnav.ablation.report.material import Material
 
@@ -15,20 +17,31 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 _MOST_LINES = 8
 _MOST_CHARTS = 8
 """Of one axis on one graph."""
+_MOST_FIRST = 4
+
+
+@dataclass(frozen=True)
+class Chart:
+    """What a line chart shows."""
+
+    title: str
+    axis: str
+    series: Sequence[Series]
+
+
+def deciding_sweeps(material: Material) -> Html:
+    """Return line charts of the figure that decides, with those of the same name; nothing without numeric axes."""
+    kin = _family(material.deciding or "")
+    figures = [figure for figure in material.figures if _family(figure) == kin]
+    charts = [chart for _, of in _by_axis(material, figures) for chart in of]
+    return _grid(charts[:_MOST_FIRST])
 
 
 def sweeps(material: Material) -> Html:
-    """Return line charts for every axis that has a number in each label, three at least; none for others."""
-    parts = []
-    for axis, labels in material.plan.axes.items():
-        places = axis_numbers(labels)
-        if places is None:
-            continue
-        for graph in material.plan.graphs:
-            charts = list(_charts(material, graph, axis, places))[:_MOST_CHARTS]
-            if charts:
-                parts += [tag("h3", esc(f"{axis} on {graph}")), tag("div", *charts, class_="grid")]
-    return "".join(parts)
+    """Return line charts of all other figures."""
+    kin = _family(material.deciding or "")
+    figures = [figure for figure in material.figures if _family(figure) != kin]
+    return "".join(tag("h3", esc(title)) + _grid(of[:_MOST_CHARTS]) for title, of in _by_axis(material, figures))
 
 
 def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
@@ -38,26 +51,50 @@ def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
     return numbers if len(numbers) == len(labels) and len({*numbers.values()}) >= 3 else None
 
 
-def _charts(material: Material, graph: str, axis: str, places: dict[str, float]) -> Iterator[Html]:
+def _grid(charts: Sequence[Chart]) -> Html:
+    if not charts:
+        return ""
+    width = WHOLE if len(charts) == 1 else HALF
+    drawn = [line_chart(chart.title, chart.axis, chart.series, width) for chart in charts]
+    return tag("div", *drawn, class_="grid" if len(drawn) > 1 else "scroll")
+
+
+def _by_axis(material: Material, figures: Sequence[str]) -> Iterator[tuple[str, list[Chart]]]:
+    """Yield the charts of every axis that is one of numbers, graph by graph."""
+    for axis, labels in material.plan.axes.items():
+        places = axis_numbers(labels)
+        if places is None:
+            continue
+        for graph in material.plan.graphs:
+            charts = list(_charts(material, graph, axis, places, figures))
+            if charts:
+                yield f"{axis} on {graph}", charts
+
+
+def _charts(
+    material: Material, graph: str, axis: str, places: Mapping[str, float], figures: Sequence[str]
+) -> Iterator[Chart]:
+    """Yield a chart for every name of a figure: a line for each stage that has it and each choice of other axes."""
     lines = _lines(material, graph, axis)
-    for name, figures in _families(material.figures).items():
-        one = len(figures) == 1
-        wanted = [(figure, others, cases) for figure in figures for others, cases in lines.items()]
+    families: dict[str, list[str]] = {}
+    for figure in figures:
+        families.setdefault(_family(figure), []).append(figure)
+    for name, kin in families.items():
         series: list[Series] = []
-        for figure, others, cases in wanted[:_MOST_LINES]:
+        for figure, (others, cases) in list(product(kin, lines.items()))[:_MOST_LINES]:
             points = sorted(_points(material, figure, axis, cases, places), key=lambda point: point.x)
-            if not points:
-                continue
-            called = others if one else figure.rpartition(".")[0] + (f", {others}" if others and len(lines) > 1 else "")
-            colour = (BASE, *METHODS)[len(series) % (1 + len(METHODS))]
+            words = [figure.rpartition(".")[0]] * (len(kin) > 1) + [others] * (len(lines) > 1)
             special = any(case.role != "method" for case in cases)
-            series.append(Series(called, points, colour, is_dashed=special))
+            if points:
+                colour = (BASE, *METHODS)[len(series) % (1 + len(METHODS))]
+                series.append(Series(", ".join(words), points, colour, is_dashed=special))
         if series:
-            yield line_chart(figures[0] if one else name, axis, series)
+            where = f" on {graph}" if len(material.plan.graphs) > 1 else ""
+            yield Chart((kin[0] if len(kin) == 1 else name) + where, axis, series)
 
 
 def _lines(material: Material, graph: str, axis: str) -> dict[str, list[Case]]:
-    """Return the cases of each choice of the other axes."""
+    """Return the cases of each choice of the other axes, where there are enough for a line."""
     found: dict[str, list[Case]] = {}
     for case in material.plan.cases:
         if case.graph == graph:
@@ -66,16 +103,13 @@ def _lines(material: Material, graph: str, axis: str) -> dict[str, list[Case]]:
     return {others: cases for others, cases in found.items() if len({case.labels[axis] for case in cases}) >= 3}
 
 
-def _families(figures: Sequence[str]) -> dict[str, list[str]]:
-    """Return figures of the same name together: a detector each."""
-    found: dict[str, list[str]] = {}
-    for figure in figures:
-        found.setdefault(figure if " " in figure else figure.rpartition(".")[2], []).append(figure)
-    return found
+def _family(figure: str) -> str:
+    """Return what figures of several stages have in common: the name behind the stage's."""
+    return figure if " " in figure else figure.rpartition(".")[2]
 
 
 def _points(
-    material: Material, figure: str, axis: str, cases: Sequence[Case], places: dict[str, float]
+    material: Material, figure: str, axis: str, cases: Sequence[Case], places: Mapping[str, float]
 ) -> Iterator[Point]:
     for case in cases:
         found = material.estimate(case.graph, case.variant, figure)
