@@ -8,12 +8,15 @@ import sys
 from acceptance.driving import drives_item, sign_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
+from acceptance.studying import kill_item, parallel_item
 
 ITEMS = {
     "drives": drives_item,
     "sign": sign_item,
     "sees": sees_item,
     "floor": floor_item,
+    "kill": kill_item,
+    "parallel": parallel_item,
     "heard": heard_item,
     "memory": memory_item,
     "interrupt": interrupt_item,

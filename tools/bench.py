@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import bench_ablate
 import bench_codec
 import bench_flow
 import bench_render
@@ -58,6 +59,9 @@ def ratios() -> Iterator[Ratio]:
     yield from _flow()
     start = bench_start.measure()
     yield Ratio("graphnav --help / python -c pass", start["ratio"], 12, f"{start['graphnav --help, ms']:.0f} ms")
+    study = bench_ablate.measure()
+    detail = f"{study['-j 1, s']:.0f} s with one process, {study['-j 2, s']:.0f} s with two"
+    yield Ratio("a study's parallel efficiency on 2 cores", study["efficiency"], 0.85, detail, at_least=True)
 
 
 def _flow() -> Iterator[Ratio]:
