@@ -42,7 +42,7 @@ def test_every_text_has_its_map() -> None:
     assert sorted(path.stem for path in BROKEN.glob("*.txt")) == CASES
 
 
-@pytest.mark.parametrize("name", ["corridor_ccw", "pillars", "approach", "crossing"])
+@pytest.mark.parametrize("name", ["corridor_ccw", "pillars", "approach", "crossing", "crowded", "movers"])
 def test_a_seed_draws_one_world_and_another_seed_another(name: str, maps: Path) -> None:
     one, same, other = (_digest(load_map(maps / f"{name}.yaml", seed, RADIUS_M)) for seed in (5, 5, 6))
     assert one == same
@@ -96,6 +96,28 @@ def test_pillars_stand_apart_block_the_straight_way_and_leave_one(seed: int, map
     passage = Passage(world.draw.bodies, world.draw.start, world.draw.goal_m)
     assert passage.leads_to_goal(RADIUS_M + 0.1)
     assert passage.straight_is_blocked(RADIUS_M)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_movers_cross_the_way_and_keep_clear_of_everything_else(seed: int, maps: Path) -> None:
+    bodies = load_map(maps / "movers.yaml", seed, RADIUS_M).draw.bodies
+    moving = [(body, body.patrol) for body in bodies if body.patrol is not None]
+    standing = [part for body in bodies if body.patrol is None for part in body.parts]
+    assert len(moving) == 8
+    for time_s in np.arange(0.0, 60.0, 1.5):
+        places = [patrol.at(time_s) for _, patrol in moving]
+        radii = [np.linalg.norm(body.outline, axis=1).max() for body, _ in moving]
+        for (at, radius), (other, its) in itertools.combinations(zip(places, radii, strict=True), 2):
+            assert np.linalg.norm(at - other) > radius + its
+        for at, radius in zip(places, radii, strict=True):
+            assert min(outlines.distance(part, *at) for part in standing) > radius
+    assert all(np.ptp(patrol.through_m[:, 1]) > 1.0 for _, patrol in moving)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_crowded_way_leads_between_the_blocks(seed: int, maps: Path) -> None:
+    world = load_map(maps / "crowded.yaml", seed, RADIUS_M)
+    assert 6.5 < world.shortest_m < 7.5, "around the blocks it would be less"
 
 
 def test_the_shortest_path_goes_around_a_corner(tmp_path: Path) -> None:

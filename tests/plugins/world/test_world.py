@@ -10,6 +10,7 @@ import pytest
 from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Finished, Latest, ParamError, Stamp, Twist, UserError
+from graphnav.graph.find import shipped_folder
 
 TICK_US = 100_000
 
@@ -144,7 +145,7 @@ def test_what_the_robot_does_changes_neither_map_nor_textures(maps: Path) -> Non
     assert (straight[0].image.pixels == turning[0].image.pixels).all()
 
 
-@pytest.mark.parametrize("name", ["corridor_ccw", "corridor_cw", "pillars", "approach", "empty", "crossing"])
+@pytest.mark.parametrize("name", sorted(path.stem for path in (shipped_folder() / "maps").glob("*.yaml")))
 def test_every_map_that_ships_passes_its_check(name: str, maps: Path) -> None:
     Pymunk(map=maps / f"{name}.yaml").check()
 
