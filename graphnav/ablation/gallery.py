@@ -89,7 +89,7 @@ def draw_failures(
             before, after = (_ending(folder, job, where) for where in (job.folder, place))
             if before != after:
                 changed.append(f"{job.folder}: {before}, but {after} when it was run again")
-        on_made(result.outcome)
+        on_made(Outcome.FAILED if result.died else result.outcome)
     return changed
 
 

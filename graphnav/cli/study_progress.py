@@ -2,41 +2,50 @@
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import timedelta
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
+from rich.text import Text
 
-_WHOLE_SESSION_S = 1e9
+
+class _TimeLeft(ProgressColumn):
+    """The time left by the mean of the runs that were made while the bar is shown: earlier ones took none of it."""
+
+    def render(self, task: Task) -> Text:
+        over_s = task.fields["over_s"]
+        if over_s is None:
+            return Text("? left")
+        return Text(f"{timedelta(seconds=max(0, round(over_s - time.monotonic())))} left")
 
 
 @contextmanager
 def study_bar(console: Console, title: str, done: int, total: int) -> Iterator[Callable[[str], None]]:
-    """Show how many runs are made, how they ended, and the time left by the mean of those made while entered.
+    """Show how many runs are made, how they ended, and the time left; call what is yielded with each outcome.
 
-    Call what is yielded with each run's outcome. Nothing is shown where no one looks.
+    Nothing is shown where no one looks.
     """
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.completed} of {task.total} runs{task.fields[ended]}"),
-        TimeRemainingColumn(elapsed_when_finished=True),
+        _TimeLeft(),
     )
     ended = Counter[str]()
-    with Progress(
-        *columns,
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-        speed_estimate_period=_WHOLE_SESSION_S,
-    ) as progress:
-        task = progress.add_task(title, total=total, completed=done, ended="")
+    begin_s = time.monotonic()
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task(title, total=total, completed=done, ended="", over_s=None)
 
         def show(outcome: str) -> None:
             ended[outcome] += 1
+            made = ended.total()
             said = ", ".join(f"{name} {count}" for name, count in ended.most_common())
-            progress.update(task, advance=1, ended=f": {said}")
+            now_s = time.monotonic()
+            over_s = now_s + (now_s - begin_s) / made * (total - done - made)
+            progress.update(task, advance=1, ended=f": {said}", over_s=over_s)
 
         yield show
