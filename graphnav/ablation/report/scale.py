@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 _STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
+_FLAT = 1e-9
+"""A range that is no larger, of the values or of 1, is none."""
 _NOISE = 1e-4
 """By how much of a step a value may pass a tick that stands for it; intervals are rounded to single precision."""
 
@@ -38,12 +40,14 @@ def scale_of(values: Iterable[float], most_ticks: int = 5) -> Scale:
     low, high = min(finite), max(finite)
     if low >= -_NOISE and 0.5 <= high <= 1.0 and high - low >= 0.4:
         low, high = 0.0, 1.0
-    if high - low < 1e-9 * max(abs(low), abs(high), 1.0):
-        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    size = max(abs(low), abs(high))
+    if high - low <= _FLAT * max(size, 1.0):
+        half = 0.5 * size if size > _FLAT else 0.5
+        low, high = low - half, high + half
     step = _step((high - low) / most_ticks)
     first, last = math.floor(low / step + _NOISE), math.ceil(high / step - _NOISE)
     ticks = tuple(round(number * step, 12) for number in range(first, last + 1))
-    decimals = max(0, *(len(f"{tick:.10f}".rstrip("0").partition(".")[2]) for tick in ticks))
+    decimals = max(len(f"{tick:.10f}".rstrip("0").partition(".")[2]) for tick in ticks)
     return Scale(ticks[0], ticks[-1], ticks, decimals, 0.0, 1.0)
 
 

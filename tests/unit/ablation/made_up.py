@@ -1,0 +1,132 @@
+"""A study with results that nobody measured, for reports."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+from graphnav.ablation.comparison import compare
+from graphnav.ablation.plan import Case, Plan
+from graphnav.ablation.records import Record, StageTime
+from graphnav.ablation.report import write_report
+from graphnav.catalog import Catalog
+from graphnav.stage import Role
+
+SUCCESS, CLEARANCE = "drive.success", "drive.least_clearance_m"
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+
+class Page(HTMLParser):
+    """Checks that every element is closed where it was opened, and gathers what would be loaded."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.loads: list[str] = []
+        self.words: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+        self.text = " ".join(" ".join(self.words).split())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in VOID:
+            self.open.append(tag)
+        assert tag not in {"script", "link", "iframe", "object", "embed", "base"}
+        for name, value in attrs:
+            assert not name.startswith("on")
+            if name in {"src", "href", "xlink:href", "srcset", "data", "action", "poster"}:
+                self.loads.append(value or "")
+            if name == "id":
+                self.ids.append(value or "")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.words.append(data)
+
+
+def plan_of(
+    variants: Mapping[str, Role],
+    *,
+    graphs: Sequence[str] = ("corridor",),
+    seeds: Sequence[int] = tuple(range(20)),
+    figures: Sequence[str] = (SUCCESS, CLEARANCE),
+    graph_yaml: str = "",
+    same_as: Mapping[str, str] | None = None,
+    axis: str = "plane",
+) -> Plan:
+    """Return a plan whose first variant is the base; ``same_as`` shares the runs of another."""
+    shared = same_as or {}
+    cases = tuple(
+        Case(
+            graph=graph,
+            variant=variant,
+            labels={axis: variant},
+            sets=(f"plane={variant}",),
+            is_base=place == 0,
+            role=role,
+            folder=f"runs/{graph}/{shared.get(variant, variant)}",
+            same_as=shared.get(variant, ""),
+            uses={"flow": "toy.matcher", "plane": f"toy.{variant}"},
+            swapped=("plane",) if place else (),
+            notices=("planar: nothing reads it",) if place else (),
+            graph_yaml=graph_yaml,
+        )
+        for graph in graphs
+        for place, (variant, role) in enumerate(variants.items())
+    )
+    return Plan(
+        name="toy",
+        about="Which one drives best?",
+        command="graphnav ablate toy --seeds 0:20",
+        graphs=tuple(graphs),
+        axes={axis: tuple(variants)},
+        seeds=tuple(seeds),
+        figures=dict.fromkeys(figures, "more"),
+        cases=cases,
+        versions={"graphnav": "0.1.0"},
+    )
+
+
+def record_of(case: Case, seed: int, outcome: str, **figures: float) -> Record:
+    """Return a run of a case; ``drive__success=1.0`` is the figure ``drive.success``."""
+    return Record(
+        graph=case.graph,
+        variant=case.variant,
+        seed=seed,
+        outcome=outcome,
+        failure="plane: it broke <down>" if outcome == "failed" else "",
+        frames=10,
+        sim_s=1.0 + seed,
+        figures={name.replace("__", "."): value for name, value in figures.items()},
+        wall_s=0.1,
+        times={"flow": StageTime(9, 1.5, 3.0), "plane": StageTime(9, 0.5, 1.0)},
+        folder=f"{case.folder}/{seed}",
+    )
+
+
+def records_of(plan: Plan, share: Mapping[str, float]) -> list[Record]:
+    """Return runs of all cases; ``share``: of its worlds in which a variant reaches the goal, the first ones."""
+    found = []
+    for case in plan.cases:
+        for place, seed in enumerate(plan.seeds):
+            is_good = place < share[case.same_as or case.variant] * len(plan.seeds)
+            outcome = "goal" if is_good else "contact"
+            clearance = 0.2 + 0.001 * place if is_good else 0.0
+            found.append(
+                record_of(case, seed, outcome, drive__success=float(is_good), drive__least_clearance_m=clearance)
+            )
+    return found
+
+
+def report(plan: Plan, records: Sequence[Record], folder: Path, catalog: Any = None) -> str:
+    """Return the text of the report."""
+    path = write_report(plan, compare(plan, records), records, folder, catalog or Catalog())
+    assert path == folder / "report.html"
+    return path.read_text(encoding="utf-8")

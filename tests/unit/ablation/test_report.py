@@ -1,0 +1,199 @@
+"""The report is one file that needs nothing else, whatever the study is like."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.records import Record
+from graphnav.catalog import Catalog
+from graphnav.graph import Graph, resolved_yaml
+from graphnav.stage import Role
+
+from .made_up import CLEARANCE, SUCCESS, Page, plan_of, record_of, records_of, report
+
+ROLES: dict[str, Role] = {"ica": "method", "affine": "method", "bad": "method", "prior": "control", "truth": "oracle"}
+SHARES = {"ica": 0.9, "affine": 0.85, "bad": 0.1, "prior": 0.0, "truth": 1.0}
+
+
+def page(plan: Plan, records: list[Record], folder: Path, catalog: Catalog | None = None) -> Page:
+    text = report(plan, records, folder, catalog)
+    found = Page(text)
+    assert [url for url in found.loads if not url.startswith(("data:", "#"))] == []
+    assert all(url[1:] in found.ids for url in found.loads if url.startswith("#"))
+    assert "@import" not in text
+    assert re.findall(r"url\(", text) == []
+    assert len(text) < 10_000_000
+    return found
+
+
+def test_it_holds_every_variant_and_figure_with_controls_and_oracles_marked(tmp_path: Path) -> None:
+    plan = plan_of(ROLES, graphs=("corridor", "pillars"))
+    found = page(plan, records_of(plan, SHARES), tmp_path)
+    for word in (*ROLES, *plan.figures, *plan.graphs, "control", "oracle", plan.command, plan.about, "0 to 19"):
+        assert word in found.text
+    assert "finished: 200 runs" in found.text
+
+
+def test_the_answer_says_what_the_worlds_can_tell_and_no_more(tmp_path: Path) -> None:
+    plan = plan_of(ROLES)
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "None of the 2 others is better; bad is worse." in text
+    answer = text[text.index("Better than the base") : text.index("For scale")]
+    assert "Better than the base none No difference that 20 worlds can tell affine −0.05 [" in answer
+    assert "Worse than the base bad −0.80 [" in answer
+    assert "control prior 0.00; oracle truth 1.00" in text
+
+
+def test_one_rival_gets_a_sentence(tmp_path: Path) -> None:
+    plan = plan_of({"ica": "method", "affine": "method"})
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "affine : drive.success 0.85 [" in text
+    assert "against ica — no difference that 20 worlds can tell." in text
+
+
+def test_one_that_is_better_is_named(tmp_path: Path) -> None:
+    plan = plan_of({"bad": "method", "ica": "method", "affine": "method"})
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "ica and affine are better." in text
+
+
+def test_less_can_be_better(tmp_path: Path) -> None:
+    plan = plan_of({"bad": "method", "ica": "method", "affine": "method"}, figures=["drive.collision"])
+    plan = Plan(**{**vars(plan), "figures": {"drive.collision": "less"}})
+    records = [
+        record_of(case, seed, "goal", drive__collision=float(seed >= SHARES[case.variant] * 20))
+        for case in plan.cases
+        for seed in plan.seeds
+    ]
+    assert "ica and affine are better." in page(plan, records, tmp_path).text
+
+
+def test_what_people_wrote_is_text_and_no_markup(tmp_path: Path) -> None:
+    evil = "<script>alert(1)</script>&amp;\"'"
+    plan = plan_of({"ica": "method", evil: "method", "x" * 300: "method"}, graphs=("<b>corridor</b>",))
+    plan = Plan(**{**vars(plan), "about": f"Why {evil}?", "command": f"graphnav ablate '{evil}'"})
+    records = [record_of(case, seed, "failed") for case in plan.cases for seed in plan.seeds]
+    found = page(plan, records, tmp_path)
+    assert f"Why {evil}?" in found.text
+    assert "it broke <down>" in found.text
+
+
+def test_a_study_that_goes_on_says_so_far(tmp_path: Path) -> None:
+    plan = plan_of(ROLES)
+    records = [record for record in records_of(plan, SHARES) if record.seed < 7 and record.variant != "bad"]
+    text = page(plan, records, tmp_path).text
+    assert "not finished: so far 28 of 100 runs" in text
+    assert "7 of 20" in text
+    assert "no run yet" in text
+
+
+def test_a_study_without_runs_has_no_answer(tmp_path: Path) -> None:
+    text = page(plan_of(ROLES), [], tmp_path).text
+    assert "No run is there yet, so there is no answer." in text
+
+
+def test_a_single_variant_is_told_without_rivals(tmp_path: Path) -> None:
+    plan = plan_of({"ica": "method"})
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "ica has drive.success 0.90 [" in text
+    assert "Worse than the base" not in text
+
+
+def test_one_world_has_no_intervals(tmp_path: Path) -> None:
+    plan = plan_of(ROLES, seeds=[3])
+    assert "One world: no interval means anything" in page(plan, records_of(plan, SHARES), tmp_path).text
+
+
+def test_few_worlds_are_said_to_be_few(tmp_path: Path) -> None:
+    plan = plan_of(ROLES, seeds=[3, 4])
+    assert "2 worlds are too few" in page(plan, records_of(plan, SHARES), tmp_path).text
+
+
+def test_runs_without_scores_have_a_report(tmp_path: Path) -> None:
+    plan = plan_of({"ica": "method", "affine": "method"}, figures=())
+    records = [record_of(case, seed, "end") for case in plan.cases for seed in plan.seeds]
+    assert "no figure" in page(plan, records, tmp_path).text
+
+
+def test_a_variant_that_always_fails_is_a_row_with_its_reason(tmp_path: Path) -> None:
+    plan = plan_of({"ica": "method", "broken": "method", "affine": "method"}, figures=(CLEARANCE,))
+    records = [r for r in records_of(plan, {**SHARES, "broken": 0}) if r.variant != "broken"]
+    records += [record_of(plan.case("corridor", "broken"), seed, "failed") for seed in plan.seeds]
+    text = page(plan, records, tmp_path).text
+    assert "20 runs failed: plane: it broke <down>" in text
+    assert "failed in all of 20 worlds" in text
+
+
+def test_variants_that_are_the_same_graph_say_of_which(tmp_path: Path) -> None:
+    plan = plan_of({"ica": "method", "twin": "method", "affine": "method"}, same_as={"twin": "ica"})
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "the same graph as ica" in text
+    assert "finished: 40 runs" in text
+    assert "1 of 3 cases are the same graph as another" in text
+
+
+def test_hundreds_of_variants_keep_the_charts_readable(tmp_path: Path) -> None:
+    names: dict[str, Role] = {f"v{number}": "method" for number in range(200)}
+    plan = plan_of(names, seeds=range(6))
+    records = records_of(plan, {name: (number % 7) / 7 for number, name in enumerate(names)})
+    found = page(plan, records, tmp_path)
+    assert "176 more are in the tables" in found.text
+    assert all(f"v{number} " in found.text for number in range(200))
+
+
+def test_values_that_are_no_numbers_do_not_reach_the_page(tmp_path: Path) -> None:
+    plan = plan_of({"ica": "method", "affine": "method"}, figures=(CLEARANCE,), seeds=range(6))
+    records = [
+        record_of(case, seed, "goal", **({"drive__least_clearance_m": 0.3} if seed == 0 else {}))
+        for case in plan.cases
+        for seed in plan.seeds
+    ]
+    text = page(plan, records, tmp_path).text
+    assert "in 1" in text
+    assert not re.search(r"\b(nan|inf)\b", text)
+
+
+def test_the_same_study_gives_the_same_bytes(tmp_path: Path) -> None:
+    plan = plan_of(ROLES)
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        report(plan, records_of(plan, SHARES), tmp_path / name)
+    assert (tmp_path / "one" / "report.html").read_bytes() == (tmp_path / "two" / "report.html").read_bytes()
+
+
+def test_the_graph_is_drawn_with_swapped_stages_marked(
+    tmp_path: Path, toys: Catalog, load: Callable[..., Graph]
+) -> None:
+    three: dict[str, Role] = {"ica": "method", "affine": "method", "prior": "control"}
+    plan = plan_of(three, graph_yaml=resolved_yaml(load()))
+    text = report(plan, records_of(plan, SHARES), tmp_path, toys)
+    Page(text)
+    assert text.count('class="mark" x=') == 1
+    assert "2 rivals" in text
+    assert "toy.ica; swapped for toy.affine, toy.prior" in text
+
+
+def test_a_graph_whose_plugin_is_gone_is_no_obstacle(tmp_path: Path) -> None:
+    plan = plan_of(ROLES, graph_yaml="stages: {flow: {use: gone.away}}\n")
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "It cannot be drawn here: graph.yaml" in text
+
+
+@pytest.mark.parametrize("missing", ["logs", "pictures"])
+def test_what_was_pruned_is_a_note(tmp_path: Path, missing: str) -> None:
+    plan = plan_of(ROLES)
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    notes = {"logs": "the logs are gone", "pictures": "runs failed; none is drawn"}
+    assert notes[missing] in text
+
+
+def test_success_is_not_shown_twice(tmp_path: Path) -> None:
+    plan = plan_of(ROLES)
+    text = report(plan, records_of(plan, SHARES), tmp_path)
+    assert text.count(f'aria-label="{SUCCESS} of every variant"') == 1
+    assert text.count(f'aria-label="{CLEARANCE} of every variant"') == 1

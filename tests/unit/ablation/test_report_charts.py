@@ -1,0 +1,115 @@
+"""Axes show what they must, lines are drawn where an axis is one of numbers."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from graphnav.ablation.comparison import Difference, Row
+from graphnav.ablation.plan import Better
+from graphnav.ablation.report.numbers import MINUS, estimated, number
+from graphnav.ablation.report.scale import scale_of
+from graphnav.ablation.report.sweeps import axis_numbers
+from graphnav.ablation.report.verdict import Verdict, verdict_of
+from graphnav.stage import Role
+
+from .made_up import Page, plan_of, record_of, records_of, report
+
+NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)
+
+
+@given(st.lists(NUMBERS, max_size=8), st.integers(2, 8))
+def test_an_axis_shows_all_values_between_even_ticks(values: list[float], most: int) -> None:
+    scale = scale_of([*values, math.nan, math.inf], most)
+    steps = [b - a for a, b in zip(scale.ticks, scale.ticks[1:], strict=False)]
+    slack = 1e-3 * steps[0]
+    assert all(scale.low - slack <= value <= scale.high + slack for value in values)
+    assert steps == pytest.approx([steps[0]] * len(steps))
+    assert 2 <= len(scale.ticks) <= most + 3
+
+
+def test_shares_have_the_axis_from_0_to_1() -> None:
+    scale = scale_of([-1e-12, 0.3, 0.9])
+    assert (scale.low, scale.high) == (0.0, 1.0)
+
+
+def test_places_are_linear_and_end_at_the_ends() -> None:
+    scale = scale_of([0.0, 1.0]).between(100.0, 200.0)
+    assert [scale.at(x) for x in (-1.0, 0.0, 0.25, 1.0, 7.0)] == [100.0, 100.0, 125.0, 200.0, 200.0]
+
+
+def test_numbers_are_as_exact_as_their_intervals() -> None:
+    assert estimated(0.943, 0.84, 0.981) == "0.943 [0.840, 0.981]"
+    assert estimated(-0.0412, -0.12, 0.023, signed=True) == f"{MINUS}0.041 [{MINUS}0.120, 0.023]"
+    assert estimated(12.0, math.nan, math.nan, signed=True) == "+12.00"
+    assert number(-0.0001, 2) == "0.00"
+
+
+@pytest.mark.parametrize(
+    ("labels", "places"),
+    [
+        (("robot.tilt_deg=75", "robot.tilt_deg=20", "robot.tilt_deg=35"), (75, 20, 35)),
+        (("0.3 m/s", "0.15 m/s", "1.2 m/s"), (0.3, 0.15, 1.2)),
+        (("75°", "20°", "-5°"), (75, 20, -5)),
+        (("1e-3", "1e-2", "0.5"), (0.001, 0.01, 0.5)),
+        (("plane.ica", "plane.affine", "plane.truth"), None),
+        (("0.1", "0.2"), None),
+        (("0.1", "0.2", "off"), None),
+        (("1 of 2", "2 of 2", "2 of 3"), None),
+        (("7", "7.0", "7.00"), None),
+    ],
+)
+def test_an_axis_is_one_of_numbers_if_every_label_has_one(
+    labels: tuple[str, ...], places: tuple[float, ...] | None
+) -> None:
+    assert axis_numbers(labels) == (None if places is None else dict(zip(labels, places, strict=True)))
+
+
+def test_a_line_is_drawn_for_every_stage_that_has_the_figure(tmp_path: Path) -> None:
+    tilts: dict[str, Role] = dict.fromkeys(("75°", "20°", "50°"), "method")
+    figures = ("ica_sight.auroc", "affine_sight.auroc")
+    plan = plan_of(tilts, figures=figures, axis="tilt", seeds=range(6))
+    records = [
+        record_of(case, seed, "goal", ica_sight__auroc=0.9 - seed / 100, affine_sight__auroc=0.7)
+        for case in plan.cases
+        for seed in plan.seeds
+    ]
+    text = report(plan, records, tmp_path)
+    Page(text)
+    first_screen = text[text.index("<header>") : text.index("</header>")]
+    assert first_screen.count('class="line"') == 2
+    for name in ("ica_sight", "affine_sight"):
+        assert f"</title>{name}</text>" in first_screen
+
+
+def test_a_crossed_axis_has_a_line_for_each_choice_of_the_other(tmp_path: Path) -> None:
+    speeds: dict[str, Role] = dict.fromkeys(("1", "2", "3"), "method")
+    plan = plan_of(speeds, axis="speed", seeds=range(6))
+    text = report(plan, records_of(plan, {"1": 0.9, "2": 0.5, "3": 0.1}), tmp_path)
+    assert text.count('class="line"') == 2
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "n", "better", "expected"),
+    [
+        (0.1, 0.3, 20, "more", "better"),
+        (0.1, 0.3, 20, "less", "worse"),
+        (-0.3, -0.1, 20, "more", "worse"),
+        (-0.3, -0.1, 20, "less", "better"),
+        (-0.1, 0.3, 20, "more", "unclear"),
+        (0.0, 0.3, 20, "more", "unclear"),
+        (0.1, 0.3, 2, "more", "unclear"),
+        (math.nan, math.nan, 1, "more", "unknown"),
+    ],
+)
+def test_only_a_clear_difference_is_called_one(
+    low: float, high: float, n: int, better: Better, expected: Verdict
+) -> None:
+    case = plan_of({"ica": "method", "affine": "method"}).cases[1]
+    mean = 0.0 if math.isnan(low) else (low + high) / 2
+    row = Row(case, n, {}, {}, {}, {"drive.spl": Difference(mean, low, high, n, 0, 0)}, {})
+    assert verdict_of(row, "drive.spl", better) == expected
