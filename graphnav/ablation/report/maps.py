@@ -78,25 +78,30 @@ def _worlds(material: Material, graph: str, variants: Sequence[str]) -> Sequence
 def _map(material: Material, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> Html:
     beside = Path(next(case.folder for case in material.plan.cases if case.graph == graph)).parent.name
     file = material.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
+    try:
+        drawn = _drawn(material, runs, colours, file)
+    except GraphnavError:  # a log that cannot be read shows no path
+        drawn = None
+    if drawn is None:
+        return ""
+    ends = dict.fromkeys(run.outcome for run in runs)
+    counts = ", ".join(f"{sum(run.outcome == end for run in runs)} {end}" for end in ends)
+    picture = embedded(drawn, esc(f"paths through world {seed} of {graph}"), _MOST_PX)
+    return tag("figure", picture, tag("figcaption", f"seed {seed}: {esc(counts)}"))
+
+
+def _drawn(material: Material, runs: Sequence[Record], colours: dict[str, str], file: Path) -> Path | None:
+    """Draw the runs whose logs are there, the base on top; return ``file``, or None where they are not enough."""
     with ExitStack() as stack:
-        recordings = {}
-        for run in reversed(runs):
-            log = material.folder / run.folder / LOG
-            if log.is_file():
-                try:
-                    recordings[run.variant] = stack.enter_context(Recording(log))
-                except GraphnavError:
-                    continue
+        recordings = {
+            run.variant: stack.enter_context(Recording(log))
+            for run in reversed(runs)
+            if (log := material.folder / run.folder / LOG).is_file()
+        }
         if not recordings:
-            return ""
+            return None
         file.parent.mkdir(parents=True, exist_ok=True)
         drawn: Path | None = material.catalog.hook.graphnav_draw_paths(
             recordings=recordings, colours=colours, file=file
         )
-    if drawn is None:
-        return ""
-    ends = ", ".join(
-        f"{sum(run.outcome == end for run in runs)} {end}" for end in dict.fromkeys(r.outcome for r in runs)
-    )
-    picture = embedded(drawn, esc(f"paths through world {seed} of {graph}"), _MOST_PX)
-    return tag("figure", picture, tag("figcaption", f"seed {seed}: {esc(ends)}"))
+        return drawn

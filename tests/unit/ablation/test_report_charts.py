@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graphnav.ablation.comparison import Difference, Row
@@ -22,6 +22,7 @@ from .made_up import Page, plan_of, record_of, records_of, report
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)
 
 
+@settings(deadline=None)
 @given(st.lists(NUMBERS, max_size=8), st.integers(2, 8))
 def test_an_axis_shows_all_values_between_even_ticks(values: list[float], most: int) -> None:
     scale = scale_of([*values, math.nan, math.inf], most)
