@@ -20,6 +20,30 @@ STUDY = ["corridor_ccw", "--vary", "plane=plane.ica,plane.affine", "--gallery", 
 SHORT, LONG = (["--set", f"run.until_s={until_s}"] for until_s in (1, 30))
 
 
+DEADLY = """
+import os, signal
+from graphnav import Source, Twist, hookimpl, param
+
+FAMILY = "deadly"
+
+class Walker(Source):
+    after: int = param(5, doc="dies at this tick")
+
+    def reset(self, seed: int) -> None:
+        self.ticks = 0
+
+    def step(self) -> Twist:
+        self.ticks += 1
+        if self.ticks == self.after:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return Twist(v_mps=0.0, omega_radps=0.0)
+
+@hookimpl
+def graphnav_stages():
+    return [Walker]
+"""
+
+
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """Return the results of the study, made by one process."""
@@ -78,6 +102,22 @@ def test_two_processes_give_the_same_results(undisturbed: bytes, tmp_path: Path)
 
 def test_a_cluster_gives_the_same_results(undisturbed: bytes, tmp_path: Path, cluster: str) -> None:
     assert finished(tmp_path / "cluster", "--cluster", cluster) == undisturbed
+
+
+def test_a_stage_that_kills_its_process_kills_no_worker_of_a_cluster(tmp_path: Path, cluster: str) -> None:
+    plugin, graph = tmp_path / "deadly.py", tmp_path / "walk.yaml"
+    plugin.write_text(DEADLY)
+    graph.write_text("run: {until_s: 1}\nstages: {robot: {use: deadly.walker}}\n")
+    results = []
+    for words in (["-j", "2"], ["--cluster", cluster]):
+        out = tmp_path / words[0].strip("-")
+        command = [str(SCRIPTS / "graphnav"), "ablate", str(graph), "--plugin", str(plugin), "--seeds", "0:2"]
+        command += ["--vary", "robot.after=1000,5", "-o", str(out), *words]
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+        results.append((out / "results.csv").read_text())
+    assert results[0] == results[1]
+    assert results[0].count("its process died, twice") == 2
 
 
 def test_kill_9_at_any_moment_changes_no_result(undisturbed: bytes, tmp_path: Path) -> None:
