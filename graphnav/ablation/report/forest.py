@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from graphnav.ablation.comparison import Row
@@ -22,9 +23,11 @@ def forest(material: Material, figure: str, *, with_worlds: bool = False) -> Htm
     graphs = material.plan.graphs
     x_label = f"{figure}, {material.plan.better(figure)} is better"
     charts = []
-    for begin in range(0, len(graphs), PANELS):
-        panels = [_panel(material, graph, figure, with_worlds=with_worlds) for graph in graphs[begin : begin + PANELS]]
-        charts.append(whisker_chart(labels, panels, x_label, f"{figure} of every variant"))
+    columns = math.ceil(len(graphs) / math.ceil(len(graphs) / PANELS))
+    for begin in range(0, len(graphs), columns):
+        some = graphs[begin : begin + columns]
+        panels = [_panel(material, graph, figure, with_worlds=with_worlds) for graph in some]
+        charts.append(whisker_chart(labels, panels, x_label, f"{figure} of every variant", columns))
     left_out = len(material.own_variants) - len(shown)
     if left_out:
         charts.append(

@@ -8,7 +8,7 @@ from graphnav.ablation.comparison import Row
 from graphnav.ablation.report.forest import absence
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.material import Material
-from graphnav.ablation.report.numbers import counted, estimated
+from graphnav.ablation.report.numbers import counted, estimated, means_text
 from graphnav.ablation.report.verdict import Verdict, verdict_of
 
 Found = Mapping[tuple[str, str], tuple[Verdict, Row]]
@@ -80,13 +80,15 @@ def _paired(material: Material, figure: str, verdict: Verdict, row: Row) -> Html
 
 
 def _everywhere(material: Material, figure: str) -> Html:
+    """Return what the base has on each graph, on many the least and the greatest."""
     graphs, base = material.plan.graphs, material.plan.base
-    said = []
-    for graph in graphs:
-        found = material.estimate(graph, base, figure)
-        if found is not None:
-            where = f" on {esc(graph)}" if len(graphs) > 1 else ""
-            said.append(estimated(found.mean, found.low, found.high) + where)
+    found = {graph: of for graph in graphs if (of := material.estimate(graph, base, figure)) is not None}
+    if len(found) > _MOST_NAMES:
+        return f"{means_text([of.mean for of in found.values()])} on {len(found)} graphs"
+    said = [
+        estimated(of.mean, of.low, of.high) + (f" on {esc(graph)}" if len(graphs) > 1 else "")
+        for graph, of in found.items()
+    ]
     return ", ".join(said) or "in no run yet"
 
 

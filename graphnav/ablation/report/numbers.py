@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from graphnav.ablation.digits import decimals
+from graphnav.ablation.digits import MOST_DECIMALS, decimals
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -28,3 +29,11 @@ def estimated(mean: float, low: float, high: float, *, signed: bool = False) -> 
 def counted(n: int, one: str, many: str = "") -> str:
     """Return ``1 world``, ``2 worlds``."""
     return f"{n} {one if n == 1 else many or one + 's'}"
+
+
+def means_text(means: Sequence[float], *, signed: bool = False) -> str:
+    """Return the least and the greatest of some means: ``0.86 to 0.98``."""
+    ends = (min(means), max(means))
+    places = max(2, -math.floor(math.log10(max(map(abs, ends))))) if any(ends) else 2
+    texts = [("+" if signed and end > 0 else "") + number(end, min(places, MOST_DECIMALS)) for end in ends]
+    return " to ".join(dict.fromkeys(texts))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.ablation.comparison import Row
 from graphnav.ablation.report.forest import absence
 from graphnav.ablation.report.headline import Found, name
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.material import Material
-from graphnav.ablation.report.numbers import counted, estimated, number
+from graphnav.ablation.report.numbers import counted, estimated, means_text
 from graphnav.ablation.report.verdict import Verdict
 
 _MOST_NAMED = 6
@@ -42,19 +42,27 @@ def _entries(material: Material, figure: str, found: Found, verdict: Verdict, *,
     graphs = material.plan.graphs
     for variant in dict.fromkeys(variant for variant, _ in found):
         here = {g: found[variant, g][1] for g in graphs if (variant, g) in found and found[variant, g][0] == verdict}
-        if here:
-            changes = [_change(row, figure, is_brief=is_brief) for row in here.values()]
-            if len(graphs) > 1:
-                changes = [f"{change} on {esc(graph)}" for graph, change in zip(here, changes, strict=True)]
-            yield f"{name(variant)} {tag('span', ', '.join(changes), class_='quiet')}"
+        if not here:
+            continue
+        if is_brief:
+            said = _brief(here.values(), figure) + ("" if len(here) == len(graphs) else f" on {esc(', '.join(here))}")
+        else:
+            said = ", ".join(
+                _change(row, figure) + (f" on {esc(graph)}" if len(graphs) > 1 else "") for graph, row in here.items()
+            )
+        yield f"{name(variant)} {tag('span', said, class_='quiet')}"
 
 
-def _change(row: Row, figure: str, *, is_brief: bool) -> Html:
+def _change(row: Row, figure: str) -> Html:
     found = row.differences.get(figure)
     if found is None:
         return esc(absence(row)) if figure not in row.estimates else "no common world"
-    text = estimated(found.mean, found.low, found.high, signed=True)
-    return text.partition(" ")[0] if is_brief else text
+    return estimated(found.mean, found.low, found.high, signed=True)
+
+
+def _brief(rows: Iterable[Row], figure: str) -> Html:
+    found = [row.differences[figure].mean for row in rows if figure in row.differences]
+    return means_text(found, signed=True) if found else "no common world"
 
 
 def checks(material: Material, figure: str) -> Html:
@@ -73,6 +81,4 @@ def checks(material: Material, figure: str) -> Html:
 def _range(material: Material, variants: Sequence[str], figure: str) -> Html:
     """Return the least and the greatest mean of variants over all graphs."""
     every = [found.mean for g in material.plan.graphs for v in variants if (found := material.estimate(g, v, figure))]
-    if not every:
-        return "not known"
-    return " to ".join(dict.fromkeys(number(mean, 2) for mean in (min(every), max(every))))
+    return means_text(every) if every else "not known"

@@ -43,16 +43,16 @@ class Panel:
     """The base's mean."""
 
 
-def whisker_chart(labels: Mapping[str, str], panels: Sequence[Panel], x_label: str, about: str) -> Html:
-    """Return SVG with a row for each of ``labels`` (each with a word on what it is), at most `PANELS` panels wide."""
+def whisker_chart(labels: Mapping[str, str], panels: Sequence[Panel], x_label: str, about: str, columns: int) -> Html:
+    """Return SVG with a row for each of ``labels`` (each with a word on what it is) and room for ``columns`` panels."""
     marks = [mark for panel in panels for mark in panel.marks.values() if isinstance(mark, Mark)]
     values = [value for mark in marks for value in (mark.mean, mark.low, mark.high, *(x for x, _ in mark.points))]
-    scale = scale_of(values, most_ticks=5 if len(panels) < PANELS else 4)
+    scale = scale_of(values, most_ticks=5 if columns < PANELS else 4)
     row = _ROWS[len(labels) > _MANY_ROWS]
     longest = max((len(label) + len(role) + 2 for label, role in labels.items()), default=0)
     left = min(max(longest * _CHAR, _LEAST_LABEL), _MOST_LABEL)
     height = _TOP + row * len(labels) + _BOTTOM + 16
-    width = (_WIDTH - left) / max(len(panels), 1) - _GAP
+    width = (_WIDTH - left) / columns - _GAP
     parts = [_labels(labels, left, row)]
     for place, panel in enumerate(panels):
         start = left + _GAP + place * (width + _GAP)

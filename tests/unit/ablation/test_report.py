@@ -49,6 +49,13 @@ def test_the_answer_says_what_the_worlds_can_tell_and_no_more(tmp_path: Path) ->
     assert "control prior 0.00; oracle truth 1.00" in text
 
 
+def test_many_graphs_and_methods_are_told_in_short(tmp_path: Path) -> None:
+    plan = plan_of(ROLES, graphs=tuple(f"graph_{number}" for number in range(7)))
+    text = page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "ica has drive.success 0.90 on 7 graphs." in text
+    assert "Worse than the base bad −0.80 For scale" in text
+
+
 def test_one_rival_gets_a_sentence(tmp_path: Path) -> None:
     plan = plan_of({"ica": "method", "affine": "method"})
     text = page(plan, records_of(plan, SHARES), tmp_path).text

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from graphnav.ablation.comparison import Difference, Row
 from graphnav.ablation.plan import Better
-from graphnav.ablation.report.numbers import MINUS, estimated, number
+from graphnav.ablation.report.numbers import MINUS, estimated, means_text, number
 from graphnav.ablation.report.scale import scale_of
 from graphnav.ablation.report.sweeps import axis_numbers
 from graphnav.ablation.report.verdict import Verdict, verdict_of
@@ -48,6 +48,9 @@ def test_numbers_are_as_exact_as_their_intervals() -> None:
     assert estimated(-0.0412, -0.12, 0.023, signed=True) == f"{MINUS}0.041 [{MINUS}0.120, 0.023]"
     assert estimated(12.0, math.nan, math.nan, signed=True) == "+12.00"
     assert number(-0.0001, 2) == "0.00"
+    assert means_text([0.9, 0.02, 0.5]) == "0.02 to 0.90"
+    assert means_text([0.0, 0.0]) == "0.00"
+    assert means_text([-0.004, 0.001], signed=True) == f"{MINUS}0.004 to +0.001"
 
 
 @pytest.mark.parametrize(
