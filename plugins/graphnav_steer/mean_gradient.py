@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Goal, Latest, Planar, Plane, Steering
-from graphnav_steer.potential import Potential
+from graphnav import Goal, Latest, Planar, Plane, Steering, param
+from graphnav_steer.potential import BACKWARD_DOC, BELL_DOC, GAIN_DOC, NEAR_DOC, STRENGTH_DOC, Potential, Strength
 from graphnav_steer.principal import Principal, mean_direction
 
 Doubles = npt.NDArray[np.float64]
@@ -18,7 +18,16 @@ class MeanGradient(Potential):
     The simplest rival of `steer.pca`: the same Gaussian of the dominant map and the same forces, but r points against
     the mean of the gradients, not along their principal direction. The mean of a field's gradients is the difference
     of its values at opposite borders, so that this weighs the picture's four sides against each other.
+
+    Its defaults are not those of the paper, as `steer.pca` has them, but what drives both in corridors and among
+    pillars.
     """
+
+    strength: Strength = param("gradient", doc=STRENGTH_DOC)
+    gain: float = param(200.0, gt=0.0, doc=GAIN_DOC)
+    bell_ratio: float | None = param(0.333, gt=0.0, doc=BELL_DOC)
+    near_weight: float = param(0.0, ge=0.0, le=1.0, doc=NEAR_DOC)
+    backward: bool = param(False, doc=BACKWARD_DOC)
 
     def step(self, plane: Plane, goal: Latest[Goal], planar: Latest[Planar]) -> Steering:
         """Return the forces.

@@ -16,6 +16,13 @@ from graphnav_steer.forces import Forces
 from graphnav_steer.principal import Principal
 
 Doubles = npt.NDArray[np.float64]
+Strength = Literal["share", "gradient"]
+
+STRENGTH_DOC = "what r's length grows with: the obstacle's share of the picture, or the mean gradient's length"
+GAIN_DOC = "r's length at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
+BELL_DOC = "standard deviation, in picture widths, of a bell that weighs the map's columns; null for none"
+NEAR_DOC = "weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
+BACKWARD_DOC = "whether r may point backwards; without it r only turns the robot aside"
 
 EVERYWHERE_RATIO = 0.9
 """From this share of obstacle on, there is no ground to tell it from."""
@@ -34,21 +41,11 @@ class Potential(Forces):
     border: Literal["zero", "nearest"] = param(
         "zero", doc="what the Gaussian meets beyond the picture: no obstacle, or the outermost cell going on"
     )
-    strength: Literal["share", "gradient"] = param(
-        "share", doc="what r's length grows with: the obstacle's share of the picture, or the mean gradient's length"
-    )
-    gain: float = param(
-        4.0, gt=0.0, doc="r's length at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
-    )
-    bell_ratio: float | None = param(
-        None,
-        gt=0.0,
-        doc="standard deviation, in picture widths, of a bell that weighs the map's columns; null for none",
-    )
-    near_weight: float = param(
-        1.0, ge=0.0, le=1.0, doc="weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
-    )
-    backward: bool = param(True, doc="whether r may point backwards; without it r only turns the robot aside")
+    strength: Strength = param("share", doc=STRENGTH_DOC)
+    gain: float = param(4.0, gt=0.0, doc=GAIN_DOC)
+    bell_ratio: float | None = param(None, gt=0.0, doc=BELL_DOC)
+    near_weight: float = param(1.0, ge=0.0, le=1.0, doc=NEAR_DOC)
+    backward: bool = param(True, doc=BACKWARD_DOC)
 
     def _to_obstacle(self, gradient: Doubles) -> Principal:
         """Return the direction of gradients (rows, cols, 2)."""

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from graphnav_steer.balance import Balance
-from graphnav_steer.time_to_contact import TimeToContact, inverse_time
+from graphnav_steer.time_to_contact import Divergence, TimeToContact, inverse_time
 
 from graphnav import Flow, Latest, Steering
 
@@ -18,6 +18,7 @@ ROWS, COLS = 120, 160
 INTERVAL_US = 100_000
 NONE: Latest[Any] = Latest()
 ALL = slice(None)
+BOTH: tuple[Divergence, ...] = ("full", "across")
 STAGES: list[type[Balance | TimeToContact]] = [Balance, TimeToContact]
 every_stage = pytest.mark.parametrize("cls", STAGES)
 
@@ -108,13 +109,23 @@ def test_balance_is_the_difference_of_the_sides_by_their_sum() -> None:
 
 @pytest.mark.parametrize("rate_per_s", [0.1, 0.5, 2.0])
 def test_time_to_contact_is_that_of_a_plane_that_nears(rate_per_s: float) -> None:
-    assert inverse_time(flow(expanding(rate_per_s)), ALL) == pytest.approx(rate_per_s, rel=1e-4)
+    for divergence in BOTH:
+        assert inverse_time(flow(expanding(rate_per_s)), ALL, divergence) == pytest.approx(rate_per_s, rel=1e-4)
 
 
 def test_turning_does_not_expand() -> None:
     rows, cols = np.mgrid[:ROWS, :COLS].astype(np.float32)
     turning = np.stack([0.1 * (rows - 60), -0.1 * (cols - 200)], axis=-1)
-    assert inverse_time(flow(turning), ALL) == pytest.approx(0.0, abs=1e-6)
+    for divergence in BOTH:
+        assert inverse_time(flow(turning), ALL, divergence) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_edge_that_leaves_downwards_expands_along_but_not_across() -> None:
+    entering = downward(2.0)
+    entering[:60] *= 2
+    assert inverse_time(flow(entering[::-1].copy()), ALL, "full") > 0.05
+    assert inverse_time(flow(entering[::-1].copy()), ALL, "across") == pytest.approx(0.0, abs=1e-6)
+    assert inverse_time(flow(entering), ALL, "full") == 0.0
 
 
 def test_contact_ahead_brakes_until_it_turns() -> None:
@@ -125,7 +136,7 @@ def test_contact_ahead_brakes_until_it_turns() -> None:
 
 
 def test_what_shrinks_leaves_all_the_time() -> None:
-    assert inverse_time(flow(expanding(-1.0)), ALL) == 0.0
+    assert inverse_time(flow(expanding(-1.0)), ALL, "full") == 0.0
 
 
 def test_flow_on_a_coarser_grid_says_the_same() -> None:
@@ -136,4 +147,4 @@ def test_flow_on_a_coarser_grid_says_the_same() -> None:
         interval_us=INTERVAL_US,
         step_px=8,
     )
-    assert inverse_time(coarse, ALL) == pytest.approx(0.8, rel=1e-3)
+    assert inverse_time(coarse, ALL, "full") == pytest.approx(0.8, rel=1e-3)

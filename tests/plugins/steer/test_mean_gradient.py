@@ -41,14 +41,21 @@ def random_map(seed: int) -> Map:
 def test_force_is_against_the_mean_gradient(make_plane: MakePlane, seed: int) -> None:
     d = random_map(seed)
     mean = obstacle_field(d.astype(np.float64), 0.5 * COLS, "zero").gradient.mean(axis=(0, 1))
-    repulsive = steer(make_plane(d)).repulsive
+    repulsive = steer(make_plane(d), bell_ratio=None, near_weight=1.0, backward=True).repulsive
     assert repulsive / np.hypot(*repulsive) == pytest.approx(-mean / np.hypot(*mean) * [1, -1])
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_all_but_the_direction_is_as_in_pca(make_plane: MakePlane, seed: int) -> None:
     plane, heard = make_plane(random_map(seed)), Latest(Goal(bearing_rad=0.4, distance_m=2.0), 0.0)
-    parameters: dict[str, Any] = {"strength": "gradient", "gain": 9.0, "goal_weight": 0.5, "bell_ratio": 0.3}
+    parameters: dict[str, Any] = {
+        "strength": "gradient",
+        "gain": 9.0,
+        "goal_weight": 0.5,
+        "bell_ratio": 0.3,
+        "near_weight": 0.5,
+        "backward": True,
+    }
     ours = steer(plane, heard, **parameters)
     pca = Pca(guiding="goal", **parameters)
     pca.reset(seed=0)
