@@ -6,7 +6,7 @@ import numpy as np
 
 from graphnav import Flow, Plane, coarsen, param
 from graphnav_plane.agreement import Doubles, agrees, length, median
-from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector, all_ground
+from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector
 
 _SAMPLE = 200
 _LEAST_AREA = 1e-3
@@ -39,7 +39,8 @@ class Affine(Detector):
     refits: int = param(2, ge=1, le=100, doc="least-squares fits to what agrees with the one before")
 
     def reset(self, seed: int) -> None:
-        """Begin the draws anew."""
+        """Begin the draws anew and forget the last frames."""
+        super().reset(seed)
         self._rng = np.random.default_rng(seed)
 
     def step(self, flow: Flow) -> Plane:
@@ -47,14 +48,13 @@ class Affine(Detector):
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
         if np.count_nonzero(valid) < LEAST_VECTORS:
-            return all_ground(valid.shape, cells.step_px)
+            return self._unjudged(cells)
         places = _places(valid)
         uv = cells.uv_px[valid].astype(np.float64)
         fit = self._drawn(places, uv)
         for _ in range(self.refits):
             fit = _refitted(fit, places, uv, self.threshold_px)
-        score = np.zeros(valid.shape)
-        score[valid] = length(uv - places @ fit)
+        score = self._remembered(uv - places @ fit, valid, cells)
         return self._plane(score, valid, cells.step_px)
 
     def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:

@@ -1,4 +1,4 @@
-"""What all detectors of the dominant plane share: the rule that makes a map of a score."""
+"""What all detectors of the dominant plane share: from what the ground leaves unexplained to a map."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Planar, Plane, Stage, coarsen, param
+from graphnav_plane.memory import Memory
 from graphnav_plane.rule import Rule, threshold
 
 Cells = npt.NDArray[np.bool_]
 Scores = npt.NDArray[np.floating]
+Vectors = npt.NDArray[np.floating]
 
 LEAST_VECTORS = 6
+_NEXT = np.ones((3, 3), np.uint8)
 
 
 class Detector(Stage):
@@ -23,7 +26,7 @@ class Detector(Stage):
     )
     mad_ratio: float = param(4.0, gt=0.0, doc="rule mad: more calls fewer cells obstacle")
     threshold_px: float = param(
-        0.08,
+        0.1,
         ge=0.0,
         doc="rule fixed: the threshold. Else the threshold never falls below it: it should be what flow noise reaches "
         "on a free floor, where every relative rule finds obstacles in the noise",
@@ -34,12 +37,44 @@ class Detector(Stage):
         le=15,
         doc="side of the median that removes specks from the map (odd); 1 leaves it as it is, as [OI] does",
     )
+    edge_ratio: float = param(
+        0.3,
+        ge=0.0,
+        lt=1.0,
+        doc="a cell is ground if it scores less than this share of a cell next to it: flow is found in windows, so "
+        "that ground beside an obstacle moves a little like it; 0 leaves it obstacle",
+    )
+    memory_ratio: float = param(
+        0.5,
+        ge=0.0,
+        lt=1.0,
+        doc="share that the last frames have in what a cell moves off the ground by, followed along the flow; more is "
+        "steadier and later, 0 judges every frame by itself",
+    )
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget the last frames."""
+        self._memory = Memory(self.memory_ratio)
+
+    def _unjudged(self, cells: Flow) -> Plane:
+        """Return a plane in which nothing was judged, and forget the last frames."""
+        self._memory.forget()
+        return all_ground(cells.valid.shape, cells.step_px)
+
+    def _remembered(self, left_px: Vectors, valid: Cells, cells: Flow) -> Scores:
+        """Return the lengths (rows, cols) of what ``left_px`` (n, 2) and the last frames leave of the valid cells."""
+        field = np.zeros((*valid.shape, 2), np.float32)
+        field[valid] = left_px
+        mean = self._memory.mean(field, valid, cells.uv_px / np.float32(cells.step_px))
+        return np.hypot(mean[..., 0], mean[..., 1])
 
     def _plane(self, score: Scores, valid: Cells, step_px: int, *, converged: bool = True) -> Plane:
         """Return the plane of these scores (rows, cols), which must be finite where ``valid``."""
         score = np.where(valid, score, 0.0).astype(np.float32)
         limit = threshold(self.rule, score[valid], self.mad_ratio, self.threshold_px)
         obstacle = (score > limit).astype(np.uint8)
+        if self.edge_ratio:
+            obstacle &= score > np.float32(self.edge_ratio) * cv2.dilate(score, _NEXT)
         if self.median_cells > 1:
             obstacle = cv2.medianBlur(obstacle, self.median_cells | 1) & valid
         return Plane(

@@ -9,7 +9,7 @@ import numpy as np
 
 from graphnav import Flow, Plane, coarsen, param
 from graphnav_plane.agreement import Doubles, agrees, length
-from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector, all_ground
+from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector
 
 _METHODS = {
     "usac_magsac": cv2.USAC_MAGSAC,
@@ -61,13 +61,12 @@ class Homography(Detector):
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
         if np.count_nonzero(valid) < LEAST_VECTORS:
-            return all_ground(valid.shape, cells.step_px)
+            return self._unjudged(cells)
         places = _places(valid, cells.step_px)
         targets = places + cells.uv_px[valid]
-        score = np.zeros(valid.shape)
         matrix = self._fitted(places, targets)
-        if matrix is not None:
-            score[valid] = _left(matrix, places, targets)
+        left_px = np.zeros_like(places) if matrix is None else targets - _moved(matrix, places)
+        score = self._remembered(left_px, valid, cells)
         return self._plane(score, valid, cells.step_px)
 
     def _fitted(self, places: Doubles, targets: Doubles) -> Doubles | None:
@@ -78,7 +77,7 @@ class Homography(Detector):
         for _ in range(self.refits):
             if matrix is None:
                 break
-            near = agrees(_left(matrix, places, targets), self.threshold_px)
+            near = agrees(length(targets - _moved(matrix, places)), self.threshold_px)
             if np.count_nonzero(near) < LEAST_VECTORS:
                 break
             matrix = _homography(places[near], targets[near], _LEAST_SQUARES)
@@ -108,11 +107,10 @@ def _homography(
     return np.asarray(matrix * [[1.0, 1.0, _UNIT_PX], [1.0, 1.0, _UNIT_PX], [1 / _UNIT_PX, 1 / _UNIT_PX, 1.0]])
 
 
-def _left(matrix: Doubles, places: Doubles, targets: Doubles) -> Doubles:
-    """Return the distances in px from where ``matrix`` takes ``places`` to their ``targets``, (n,).
+def _moved(matrix: Doubles, places: Doubles) -> Doubles:
+    """Return where ``matrix`` takes ``places``, (n, 2).
 
-    What it takes to the horizon or beyond is held just before it, so that the distance is huge but finite.
+    What it takes to the horizon or beyond is held just before it: huge but finite.
     """
     moved = places @ matrix[:, :2].T + matrix[:, 2]
-    depth = np.maximum(moved[:, 2:], _LEAST_DEPTH_RATIO)
-    return length(moved[:, :2] / depth - targets)
+    return np.asarray(moved[:, :2] / np.maximum(moved[:, 2:], _LEAST_DEPTH_RATIO))

@@ -7,24 +7,30 @@ from typing import Literal
 import numpy as np
 
 from graphnav import Flow, Planar, Plane, param
-from graphnav_plane import closed_form, iterated
-from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground, compared
+from graphnav_plane import closed_form, iterated, robust_contrast
+from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
+from graphnav_plane.iterated import Nonlinearity
 from graphnav_plane.whitening import Doubles, Whitened, whiten
 
 
 class Ica(Detector):
     """Dominant plane by separating two mixtures, the flow u and the planar flow û [OI, eq. 2, 3].
 
-    Each mixture is one row: all horizontal parts, then all vertical ones. FastICA (by deflation, cubic nonlinearity,
-    means restored) finds two independent components. One of them, v, is what an obstacle adds: a combination u - αû
-    in which the ground cancels. With m the median of ``|v|``, the score is ``ε = | |v| - m |``; ground where it is
-    near 0.
+    Each mixture is one row: all horizontal parts, then all vertical ones. FastICA finds two independent components.
+    One of them, v, is what an obstacle adds: a combination u - αû in which the ground cancels. The score is its
+    length: ground where it is near 0.
+
+    [OI] has the cubic nonlinearity, takes the mixtures about their means, and with m the median of ``|v|`` the score
+    ``ε = | |v| - m |``. The first two are at fault where an obstacle is large: it decides the kurtosis and pulls the
+    means. The third gives the stillest ground the score m, and splits it from the rest no better. So they are not the
+    defaults; ``{nonlinearity: cubic, centred: true, about: median}`` is [OI]'s own.
 
     FastICA gives components of unit variance, in which noise looks as large as a wall. So ε is in pixels: the
     component is divided by its greater unmixing coefficient, which makes it u - αû itself. Only so can a threshold
     tell an obstacle from the noise that is all that the component holds on an empty floor.
 
-    Where one mixture says nothing beside the other (at rest, û = 0) nothing can be separated: all ground.
+    Where one mixture says nothing beside the other (at rest û = 0, on a floor without noise u is a multiple of it)
+    nothing can be separated: α is what fits best.
 
     References
     ----------
@@ -37,18 +43,30 @@ class Ica(Detector):
         doc="which component is the obstacle's: the one of higher kurtosis (few large values among many small ones), "
         "or, as [OI] orders them, of high or low variance of its length",
     )
-    solver: Literal["closed_form", "sklearn"] = param(
-        "closed_form", doc="closed_form: exact, without a start; sklearn: its iteration, started from the last frame"
+    nonlinearity: Nonlinearity = param(
+        "gauss", doc="FastICA's: gauss is sure of sparse components; cubic, as [OI], heeds the largest samples most"
+    )
+    centred: bool = param(
+        False,
+        doc="take the mixtures about their means, as [OI]; false: about zero, where the ground alone would be",
+    )
+    about: Literal["zero", "median"] = param(
+        "zero", doc="what |v| must deviate from to count as obstacle; median: as [OI]"
+    )
+    solver: Literal["direct", "sklearn"] = param(
+        "direct",
+        doc="direct: the greatest contrast, without a start; sklearn: its iteration, started from the last frame",
     )
     least_eigenvalue_ratio: float = param(
         1e-9,
         ge=0.0,
         lt=1.0,
-        doc="lesser by greater eigenvalue of the mixtures' covariance up to which they count as one: all ground",
+        doc="lesser by greater eigenvalue of the mixtures' covariance up to which they count as one",
     )
 
     def reset(self, seed: int) -> None:
-        """Draw where the iteration starts in the first frame."""
+        """Draw where the iteration starts in the first frame; forget the last frames."""
+        super().reset(seed)
         self._unmixing: Doubles = np.random.default_rng(seed).standard_normal((2, 2))
 
     def step(self, flow: Flow, planar: Planar) -> Plane:
@@ -61,31 +79,45 @@ class Ica(Detector):
         """
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < LEAST_VECTORS:
-            return all_ground(valid.shape, cells.step_px)
+            return self._unjudged(cells)
         fields = np.stack([cells.uv_px[valid], planar.planar_uv_px[valid]]).astype(np.float64)
         mixtures = fields.transpose(0, 2, 1).reshape(2, -1)
-        score = np.zeros(valid.shape)
-        white = whiten(mixtures, self.least_eigenvalue_ratio)
-        if white is None:
-            return self._plane(score, valid, cells.step_px)
-        rotation, converged = self._rotation(white)
-        self._unmixing = rotation @ white.matrix
-        components = self._unmixing @ mixtures
-        lengths = np.hypot(*components.reshape(2, 2, -1).transpose(1, 0, 2))
-        which = self._which(rotation @ white.samples, lengths)
-        v_px = lengths[which] / np.abs(self._unmixing[which]).max()
-        score[valid] = np.abs(v_px - np.median(v_px))
+        left_px, converged = self._separated(mixtures)
+        score = self._remembered(left_px.reshape(2, -1).T, valid, cells)
+        if self.about == "median":
+            score = np.abs(score - np.median(score[valid]))
         return self._plane(score, valid, cells.step_px, converged=converged)
 
-    def _rotation(self, white: Whitened) -> tuple[Doubles, bool]:
-        if self.solver == "closed_form":
-            return closed_form.rotation(white.samples), True
-        return iterated.rotation(white.samples, self._unmixing @ np.linalg.inv(white.matrix))
+    def _separated(self, mixtures: Doubles) -> tuple[Doubles, bool]:
+        """Return what an obstacle adds to the flow, px, (2n,), and whether the iteration converged."""
+        white = whiten(mixtures, self.least_eigenvalue_ratio, centred=self.centred)
+        if white is None:
+            return _fitted(mixtures), True
+        rotation, converged = self._rotation(white)
+        self._unmixing = rotation @ white.matrix
+        of_flow, of_planar = self._unmixing[self._which(rotation @ white.samples, self._unmixing @ mixtures)]
+        scale = np.copysign(max(abs(of_flow), abs(of_planar)), of_flow)
+        return np.asarray((of_flow / scale) * mixtures[0] + (of_planar / scale) * mixtures[1]), converged
 
-    def _which(self, components: Doubles, lengths: Doubles) -> int:
-        """Return the place of the obstacle's component; ``components`` (2, 2n) are centred, of unit variance."""
+    def _rotation(self, white: Whitened) -> tuple[Doubles, bool]:
+        if self.solver == "sklearn":
+            start = self._unmixing @ np.linalg.inv(white.matrix)
+            return iterated.rotation(white.samples, start, self.nonlinearity)
+        direct = closed_form if self.nonlinearity == "cubic" else robust_contrast
+        return direct.rotation(white.samples), True
+
+    def _which(self, centred: Doubles, components: Doubles) -> int:
+        """Return the place of the obstacle's component of two, (2, 2n); ``centred``: as they were separated."""
         if self.component == "kurtosis":
-            squares = components * components
+            squares = centred * centred
             return int(np.argmax((squares * squares).sum(axis=1)))
-        spread = lengths.var(axis=1)
+        spread = np.hypot(*components.reshape(2, 2, -1).transpose(1, 0, 2)).var(axis=1)
         return int(np.argmax(spread) if self.component == "high_variance" else np.argmin(spread))
+
+
+def _fitted(mixtures: Doubles) -> Doubles:
+    """Return what the multiple of the planar flow that fits best leaves of the flow, (2n,)."""
+    flow, planar = mixtures
+    square = planar @ planar
+    gain = float(flow @ planar / square) if square else 0.0
+    return np.asarray(flow - gain * planar)

@@ -1,12 +1,16 @@
-"""FastICA as published, by scikit-learn: the reference for the closed form."""
+"""FastICA as published, by scikit-learn: the reference for the direct solutions."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from graphnav_plane.whitening import Doubles
+
+Nonlinearity = Literal["gauss", "cubic"]
+
+_FUNCTIONS = {"gauss": "exp", "cubic": "cube"}
 
 ITERATIONS = 1000
 TOLERANCE = 1e-4
@@ -19,8 +23,8 @@ class Rotated(NamedTuple):
     converged: bool
 
 
-def rotation(samples: Doubles, start: Doubles) -> Rotated:
-    """Return what FastICA makes of whitened samples (2, n), by deflation with the cubic nonlinearity.
+def rotation(samples: Doubles, start: Doubles, nonlinearity: Nonlinearity) -> Rotated:
+    """Return what FastICA makes of whitened samples (2, n), by deflation.
 
     ``start``: (2, 2), the rows from which it searches. Tolerance and iterations are those of the package that [OI]
     used.
@@ -30,7 +34,7 @@ def rotation(samples: Doubles, start: Doubles) -> Rotated:
     _, found, _, iterations = fastica(
         samples.T,
         algorithm="deflation",
-        fun="cube",
+        fun=_FUNCTIONS[nonlinearity],
         whiten=False,
         max_iter=ITERATIONS,
         tol=TOLERANCE,

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphnav import Flow, Planar, Plane, Role
-from graphnav_plane.detector import LEAST_VECTORS, Detector, all_ground, compared
+from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
 
 
 class Residual(Detector):
@@ -28,6 +28,6 @@ class Residual(Detector):
         """
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < LEAST_VECTORS:
-            return all_ground(valid.shape, cells.step_px)
-        difference = cells.uv_px - planar.planar_uv_px
-        return self._plane(np.hypot(difference[..., 0], difference[..., 1]), valid, cells.step_px)
+            return self._unjudged(cells)
+        left_px = cells.uv_px[valid] - planar.planar_uv_px[valid]
+        return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)

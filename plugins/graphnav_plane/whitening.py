@@ -11,23 +11,24 @@ Doubles = npt.NDArray[np.float64]
 
 
 class Whitened(NamedTuple):
-    """Two uncorrelated rows of unit variance.
+    """Two uncorrelated rows of unit mean square.
 
-    ``samples``: (2, n), centred. ``matrix``: (2, 2), makes them of the centred mixtures.
+    ``samples``: (2, n). ``matrix``: (2, 2), makes them of the (centred) mixtures.
     """
 
     samples: Doubles
     matrix: Doubles
 
 
-def whiten(mixtures: Doubles, least_ratio: float) -> Whitened | None:
+def whiten(mixtures: Doubles, least_ratio: float, *, centred: bool = True) -> Whitened | None:
     """Return ``mixtures`` (2, n) whitened, None where they are one and the same direction.
 
-    That is where the lesser eigenvalue of their covariance is at most ``least_ratio`` times the greater.
+    That is where the lesser eigenvalue of their covariance is at most ``least_ratio`` times the greater. Unless
+    ``centred`` their second moment about zero stands for the covariance.
     """
-    centred = mixtures - mixtures.mean(axis=1, keepdims=True)
-    values, vectors = np.linalg.eigh(centred @ centred.T / mixtures.shape[1])
+    kept = mixtures - mixtures.mean(axis=1, keepdims=True) if centred else mixtures
+    values, vectors = np.linalg.eigh(kept @ kept.T / mixtures.shape[1])
     if values[0] <= least_ratio * values[1]:
         return None
     matrix = (vectors / np.sqrt(values)).T
-    return Whitened(matrix @ centred, matrix)
+    return Whitened(matrix @ kept, matrix)
