@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 import graphnav
-from graphnav import Flow, Stage, param
+from graphnav import Flow, Role, Stage, param
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, came_from_inside
 
 
@@ -18,7 +18,7 @@ class Truth(Stage):
     nothing is valid there.
     """
 
-    role: ClassVar = "oracle"
+    role: ClassVar[Role] = "oracle"
 
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
 

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Planar, coarsen, param
+from graphnav import Flow, Planar, Role, coarsen, param
 from graphnav_planar.mean import Mean
 from graphnav_planar.robust import NOISE_DOC, NOISE_PX, agreement
 from graphnav_planar.taught import LEAST_VECTORS, check_size, planar, stacked, unknown
@@ -24,7 +24,7 @@ class Gain(Mean):
     there is nothing to fit, and no cell of the planar flow is.
     """
 
-    role: ClassVar = "control"
+    role: ClassVar[Role] = "control"
 
     noise_px: float = param(NOISE_PX, gt=0.0, doc=NOISE_DOC)
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import graphnav
-from graphnav import Planar, Stage, block_sum, param
+from graphnav import Planar, Role, Stage, block_sum, param
 from graphnav_planar.homography import homography, moved, nearness
 
 Doubles = npt.NDArray[np.float64]
@@ -24,7 +24,7 @@ class Truth(Stage):
     flow of the rest. Where too little ground is visible for that, and above its horizon, no cell is valid.
     """
 
-    role: ClassVar = "oracle"
+    role: ClassVar[Role] = "oracle"
 
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
     least_ground_ratio: float = param(
