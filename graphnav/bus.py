@@ -103,6 +103,8 @@ class Bus:
 
     def close(self) -> None:
         """Leave the network; the bus cannot be used any more."""
+        for subscription in self._subscriptions:
+            self._lcm.unsubscribe(subscription)  # else LCM holds on to the handlers, and to all that they reach
         self._subscriptions.clear()
         del self._lcm
 

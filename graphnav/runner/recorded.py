@@ -93,7 +93,9 @@ def run_recorded(
             cleanup.callback(tap.close)
             tap.announce(about_of(graph))
             sinks.append(tap)
-        runner = Runner(graph, stages, Bus("memq://"), sinks)
+        bus = Bus("memq://")
+        cleanup.callback(bus.close)
+        runner = Runner(graph, stages, bus, sinks)
         cleanup.callback(_note_failure, failures, on_failure, runner.close)
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait)
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import shutil
 import subprocess
 import sys
+import weakref
 
 import pytest
 
@@ -174,3 +176,16 @@ def test_a_group_with_a_route_needs_nothing(group: str) -> None:
 def test_what_is_no_multicast_address_is_not_taken_for_a_missing_route(host: str) -> None:
     with pytest.raises(BusError, match=f"'{host}' is no multicast address"):
         require_route(f"udpm://{host}:7667")
+
+
+def test_a_closed_bus_lets_go_of_its_handlers() -> None:
+    class Heard:
+        def take(self, channel: str, data: bytes) -> None: ...
+
+    bus, heard = Bus("memq://"), Heard()
+    bus.subscribe("a", heard.take)
+    kept = weakref.ref(heard)
+    bus.close()
+    del heard
+    gc.collect()
+    assert kept() is None
