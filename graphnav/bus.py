@@ -6,6 +6,7 @@ import ipaddress
 import re
 import socket
 from collections.abc import Callable
+from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from graphnav.errors import BusError
@@ -45,7 +46,7 @@ class Bus:
             self._lcm = lcm.LCM(self.url)
         except RuntimeError as error:
             raise BusError(f"LCM does not open {self.url}") from error
-        self._subscriptions: list[object] = []
+        self._subscriptions: list[Any] = []
         self._is_counted = self.url.startswith("memq:")
         self._channels: set[str] = set()
         self._hears_all = False
