@@ -17,9 +17,9 @@ _METHODS = {
     "ransac": cv2.RANSAC,
     "lmeds": cv2.LMEDS,
 }
-_LEAST_SQUARES = 0
 _CONFIDENCE_RATIO = 0.99
 _LEAST_DEPTH_RATIO = 1e-6
+_RIDGE = 1e-12
 
 _UNIT_PX = 0.01
 """The unit in which OpenCV is asked. Its MAGSAC takes noise to be anything up to ten units: in whole pixels, which is
@@ -36,8 +36,6 @@ class Homography(Detector):
     OpenCV draws a first homography, which is then fitted by least squares to all that agrees with it, again and again,
     as `plane.affine` is. Where noise is as large as on real flow it then hardly matters what drew the first. OpenCV
     draws from generators that begin anew with every call: nothing here depends on a seed or on what ran before.
-
-    Where no homography can be fitted (all vectors on one line) nothing is obstacle.
 
     References
     ----------
@@ -65,23 +63,56 @@ class Homography(Detector):
         places = _places(valid, cells.step_px)
         targets = places + cells.uv_px[valid]
         matrix = self._fitted(places, targets)
-        left_px = np.zeros_like(places) if matrix is None else targets - _moved(matrix, places)
-        score = self._remembered(left_px, valid, cells)
+        score = self._remembered(targets - _moved(matrix, places), valid, cells)
         return self._plane(score, valid, cells.step_px)
 
-    def _fitted(self, places: Doubles, targets: Doubles) -> Doubles | None:
-        """Return the homography (3, 3) that takes most of ``places`` (n, 2) to their ``targets``, None without one."""
-        matrix = _homography(places, targets, _METHODS[self.method], self.reprojection_px, self.draws)
-        if matrix is None:
-            matrix = _homography(places, targets, _LEAST_SQUARES)
+    def _fitted(self, places: Doubles, targets: Doubles) -> Doubles:
+        """Return the homography (3, 3) that takes most of ``places`` (n, 2) to their ``targets``."""
+        matrix = self._drawn(places, targets)
         for _ in range(self.refits):
-            if matrix is None:
-                break
             near = agrees(length(targets - _moved(matrix, places)), self.threshold_px)
-            if np.count_nonzero(near) < LEAST_VECTORS:
-                break
-            matrix = _homography(places[near], targets[near], _LEAST_SQUARES)
+            matrix = least_squares(places[near], targets[near])
         return matrix
+
+    def _drawn(self, places: Doubles, targets: Doubles) -> Doubles:
+        """Return the homography that most agree with, the one nearest to all of them if OpenCV finds none."""
+        matrix, _ = cv2.findHomography(
+            places / _UNIT_PX,
+            targets / _UNIT_PX,
+            _METHODS[self.method],
+            self.reprojection_px / _UNIT_PX,
+            maxIters=self.draws,
+            confidence=_CONFIDENCE_RATIO,
+        )
+        if matrix is None or not np.isfinite(matrix).all():
+            return least_squares(places, targets)
+        return np.asarray(matrix * [[1.0, 1.0, _UNIT_PX], [1.0, 1.0, _UNIT_PX], [1 / _UNIT_PX, 1 / _UNIT_PX, 1.0]])
+
+
+def least_squares(places: Doubles, targets: Doubles) -> Doubles:
+    """Return the homography (3, 3) that takes ``places`` (n, 2) nearest to ``targets``, by the linear equations.
+
+    Solved for what it adds to standing still, with a little ridge: finite also where all places lie on one line. The
+    equations weigh a vector by its depth, which is nearly 1 where the motion between frames is small.
+    """
+    scale = max(1.0, float(np.abs(places).max()))
+    x, y = places.T / scale
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    equations = [
+        np.stack([*(columns), -target * x, -target * y])
+        for columns, target in (
+            ((x, y, one, zero, zero, zero), targets[:, 0] / scale),
+            ((zero, zero, zero, x, y, one), targets[:, 1] / scale),
+        )
+    ]
+    moved = (targets - places).T / scale
+    products = sum(rows @ rows.T for rows in equations)
+    added = np.linalg.solve(
+        products + _RIDGE * len(places) * np.eye(8),
+        sum(rows @ by for rows, by in zip(equations, moved, strict=True)),
+    )
+    matrix = np.eye(3) + np.append(added, 0.0).reshape(3, 3)
+    return np.asarray(matrix * [[1.0, 1.0, scale], [1.0, 1.0, scale], [1 / scale, 1 / scale, 1.0]])
 
 
 def _places(valid: Cells, step_px: int) -> Doubles:
@@ -89,22 +120,6 @@ def _places(valid: Cells, step_px: int) -> Doubles:
     rows, cols = np.nonzero(valid)
     height, width = valid.shape
     return step_px * np.column_stack([cols - (width - 1) / 2, rows - (height - 1) / 2])
-
-
-def _homography(
-    places: Doubles, targets: Doubles, method: int, reprojection_px: float = 0.0, draws: int = 1
-) -> Doubles | None:
-    matrix, _ = cv2.findHomography(
-        places / _UNIT_PX,
-        targets / _UNIT_PX,
-        method,
-        reprojection_px / _UNIT_PX,
-        maxIters=draws,
-        confidence=_CONFIDENCE_RATIO,
-    )
-    if matrix is None or not np.isfinite(matrix).all():
-        return None
-    return np.asarray(matrix * [[1.0, 1.0, _UNIT_PX], [1.0, 1.0, _UNIT_PX], [1 / _UNIT_PX, 1 / _UNIT_PX, 1.0]])
 
 
 def _moved(matrix: Doubles, places: Doubles) -> Doubles:

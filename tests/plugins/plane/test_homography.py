@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 from graphnav_plane.affine import Affine
-from graphnav_plane.homography import Homography
+from graphnav_plane.homography import Homography, least_squares
 
 from graphnav import Flow, Plane
 
@@ -91,3 +91,26 @@ def test_a_flow_in_which_nothing_agrees_is_still_judged(scenes: Scenes) -> None:
     plane = seen(Homography(), wild)
     assert plane.not_finite() is None
     assert plane.valid.all()
+
+
+@pytest.mark.parametrize("noise_px", [0.0, 0.1])
+def test_least_squares_is_opencvs(noise_px: float) -> None:
+    rng = np.random.default_rng(1)
+    places = rng.uniform(-80, 80, (500, 2))
+    moved = (
+        np.column_stack([places, np.ones(500)]) @ np.array([[1.01, 0.02, 0.3], [-0.02, 1.02, 2.0], [1e-5, 1e-4, 1]]).T
+    )
+    targets = moved[:, :2] / moved[:, 2:] + rng.normal(0, noise_px, (500, 2))
+    ours = least_squares(places, targets)
+    reference, _ = cv2.findHomography(places, targets, 0)
+    for corner in ([-80, -60, 1], [80, -60, 1], [80, 60, 1], [0, 0, 1]):
+        one, other = ours @ corner, reference @ corner
+        # OpenCV minimizes distances, not equations: they differ by a tenth of what noise leaves to chance
+        assert one[:2] / one[2] == pytest.approx(other[:2] / other[2], abs=1e-6 + 0.02 * noise_px)
+
+
+def test_least_squares_of_places_on_a_line_takes_them_where_they_go() -> None:
+    places = np.column_stack([np.linspace(-50, 50, 6), np.zeros(6)])
+    targets = places + np.array([0.5, 1.0])
+    moved = np.column_stack([places, np.ones(6)]) @ least_squares(places, targets).T
+    assert moved[:, :2] / moved[:, 2:] == pytest.approx(targets, abs=1e-3)
