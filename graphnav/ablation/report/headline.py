@@ -10,21 +10,22 @@ from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.material import Material
 from graphnav.ablation.report.numbers import counted, estimated, means_text
 from graphnav.ablation.report.verdict import Verdict, verdict_of
+from graphnav.stage import Role
 
 Found = Mapping[tuple[str, str], tuple[Verdict, Row]]
-"""What the worlds say of each method that is not the base, by variant and graph."""
+"""What the worlds say, by variant and graph."""
 
 _MOST_NAMES = 3
 
 
-def verdicts(material: Material, figure: str) -> Found:
-    """Return what a figure says of every method with runs of its own."""
+def verdicts(material: Material, figure: str, role: Role = "method") -> Found:
+    """Return what a figure says of everything of a role that has runs of its own, but the base."""
     better = material.plan.better(figure)
     return {
         (row.case.variant, graph): (verdict_of(row, figure, better), row)
         for graph in material.plan.graphs
         for row in material.own_rows(graph)
-        if row.case.role == "method" and not row.case.is_base
+        if row.case.role == role and not row.case.is_base
     }
 
 

@@ -12,7 +12,7 @@ BASE = "#1f5fa8"
 METHODS = (
     "#d1495b", "#2a9d8f", "#e08e00", "#7b4fa3", "#4f9ddb", "#8c5a2b", "#d36ba6", "#6b8e23", "#00707f", "#b0413e",
 )  # fmt: skip
-CONTROLS = ("#868e99", "#b1b7c0")
+CONTROLS = ("#868e99", "#b1b7c0", "#5d6875")
 ORACLES = ("#15191f", "#565d68")
 OUTCOMES = ("goal", "end", "timeout", "contact", "failed", "stopped")
 """In the order in which bars show them; each has a class in the style sheet."""

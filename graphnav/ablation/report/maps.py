@@ -18,7 +18,7 @@ from graphnav.report.pictures import DRAWING_FAMILY
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
-_MOST_PATHS = {"method": 8, "control": 2, "oracle": 2}
+_MOST_PATHS = {"method": 8, "control": 3, "oracle": 2}
 _MOST_PX = 520
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from graphnav.ablation.digits import MOST_DECIMALS, decimals
 
+_MOST_PLACES = 7
 MINUS = "\N{MINUS SIGN}"
 
 
@@ -19,6 +20,8 @@ def number(value: float, places: int) -> str:
 def estimated(mean: float, low: float, high: float, *, signed: bool = False) -> str:
     """Return ``0.94 [0.84, 0.98]``; without an interval the mean alone."""
     places = decimals(mean, low, high)
+    while low * high > 0 and places < _MOST_PLACES and float(f"{mean:.{places}f}") == 0:
+        places += 1  # a clear difference is not told as none
     sign = "+" if signed and float(f"{mean:.{places}f}") > 0 else ""
     text = sign + number(mean, places)
     if not (math.isfinite(low) and math.isfinite(high)):

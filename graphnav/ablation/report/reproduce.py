@@ -16,7 +16,8 @@ two are equal: it says how far apart they may be.
 
 Of {n} comparisons with the base, about {chance} leave out 0 by chance alone.
 
-Controls must do badly and oracles well; where one does not, doubt the worlds or the score before the methods."""
+A control lacks what a method claims to need: where a method does not beat it, that is not needed there, or the worlds
+test nothing. An oracle sees the truth: it bounds what methods can reach."""
 
 
 def reproduce(material: Material) -> Html:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.ablation.comparison import Row
 from graphnav.ablation.report.forest import absence
-from graphnav.ablation.report.headline import Found, name
+from graphnav.ablation.report.headline import Found, name, verdicts
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.material import Material
 from graphnav.ablation.report.numbers import counted, estimated, means_text
@@ -32,10 +32,25 @@ def sides(material: Material, figure: str, found: Found) -> Html:
         entries = list(_entries(material, figure, found, verdict, is_brief=is_brief))
         if not entries and verdict == "unknown":
             continue
-        more = f" and {len(entries) - _MOST_NAMED} more" if len(entries) > _MOST_NAMED else ""
-        said = "; ".join(entries[:_MOST_NAMED]) + more if entries else tag("span", "none", class_="quiet")
+        said = _some(entries) if entries else tag("span", "none", class_="quiet")
         rows.append(tag("dt", tag("span", class_=f"sign {verdict}"), esc(title)) + tag("dd", said))
-    return tag("dl", *rows, class_="sides") if found else ""
+    rows = [*rows, *_unbeaten(material, figure)] if found else list(_unbeaten(material, figure))
+    return tag("dl", *rows, class_="sides") if rows else ""
+
+
+def _unbeaten(material: Material, figure: str) -> Iterator[Html]:
+    """Yield the controls that the base does not clearly beat: what they lack may not be needed."""
+    found = verdicts(material, figure, "control")
+    kept: Found = {key: ("unclear", row) for key, (verdict, row) in found.items() if verdict in {"better", "unclear"}}
+    entries = list(_entries(material, figure, kept, "unclear", is_brief=len(kept) > _MOST_INTERVALS))
+    if entries:
+        title = tag("dt", tag("span", class_="sign control"), "Controls that the base does not beat")
+        yield title + tag("dd", _some(entries))
+
+
+def _some(entries: Sequence[Html]) -> Html:
+    more = f" and {len(entries) - _MOST_NAMED} more" if len(entries) > _MOST_NAMED else ""
+    return "; ".join(entries[:_MOST_NAMED]) + more
 
 
 def _entries(material: Material, figure: str, found: Found, verdict: Verdict, *, is_brief: bool) -> Iterator[Html]:

@@ -56,6 +56,13 @@ def test_many_graphs_and_methods_are_told_in_short(tmp_path: Path) -> None:
     assert "Worse than the base bad −0.80 For scale" in text
 
 
+def test_a_control_that_is_as_good_as_the_base_is_on_the_first_screen(tmp_path: Path) -> None:
+    plan = plan_of(ROLES)
+    text = page(plan, records_of(plan, {**SHARES, "prior": 0.9}), tmp_path).text
+    assert "Controls that the base does not beat prior 0.00 [" in text
+    assert "base does not beat" not in page(plan, records_of(plan, SHARES), tmp_path).text
+
+
 def test_one_rival_gets_a_sentence(tmp_path: Path) -> None:
     plan = plan_of({"ica": "method", "affine": "method"})
     text = page(plan, records_of(plan, SHARES), tmp_path).text
