@@ -26,7 +26,7 @@ class Detector(Stage):
     )
     mad_ratio: float = param(4.0, gt=0.0, doc="rule mad: more calls fewer cells obstacle")
     threshold_px: float = param(
-        0.1,
+        0.08,
         ge=0.0,
         doc="rule fixed: the threshold. Else the threshold never falls below it: it should be what flow noise reaches "
         "on a free floor, where every relative rule finds obstacles in the noise",
