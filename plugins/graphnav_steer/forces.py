@@ -16,7 +16,7 @@ Guiding = Literal["forward", "goal", "flow"]
 
 GUIDING_DOC = (
     "where w points: straight ahead, to the goal's beacon (straight ahead while none is heard), or against the mean "
-    "planar flow, which is where the robot drives now (straight ahead while it stands)"
+    "planar flow, which turns where the robot turns now (straight ahead while it stands)"
 )
 LEAST_FORCE = 0.05
 """A control force shorter than this (the guiding force has length 1) has no direction."""
@@ -30,6 +30,13 @@ class Forces(Stage):
     guiding: Guiding = param("goal", doc=GUIDING_DOC)
     goal_weight: float = param(
         1.0, ge=0.0, le=1.0, doc="how far w turns from straight ahead to the beacon; 1 points at it"
+    )
+    flow_weight: float = param(
+        0.5,
+        ge=0.0,
+        le=1.0,
+        doc="how far w turns from straight ahead against the mean planar flow; 1 points against it, which keeps a turn "
+        "going and a robot that turns on the spot turning",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
@@ -49,7 +56,7 @@ class Forces(Stage):
             return toward(self.goal_weight * goal.bearing_rad)
         if self.guiding == "flow":
             if planar is not None:
-                return _against(planar)
+                return toward(self.flow_weight * angle_rad(_against(planar)))
             # In the first step the planar flow may be a stage behind.
             if not self._awaits_planar:
                 raise ValueError(
@@ -87,10 +94,9 @@ class Forces(Stage):
 
 
 def _against(planar: Planar) -> Doubles:
-    """Return the unit vector (right, forward) against the mean planar flow, forward where there is none."""
+    """Return a vector (right, forward) against the mean planar flow, forward where there is none."""
     vectors = planar.planar_uv_px[planar.planar_valid != 0]
     if not len(vectors):
         return AHEAD
     force = -upright(vectors.mean(axis=0, dtype=np.float64))
-    length = float(np.hypot(*force))
-    return force / length if length >= LEAST_FLOW_PX else AHEAD
+    return force if np.hypot(*force) >= LEAST_FLOW_PX else AHEAD

@@ -78,7 +78,7 @@ def test_the_beacon_is_the_default_of_all_but_the_paper_s_own(cls: type[Forces])
 
 @every_stage
 def test_planar_flow_guides_to_where_the_robot_drives(make_plane: MakePlane, cls: type[Forces]) -> None:
-    stage = make(cls, guiding="flow")
+    stage = make(cls, guiding="flow", flow_weight=1.0)
     seen = free(make_plane, stage)
     assert steer(stage, seen, flow=planar((0.0, 4.0), (0.0, 2.0))).theta_rad == pytest.approx(0.0)
     # In a turn to the left the floor moves to the right.
@@ -86,6 +86,8 @@ def test_planar_flow_guides_to_where_the_robot_drives(make_plane: MakePlane, cls
     assert turning.theta_rad == pytest.approx(math.pi / 4)
     assert np.hypot(*turning.guiding) == pytest.approx(1.0)
     assert steer(stage, seen, flow=planar((-3.0, 3.0))).theta_rad == pytest.approx(-math.pi / 4)
+    halfway = make(cls, guiding="flow", flow_weight=0.5)
+    assert steer(halfway, seen, flow=planar((-3.0, 3.0))).theta_rad == pytest.approx(-math.pi / 8)
 
 
 @every_stage
