@@ -23,9 +23,9 @@ class Ica(Detector):
     [OI] has the cubic nonlinearity, takes the mixtures about their means, and with m the median of ``|v|`` the score
     ``ε = | |v| - m |``. The first two are at fault where an obstacle is large: it decides the kurtosis and pulls the
     means. The third gives the stillest ground the score m, and splits it from the rest no better. So they are not the
-    defaults; ``{nonlinearity: cubic, centred: true, about: median}`` is [OI]'s own.
+    defaults; ``{nonlinearity: cubic, centred: true, about: median, edge_ratio: 0, memory_ratio: 0}`` is [OI]'s own.
 
-    FastICA gives components of unit variance, in which noise looks as large as a wall. So ε is in pixels: the
+    FastICA gives components of unit variance, in which noise looks as large as a wall. So the score is in pixels: the
     component is divided by its greater unmixing coefficient, which makes it u - αû itself. Only so can a threshold
     tell an obstacle from the noise that is all that the component holds on an empty floor.
 
