@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 
+from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
 
 ITEMS = {
+    "controls": controls_item,
+    "targets": targets_item,
     "drives": drives_item,
     "sign": sign_item,
     "sees": sees_item,

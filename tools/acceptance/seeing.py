@@ -18,7 +18,7 @@ from graphnav.runner.recorded import run_recorded
 
 Scores = dict[str, Plane]
 
-DETECTORS = ("ica", "affine", "residual")
+DETECTORS = ("ica", "affine", "homography", "residual")
 FIGURES = (
     "auroc",
     "iou_ratio",
