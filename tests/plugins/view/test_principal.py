@@ -20,7 +20,7 @@ def test_v1_agrees_with_the_repulsive_force(about: Literal["centroid", "zero"], 
     build: type[Any] = Pca
     steer = build(about=about, isotropic_ratio=1.0)
     steer.reset(0)
-    steering, potential = steer.step(plane, Latest())
+    steering, potential = steer.step(plane, Latest(), Latest())
     cloud = -potential.gradient.reshape(-1, 2).astype(np.float64) * np.array([1.0, -1.0])
     v1 = principal(cloud, steering.eigenvalues).direction
     assert v1 == pytest.approx(steering.repulsive / np.hypot(*steering.repulsive), abs=1e-4)
