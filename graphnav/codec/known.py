@@ -14,11 +14,15 @@ from graphnav.messages import Message
 
 
 def message_classes() -> Iterator[type[Message]]:
-    """Yield every message class that has been imported, those that ship first."""
+    """Yield every message class that has been imported, those that ship first.
+
+    A class whose declaration was refused is still among Python's subclasses for a while; it has no LCM type.
+    """
     waiting: list[type[Message]] = Message.__subclasses__()
     while waiting:
         found = waiting.pop(0)
-        yield found
+        if hasattr(found, "lcm_class"):
+            yield found
         waiting += found.__subclasses__()
 
 
