@@ -13,7 +13,7 @@ from graphnav_view.outcome import outcome_text
 from graphnav_view.page import Panel, draw_page
 from graphnav_view.scene import Scene, draw_scene
 from graphnav_view.signals import Signals
-from graphnav_view.telling import Frame, frame_at, theta_text
+from graphnav_view.telling import Frame, frame_at, frame_texts
 from graphnav_view.track import Track, track_of
 from graphnav_view.whole import draw_whole
 
@@ -58,12 +58,7 @@ def _last_utime(signals: Signals) -> int | None:
 def _headline(signals: Signals, track: Track | None, frame: Frame) -> str:
     words = [] if track is None else [outcome_text(signals.graph, track.last, float(track.time_s[-1]))]
     words += [] if signals.seed is None else [f"seed {signals.seed}"]
-    words.append(f"frame at {frame.utime / 1e6:.2f} s")
-    if frame.plane is not None:
-        words.append(f"obstacle {frame.plane.obstacle_ratio:.0%}")
-    if frame.steering is not None:
-        words.append(f"θ = {theta_text(frame.steering.theta_rad)}")
-    return " · ".join(words)
+    return " · ".join([*words, f"frame at {frame.utime / 1e6:.2f} s", *frame_texts(frame)])
 
 
 def _panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:

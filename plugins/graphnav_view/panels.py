@@ -11,7 +11,7 @@ from graphnav_view import fields, forces, ink, sights
 from graphnav_view.page import Panel, draw_page
 from graphnav_view.scene import Scene, draw_scene
 from graphnav_view.signals import Signals
-from graphnav_view.telling import Frame, frame_at, telling_utime, theta_text
+from graphnav_view.telling import Frame, frame_at, frame_texts, telling_utime
 from graphnav_view.track import track_of
 
 
@@ -32,12 +32,7 @@ def draw_panels(signals: Signals, path: Path) -> Path | None:
 
 
 def _headline(frame: Frame) -> str:
-    words = [f"Frame at {frame.utime / 1e6:.2f} s"]
-    if frame.plane is not None:
-        words.append(f"obstacle {frame.plane.obstacle_ratio:.0%}")
-    if frame.steering is not None:
-        words.append(f"θ = {theta_text(frame.steering.theta_rad)}")
-    return " · ".join(words)
+    return " · ".join([f"Frame at {frame.utime / 1e6:.2f} s", *frame_texts(frame)])
 
 
 def _panels(signals: Signals, frame: Frame) -> Iterator[Panel]:

@@ -108,6 +108,12 @@ def frame_at(signals: Signals, utime: int) -> Frame:
     )
 
 
+def frame_texts(frame: Frame) -> list[str]:
+    """Return what was judged in a frame, for its headline: the share of obstacle and the steering angle."""
+    words = [] if frame.plane is None else [f"obstacle {frame.plane.obstacle_ratio:.0%}"]
+    return words if frame.steering is None else [*words, f"θ = {theta_text(frame.steering.theta_rad)}"]
+
+
 def theta_text(theta_rad: float) -> str:
     """Return a steering angle as people read it: degrees and the side."""
     degrees = round(math.degrees(theta_rad))
