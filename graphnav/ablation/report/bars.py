@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from graphnav.ablation.report.axis import x_axis
 from graphnav.ablation.report.html import Html, esc, tag
-from graphnav.ablation.report.numbers import number
 from graphnav.ablation.report.scale import scale_of
 
 _WIDTH, _LEFT, _RIGHT, _ROW, _BOTTOM = 1128.0, 300.0, 70.0, 24.0, 40.0
@@ -17,14 +17,7 @@ def stacked_bars(rows: Mapping[str, Mapping[str, float]], colours: Mapping[str, 
     totals = {label: sum(parts.values()) for label, parts in rows.items()}
     scale = scale_of([0.0, *totals.values()]).between(_LEFT, _WIDTH - _RIGHT)
     bottom = _ROW * len(rows) + 4
-    parts = []
-    for tick in scale.ticks:
-        x = scale.at(tick)
-        parts.append(f'<path class="grid" d="M{x:.1f},0V{bottom:.1f}"/>')
-        text = number(tick, scale.decimals)
-        parts.append(tag("text", text, x=f"{x:.1f}", y=f"{bottom + 15:.1f}", class_="tick"))
-    middle = f"{(scale.start + scale.stop) / 2:.1f}"
-    parts.append(tag("text", esc(x_label), x=middle, y=f"{bottom + 33:.1f}", class_="axis"))
+    parts = x_axis(scale, 0.0, bottom, x_label)
     for place, (label, of) in enumerate(rows.items()):
         parts.append(_bar(label, of, colours, scale.at, place * _ROW + _ROW / 2 + 2))
         total = tag("text", f"{totals[label]:.1f}", x=f"{_WIDTH - 4:.1f}", y=f"{place * _ROW + 18:.1f}", class_="value")

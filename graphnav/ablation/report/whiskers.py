@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from graphnav.ablation.digits import decimals
+from graphnav.ablation.report.axis import x_axis
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.numbers import number
 from graphnav.ablation.report.scale import Scale, scale_of
@@ -78,13 +79,7 @@ def _labels(labels: Mapping[str, str], left: float, row: float) -> Html:
 def _panel(panel: Panel, labels: Sequence[str], scale: Scale, row: float, x_label: str) -> Html:
     bottom = _TOP + row * len(labels)
     parts = [tag("text", esc(panel.title), x=f"{scale.start:.1f}", y=14, class_="head")]
-    for tick in scale.ticks:
-        x = scale.at(tick)
-        parts.append(f'<path class="grid" d="M{x:.1f},{_TOP - 6:.1f}V{bottom:.1f}"/>')
-        text = number(tick, scale.decimals)
-        parts.append(tag("text", text, x=f"{x:.1f}", y=f"{bottom + 15:.1f}", class_="tick"))
-    middle = f"{(scale.start + scale.stop) / 2:.1f}"
-    parts.append(tag("text", esc(x_label), x=middle, y=f"{bottom + 32:.1f}", class_="axis"))
+    parts += x_axis(scale, _TOP - 6, bottom, x_label)
     if panel.reference is not None and math.isfinite(panel.reference):
         parts.append(f'<path class="reference" d="M{scale.at(panel.reference):.1f},{_TOP - 6:.1f}V{bottom:.1f}"/>')
     for place, label in enumerate(labels):
