@@ -57,7 +57,8 @@ def study_of_command(
     new = {target for text in sets for target in targets_of(text)}
     kept = [text for text in base.sets if not new.issuperset(targets_of(text))]
     places = {text: Place(f"--set {text}") for text in sets} | {text: Place("--figures") for text in given}
-    about = base.about or f"What do {_listed(axis.name for axis in axes)} change on {_listed(base.graphs)}?"
+    do = "does" if len(axes) == 1 else "do"
+    about = base.about or f"What {do} {_listed(axis.name for axis in axes)} change on {_listed(base.graphs)}?"
     return replace(
         base,
         about=about,

@@ -47,6 +47,11 @@ def choices_of(made: Study, axis: str) -> tuple[Choice, ...]:
     return next(a.choices for a in made.axes if a.name == axis)
 
 
+def test_one_axis_is_asked_about_as_one() -> None:
+    made = study_of_command(["corridor_ccw"], varies=["plane=plane.ica,plane.affine"], seeds="0:2")
+    assert made.about == "What does plane change on corridor_ccw?"
+
+
 def test_a_study_of_graphs() -> None:
     made = study_of_command(
         ["corridor_ccw", "pillars"],
