@@ -134,9 +134,9 @@ def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Cons
     from graphnav.cli.study_run import draw_worst, make_missing, workers_of  # noqa: PLC0415
 
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
-        folder.begin(plan)
-        tasks = Tasks(plan, catalog)
         try:
+            folder.begin(plan)
+            tasks = Tasks(plan, catalog)
             with workers_of(args.cluster, args.jobs, folder) as workers:
                 if not make_missing(plan, tasks, folder, workers, console, is_sure=args.yes):
                     return OK

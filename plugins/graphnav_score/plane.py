@@ -23,7 +23,8 @@ class Plane(Stage):
 
     Compares at the truth's pixels: every cell speaks for all of its pixels, only cells that the detector judged count,
     and the pixels of all frames are pooled. A frame counts if between ``min_obstacle_ratio`` and ``max_obstacle_ratio``
-    of its true picture is obstacle: beyond one half the ground is not the dominant plane. Its figures:
+    of its true picture is obstacle: beyond one half the ground is not the dominant plane; and if something in it moved
+    by ``least_motion_px``: where the camera stands still there is no flow, and no detector can tell. Its figures:
 
     - ``frames``: how many counted, ``judged_ratio``: share of their pixels that was judged.
     - ``auroc``: of the score, and ``recall_at_5_false_alarms_ratio``: share of obstacle found where the score is split
@@ -40,6 +41,10 @@ class Plane(Stage):
 
     min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="least true share of obstacle in a frame that counts")
     max_obstacle_ratio: float = param(0.5, ge=0.0, le=1.0, doc="greatest true share of obstacle in a frame that counts")
+
+    least_motion_px: float = param(
+        0.1, ge=0.0, doc="true flow, right or down, that somewhere in the picture makes a frame count; 0 counts all"
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget everything counted."""
@@ -65,14 +70,14 @@ class Plane(Stage):
         self._watch_flicker(judged, called, obstacle > ground)
         pixels = int(obstacle.sum() + ground.sum())
         obstacle_ratio = int(obstacle.sum()) / max(pixels, 1)
-        if obstacle_ratio == 0.0:
-            self._empty += _split(ground, judged, called)
-        if not self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio:
-            return
-        self._frames += 1
-        self._pixels += pixels
-        self._roc.add(plane.score[judged], obstacle[judged], ground[judged])
-        self._confusion += [_split(ground, judged, called), _split(obstacle, judged, called)]
+        of_ground, of_obstacle = _split(ground, judged, called), _split(obstacle, judged, called)
+        if self._counts(truth, obstacle_ratio):
+            self._frames += 1
+            self._pixels += pixels
+            self._roc.add(plane.score[judged], obstacle[judged], ground[judged])
+            self._confusion += [of_ground, of_obstacle]
+        elif obstacle_ratio == 0.0:
+            self._empty += of_ground
 
     def merge(self, other: Plane) -> None:
         """Add what ``other`` counted, so that the frames of several drives are pooled."""
@@ -88,18 +93,20 @@ class Plane(Stage):
         """Return the figures that are defined."""
         (kept, false), (missed, hit) = self._confusion.tolist()
         ground_recall, recall = _share(kept, kept + false), _share(hit, hit + missed)
-        # A frame without obstacle that counts (min_obstacle_ratio 0) must not count twice.
-        empty = self._empty if self.min_obstacle_ratio > 0 else np.zeros(2, np.int64)
         figures = {
             "judged_ratio": _share(int(self._confusion.sum()), self._pixels),
             "auroc": self._roc.area(),
             "recall_at_5_false_alarms_ratio": self._roc.recall(FALSE_ALARM_RATIO),
             "balanced_accuracy_ratio": _mean(ground_recall, recall),
             "iou_ratio": _share(hit, hit + missed + false),
-            "false_obstacle_ratio": _share(false + int(empty[1]), kept + false + int(empty.sum())),
+            "false_obstacle_ratio": _share(false + int(self._empty[1]), kept + false + int(self._empty.sum())),
             "flicker_ratio": _share(self._changed, self._changed + self._kept),
         }
         return {"frames": float(self._frames)} | {name: value for name, value in figures.items() if value is not None}
+
+    def _counts(self, truth: Truth, obstacle_ratio: float) -> bool:
+        moved_px = float(np.abs(truth.flow_px).max(initial=0.0))
+        return self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio and moved_px >= self.least_motion_px
 
     def _watch_flicker(self, judged: Cells, called: Cells, true: Cells) -> None:
         if self._last is not None and self._last[0].shape == judged.shape:

@@ -18,7 +18,7 @@ MakePlane = Callable[..., Plane]
 def make_truth() -> MakeTruth:
     """Return what makes a truth of an obstacle mask (rows, cols) and a constant flow."""
 
-    def make(obstacle: npt.ArrayLike, uv_px: tuple[float, float] = (0.0, 0.0)) -> Truth:
+    def make(obstacle: npt.ArrayLike, uv_px: tuple[float, float] = (1.0, 0.0)) -> Truth:
         mask = np.asarray(obstacle, np.uint8)
         return Truth(
             obstacle=mask,

@@ -42,12 +42,12 @@ def test_error_is_pooled_over_valid_vectors(make_truth: MakeTruth) -> None:
 
 def test_outliers_are_what_is_off_by_more(make_truth: MakeTruth) -> None:
     stage = score_of(outlier_px=2.0)
-    stage.step(flow(np.array([[1.0, 2.0, 2.5, 9.0]])), make_truth(np.zeros((1, 4))))
+    stage.step(flow(np.array([[1.0, 2.0, 2.5, 9.0]])), make_truth(np.zeros((1, 4)), (0.0, 0.0)))
     assert stage.summary()["outlier_ratio"] == 0.5
 
 
 def test_coarse_flow_is_compared_with_the_mean_of_its_cells(make_truth: MakeTruth) -> None:
-    truth = make_truth(np.zeros((4, 4)))
+    truth = make_truth(np.zeros((4, 4)), (0.0, 0.0))
     truth.flow_px[:, ::2, 0] = 2.0
     stage = score_of()
     stage.step(flow(np.ones((2, 2)), step_px=2), truth)

@@ -97,6 +97,17 @@ def test_frames_count_by_their_true_share(
     assert stage.summary()["frames"] == counts
 
 
+@pytest.mark.parametrize(("uv_px", "counts"), [((0.0, 0.0), False), ((0.0, -0.09), False), ((0.0, -0.11), True)])
+def test_frames_in_which_nothing_moves_do_not_count(
+    make_plane: MakePlane, make_truth: MakeTruth, uv_px: tuple[float, float], counts: bool
+) -> None:
+    true = np.zeros((20, 10))
+    true[:5] = 1
+    stage = score_of()
+    stage.step(make_plane(true), make_truth(true, uv_px))
+    assert stage.summary()["frames"] == counts
+
+
 def test_frames_without_obstacle_count_for_false_obstacle(make_plane: MakePlane, make_truth: MakeTruth) -> None:
     stage = score_of()
     score = np.zeros((10, 10))
