@@ -12,11 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from acceptance.drives import GRAPHNAV, say, wilson
+from graphnav.ablation.statistics import bootstrap
 
 Run = dict[str, str]
 
 STUDIES = Path("ablations")
-DRAWS = 10_000
 CORRIDORS = ("corridor_ccw", "corridor_cw")
 DRIVES = (*CORRIDORS, "pillars")
 
@@ -105,8 +105,7 @@ def _bounded(what: str, values: npt.NDArray[np.float64], bound: npt.NDArray[np.f
     difference = values[both] - bound[both]
     if not len(difference):
         return _said(bool(len(difference)), f"{what}: no world has the figure")
-    drawn = np.random.default_rng(0).integers(0, len(difference), (DRAWS, len(difference)))
-    low, high = np.quantile(difference[drawn].mean(axis=1), [0.025, 0.975])
+    low, high = bootstrap(difference)
     return _said(low <= 0.0, f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]")
 
 
