@@ -40,7 +40,7 @@ def only_in_one(pairing: Pairing) -> Iterator[str]:
     for row in pairing.rows:
         for side, seeds in (("A", row.only_a), ("B", row.only_b)):
             if seeds:
-                yield f"{row.graph}, {row.name}: only {side} has the seeds {seeds_text(seeds)}"
+                yield f"{row.graph}, {row.variant}: only {side} has the seeds {seeds_text(seeds)}"
 
 
 def different_versions(pairing: Pairing) -> Iterator[str]:
@@ -60,7 +60,7 @@ def _graph(pairing: Pairing, rows: Sequence[PairRow]) -> Iterator[str]:
 
 
 def _cells(row: PairRow, figures: Sequence[str], *, with_runs: bool) -> list[str]:
-    cells = [escaped(row.name)]
+    cells = [escaped(row.variant)]
     if with_runs:
         cells += [str(len(row.seeds)), outcome_counts(row.outcomes_a), outcome_counts(row.outcomes_b)]
     for figure in figures:

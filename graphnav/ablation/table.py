@@ -95,7 +95,7 @@ def _cells(row: Row, figures: Sequence[str], plan: Plan) -> list[Text]:
 
 
 def _pair_cells(row: PairRow, figures: Sequence[str], pairing: Pairing) -> list[Text]:
-    cells = [Text(row.name), Text(str(len(row.seeds)))]
+    cells = [Text(row.variant), Text(str(len(row.seeds)))]
     for figure in figures:
         sides = (row.estimates_a, row.estimates_b)
         cells += [Text(estimate_text(side[figure], len(row.seeds)) if figure in side else "") for side in sides]

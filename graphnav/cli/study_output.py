@@ -10,7 +10,7 @@ from graphnav.ablation.comparison import compare
 from graphnav.ablation.csv_files import RESULTS, TIMING, write_results, write_timing
 from graphnav.ablation.folder import read_plan
 from graphnav.ablation.markdown import TABLE, table_markdown
-from graphnav.ablation.pairing import pair_studies
+from graphnav.ablation.pair_studies import pair_studies
 from graphnav.ablation.pairing_markdown import pairing_markdown
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import read_records
