@@ -1,6 +1,8 @@
-"""Every broken graph beside this file is refused with exactly the text beside it.
+"""Every broken graph here and every broken study in ``studies`` is refused with exactly the text beside it.
 
-Lines ``# --set ...`` at the head of a graph are given to the command. To write the texts anew, and then read them::
+Lines ``# --set ...`` at the head of a graph are given to ``graphnav check``. The first line of a study says its
+command, ``.`` for the file itself: ``# ablate . --seeds 0:5``, which is also what is meant without such a line.
+To write the texts anew, and then read them::
 
     python tests/errors/test_errors.py
 """
@@ -15,40 +17,43 @@ from graphnav.cli import main
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-CASES = sorted(path.stem for path in HERE.glob("*.yaml"))
-OPTION = "# --set "
+GRAPHS, STUDIES = HERE, HERE / "studies"
+CASES = [case for folder in (GRAPHS, STUDIES) for case in sorted(folder.glob("*.yaml"))]
+OPTION, COMMAND = "# --set ", "# ablate "
 
 
-def message_of(case: str) -> tuple[int, str]:
-    """Return the exit status and what ``graphnav check`` prints to stderr, paths from the root of the sources.
+def words_of(case: Path) -> list[str]:
+    """Return the command line that refuses a case, for its folder."""
+    lines = case.read_bytes().decode("utf-8", "replace").splitlines()
+    if case.parent == GRAPHS:
+        options = [word for line in lines if line.startswith(OPTION) for word in ("--set", line.removeprefix(OPTION))]
+        return ["check", case.name, "--plugin", "stages.py", *options]
+    typed = lines[0].removeprefix(COMMAND) if lines and lines[0].startswith(COMMAND) else ". --seeds 0:5"
+    words = [case.name if word == "." else word for word in typed.split()]
+    return ["ablate", *words, "--plugin", "../stages.py", "--plugin", "stages.py"]
 
-    The working folder is this one.
-    """
-    lines = Path(f"{case}.yaml").read_bytes().decode("utf-8", "replace").splitlines()
-    options = [word for line in lines if line.startswith(OPTION) for word in ("--set", line.removeprefix(OPTION))]
+
+def message_of(case: Path) -> tuple[int, str]:
+    """Return the exit status and what the command prints to stderr, paths from the root of the sources."""
     said = io.StringIO()
-    with contextlib.redirect_stderr(said):
-        status = main(["check", f"{case}.yaml", "--plugin", "stages.py", *options])
+    with contextlib.chdir(case.parent), contextlib.redirect_stderr(said):
+        status = main(words_of(case))
     return status, said.getvalue().replace(f"{ROOT}/", "")
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_refused_with_the_golden_message(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(HERE)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: str(case.relative_to(HERE).with_suffix("")))
+def test_refused_with_the_golden_message(case: Path) -> None:
     status, said = message_of(case)
-    assert said == Path(f"{case}.txt").read_text(encoding="utf-8")
+    assert said == case.with_suffix(".txt").read_text(encoding="utf-8")
     assert status == 2
+    assert not (case.parent / "ablations").exists(), "nothing ran"
 
 
-def test_every_text_has_its_graph() -> None:
-    assert sorted(path.stem for path in HERE.glob("*.txt")) == CASES
-
-
-def _write_texts() -> None:
-    with contextlib.chdir(HERE):
-        for case in CASES:
-            Path(f"{case}.txt").write_text(message_of(case)[1], encoding="utf-8")
+def test_every_text_has_its_case() -> None:
+    texts = [text for folder in (GRAPHS, STUDIES) for text in sorted(folder.glob("*.txt"))]
+    assert [text.with_suffix(".yaml") for text in texts] == CASES
 
 
 if __name__ == "__main__":
-    _write_texts()
+    for each in CASES:
+        each.with_suffix(".txt").write_text(message_of(each)[1], encoding="utf-8")
