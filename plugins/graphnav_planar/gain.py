@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
-from graphnav import Flow, Planar, Role, coarsen, param
+from graphnav import Flow, Planar, Role, param
+from graphnav_planar.fitted import fitted
 from graphnav_planar.mean import Mean
 from graphnav_planar.robust import NOISE_DOC, NOISE_PX, agreement
-from graphnav_planar.taught import LEAST_VECTORS, check_size, planar, stacked, unknown
+from graphnav_planar.taught import Doubles
 
 _ITERATIONS = 10
 _LEAST_PX2 = 1e-12
@@ -36,14 +38,14 @@ class Gain(Mean):
         ValueError
             The flow is of another image size than the model.
         """
-        check_size(self._model, flow)
-        both, uv_px = stacked(coarsen(flow, self._model.step_px), self._model)
-        if both.size < 2 * LEAST_VECTORS:
-            return unknown(self._model, flow.interval_us)
+        return fitted(self._model, flow, self._scaled)
+
+    def _scaled(self, both: npt.NDArray[np.intp], uv_px: Doubles) -> npt.NDArray[np.floating]:
+        """Return the mean times the gain, (rows, cols, 2)."""
         mean_px = self._mean_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
         products, squares = (field.reshape(2, -1).sum(axis=0) for field in (mean_px * uv_px, mean_px * mean_px))
         gain = float(np.median(products / np.maximum(squares, _LEAST_PX2)))
         for _ in range(_ITERATIONS):
             weights = agreement(uv_px - gain * mean_px, self.noise_px) ** 2
             gain = float(weights @ products) / max(float(weights @ squares), _LEAST_PX2)
-        return planar(self._model, gain * self._mean_px, flow.interval_us)
+        return np.asarray(gain * self._mean_px)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
-from graphnav import Flow, Planar, PlanarModel, coarsen, param
+from graphnav import Flow, Planar, PlanarModel, param
 from graphnav_planar.egomotion import best_motion, fitted_motion, motions_of_pairs
+from graphnav_planar.fitted import fitted
 from graphnav_planar.robust import NOISE_DOC, NOISE_PX
 from graphnav_planar.series import Series
-from graphnav_planar.taught import LEAST_VECTORS, Taught, check_size, planar, stacked, unknown
+from graphnav_planar.taught import Doubles, Taught
 from graphnav_planar.terms import driving_terms, orders
 
 
@@ -49,10 +51,10 @@ class Subspace(Taught):
         ValueError
             The flow is of another image size than the model.
         """
-        check_size(self._model, flow)
-        both, uv_px = stacked(coarsen(flow, self._model.step_px), self._model)
-        if both.size < 2 * LEAST_VECTORS:
-            return unknown(self._model, flow.interval_us)
+        return fitted(self._model, flow, self._moved)
+
+    def _moved(self, both: npt.NDArray[np.intp], uv_px: Doubles) -> Doubles:
+        """Estimate the motion; return its planar flow, (rows, cols, 2)."""
         series = Series(self._series.basis[:, both], self._orders)
         starts = np.stack([self._motion, self._motion * (1.0, 0.0)])
         if self.draws:
@@ -60,7 +62,7 @@ class Subspace(Taught):
         start = best_motion(series, uv_px, starts, self.noise_px)
         self._motion = fitted_motion(series, uv_px, start, self.noise_px)
         field = (self._series.factors(self._motion) @ self._series.basis).reshape(2, *self._model.valid.shape)
-        return planar(self._model, field.transpose(1, 2, 0), flow.interval_us)
+        return np.asarray(field.transpose(1, 2, 0))
 
     def _use(self, model: PlanarModel) -> None:
         terms = driving_terms(model.terms)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,6 @@ from graphnav import Flow, ParamError, Planar, PlanarModel, Stage, param
 from graphnav_planar.model_file import TEACH, read_model
 
 Doubles = npt.NDArray[np.float64]
-
-LEAST_VECTORS = 6
-"""Fewer valid vectors tell nothing of the ground."""
 
 
 class Taught(Stage):
@@ -79,10 +75,3 @@ def stacked(cells: Flow, model: PlanarModel) -> tuple[npt.NDArray[np.intp], Doub
     """
     both = np.flatnonzero(np.tile(((cells.valid & model.valid) != 0).reshape(-1), 2))
     return both, cells.uv_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
-
-
-def unknown(model: PlanarModel, interval_us: int) -> Planar:
-    """Return a planar flow without a valid cell."""
-    return replace(
-        planar(model, np.zeros((*model.valid.shape, 2)), interval_us), planar_valid=np.zeros_like(model.valid)
-    )

@@ -1,0 +1,34 @@
+"""Planar flow that is fitted to the flow of the frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Flow, Planar, PlanarModel, coarsen
+from graphnav_planar.taught import Doubles, check_size, planar, stacked
+
+LEAST_VECTORS = 6
+"""Fewer valid vectors tell nothing of the ground."""
+
+Fit = Callable[[npt.NDArray[np.intp], Doubles], npt.NDArray[np.floating]]
+"""From where the valid vectors are and these themselves, as `stacked` lays them out, to a field (rows, cols, 2)."""
+
+
+def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
+    """Return what ``fit`` makes of the valid vectors; where they are too few, a planar flow without a valid cell.
+
+    Raises
+    ------
+    ValueError
+        The flow is of another image size than the model.
+    """
+    check_size(model, flow)
+    both, uv_px = stacked(coarsen(flow, model.step_px), model)
+    if both.size < 2 * LEAST_VECTORS:
+        nothing = planar(model, np.zeros((*model.valid.shape, 2)), flow.interval_us)
+        return replace(nothing, planar_valid=np.zeros_like(model.valid))
+    return planar(model, fit(both, uv_px), flow.interval_us)
