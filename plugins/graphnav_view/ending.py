@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import Flow, Image, Map, Plane, State
-from graphnav_view import fields, forces, ink, sights
+from graphnav_view import ink
+from graphnav_view.frame_panels import CLOUD, frame_panels
 from graphnav_view.outcome import outcome_text
 from graphnav_view.page import Panel, draw_page
-from graphnav_view.scene import Scene, draw_scene
 from graphnav_view.signals import Signals
 from graphnav_view.telling import Frame, frame_at, frame_texts
 from graphnav_view.track import Track, track_of
@@ -62,20 +63,9 @@ def _headline(signals: Signals, track: Track | None, frame: Frame) -> str:
 
 
 def _panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:
-    """Yield the panels that the log is enough for."""
+    """Yield the panels that the log is enough for, without the paper's letters and its cloud of gradients."""
     if world is not None and track is not None:
         yield Panel("the whole path", partial(draw_whole, world=world, track=track))
-        if frame.state is not None:
-            scene = Scene(world, track, frame.state, frame.utime / 1e6)
-            yield Panel("scene", partial(draw_scene, scene=scene))
-    if frame.image is not None:
-        yield Panel("image", partial(sights.draw_image, frame=frame))
-    if frame.flow is not None:
-        yield Panel("optical flow", partial(sights.draw_flow, frame=frame))
-    if frame.plane is not None:
-        yield Panel("dominant plane", partial(sights.draw_plane, frame=frame))
-    if frame.potential is not None:
-        yield Panel("obstacle potential", partial(fields.draw_potential, frame=frame))
-        yield Panel("gradient field", partial(fields.draw_gradient, frame=frame))
-    if frame.steering is not None:
-        yield Panel("direction of attention", partial(forces.draw_direction, frame=frame))
+    for panel in frame_panels(world, track, frame):
+        if panel.title != CLOUD:
+            yield replace(panel, letter="")

@@ -24,6 +24,8 @@ class Panel:
 
     title: str
     draw: Callable[[Axes], str]
+    letter: str = ""
+    """Of the paper's panel that it shows, before the title."""
 
 
 def draw_page(panels: Sequence[Panel], height_ratio: float, headline: str, about: str) -> Figure:
@@ -46,6 +48,6 @@ def draw_page(panels: Sequence[Panel], height_ratio: float, headline: str, about
         line, column = divmod(place, columns)
         left, low = _SIDE_IN + column * (_WIDTH_IN + _GAP_IN), _HEAD_IN + line * cell + _TITLE_IN + height
         axes = figure.add_axes((left / page_width, 1 - low / page_height, _WIDTH_IN / page_width, height / page_height))
-        axes.set_title(panel.title, loc="left", pad=5)
+        axes.set_title(f"({panel.letter}) {panel.title}" if panel.letter else panel.title, loc="left", pad=5)
         write(left, low + 0.06, panel.draw(axes), 8.6, ink.QUIET, "normal")
     return figure
