@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from graphnav.ablation.report.html import Html, esc, tag
-from graphnav.ablation.report.numbers import number
 from graphnav.ablation.report.scale import Scale
 
 
@@ -13,6 +12,6 @@ def x_axis(scale: Scale, top: float, bottom: float, label: str) -> list[Html]:
     for tick in scale.ticks:
         x = scale.at(tick)
         parts.append(f'<path class="grid" d="M{x:.1f},{top:.1f}V{bottom:.1f}"/>')
-        parts.append(tag("text", number(tick, scale.decimals), x=f"{x:.1f}", y=f"{bottom + 15:.1f}", class_="tick"))
+        parts.append(tag("text", scale.said(tick), x=f"{x:.1f}", y=f"{bottom + 15:.1f}", class_="tick"))
     middle = f"{(scale.start + scale.stop) / 2:.1f}"
     return [*parts, tag("text", esc(label), x=middle, y=f"{bottom + 32:.1f}", class_="axis")]

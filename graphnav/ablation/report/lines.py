@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from graphnav.ablation.report.html import Html, esc, tag
-from graphnav.ablation.report.numbers import number
-from graphnav.ablation.report.scale import Scale, scale_of
+from graphnav.ablation.report.scale import Scale, scale_of, wide_scale_of
 
 _HEIGHT = 300.0
 HALF, WHOLE = 556.0, 1128.0
 """Widths of charts that stand side by side, and of one that stands alone."""
-_LEFT, _TOP, _BOTTOM, _CHAR = 46.0, 34.0, 46.0, 6.8
+_LEFT, _TOP, _BOTTOM, _CHAR = 46.0, 34.0, 46.0, 7.8
 _MOST_NAME = 26
 _LINE = 15.0
 
@@ -46,7 +45,7 @@ def line_chart(title: str, x_label: str, series: Sequence[Series], width: float 
     right = width - 14 - max((len(name) for name in names), default=0) * _CHAR
     ends = sorted({point.x for point in points})
     across = scale_of(ends).between(_LEFT, right)
-    up = scale_of([y for p in points for y in (p.mean, p.low, p.high)]).between(_HEIGHT - _BOTTOM, _TOP)
+    up = wide_scale_of([y for p in points for y in (p.mean, p.low, p.high)]).between(_HEIGHT - _BOTTOM, _TOP)
     parts = [tag("text", esc(title), x=0, y=14, class_="head"), _axes(across, up, x_label, ends)]
     parts += [_band(one, across, up) for one in series]
     parts += [_line(one, across, up) for one in series]
@@ -64,7 +63,7 @@ def _axes(across: Scale, up: Scale, x_label: str, ends: Sequence[float]) -> Html
     for tick in up.ticks:
         y = up.at(tick)
         parts.append(f'<path class="grid" d="M{across.start:.1f},{y:.1f}H{across.stop:.1f}"/>')
-        text = number(tick, up.decimals)
+        text = up.said(tick)
         parts.append(tag("text", text, x=f"{across.start - 8:.1f}", y=f"{y + 4:.1f}", class_="value"))
     shown = ends if 0 < len(ends) <= 8 else across.ticks
     for tick in shown:

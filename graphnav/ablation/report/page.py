@@ -19,6 +19,7 @@ from graphnav.ablation.report.plots import plots
 from graphnav.ablation.report.reproduce import reproduce
 from graphnav.ablation.report.tables import tables
 from graphnav.ablation.report.timing import timing
+from graphnav.ablation.whole_file import write_whole
 from graphnav.catalog import Catalog
 
 REPORT = "report.html"
@@ -31,7 +32,7 @@ def write_report(plan: Plan, comparison: Comparison, records: Sequence[Record], 
     """
     material = Material(plan, comparison, records, folder, catalog)
     path = folder / REPORT
-    path.write_text(page_of(material), encoding="utf-8")
+    write_whole(path, page_of(material))
     return path
 
 

@@ -14,7 +14,7 @@ from graphnav.ablation.report.looks import BASE, METHODS
 from graphnav.ablation.report.material import Material
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
-_MOST_LINES = 8
+_MOST_LINES = 10
 _MOST_CHARTS = 8
 """Of one axis on one graph."""
 _MOST_FIRST = 4

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from graphnav.ablation.comparison import Difference, Row
 from graphnav.ablation.plan import Better
 from graphnav.ablation.report.numbers import MINUS, estimated, means_text, number
-from graphnav.ablation.report.scale import scale_of
+from graphnav.ablation.report.scale import scale_of, wide_scale_of
 from graphnav.ablation.report.sweeps import axis_numbers
 from graphnav.ablation.report.verdict import Verdict, verdict_of
 from graphnav.stage import Role
@@ -41,6 +41,15 @@ def test_shares_have_the_axis_from_0_to_1() -> None:
 def test_places_are_linear_and_end_at_the_ends() -> None:
     scale = scale_of([0.0, 1.0]).between(100.0, 200.0)
     assert [scale.at(x) for x in (-1.0, 0.0, 0.25, 1.0, 7.0)] == [100.0, 100.0, 125.0, 200.0, 200.0]
+
+
+def test_an_axis_is_logarithmic_where_values_differ_a_hundredfold() -> None:
+    assert not wide_scale_of([0.1, 9.9]).is_log
+    assert not wide_scale_of([-1.0, 0.01, 10.0]).is_log
+    scale = wide_scale_of([0.0, 0.031, math.nan, 10.4]).between(0.0, 300.0)
+    assert scale.ticks == pytest.approx((0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0))
+    assert [scale.said(tick) for tick in scale.ticks] == ["≤0.03", "0.1", "0.3", "1", "3", "10", "30"]
+    assert [scale.at(value) for value in (0.0, 0.03, 0.3, 30.0)] == pytest.approx([0.0, 0.0, 100.0, 300.0])
 
 
 def test_numbers_are_as_exact_as_their_intervals() -> None:
