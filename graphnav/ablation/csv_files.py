@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from graphnav.ablation.figure_text import FigureText
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import Record, in_plan_order
+from graphnav.ablation.whole_file import write_whole
 
 RESULTS = "results.csv"
 TIMING = "timing.csv"
@@ -73,11 +73,8 @@ def figure_columns(plan: Plan, records: Iterable[Record]) -> tuple[str, ...]:
 
 
 def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write a file at once: whoever reads it, or is killed meanwhile, finds a whole one."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(rows)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
-    unfinished.write_text(text.getvalue(), encoding="utf-8", newline="")
-    unfinished.replace(path)
+    write_whole(path, text.getvalue())

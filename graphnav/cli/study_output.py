@@ -16,6 +16,7 @@ from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import read_records
 from graphnav.ablation.report import write_report
 from graphnav.ablation.table import print_comparison, print_pairing
+from graphnav.ablation.whole_file import write_whole
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 
@@ -27,12 +28,14 @@ def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) 
     ------
     UserError
         A run's summary is not whole.
+    GraphnavError
+        The disk refuses; what it refuses stays as it was.
     """
     records = read_records(plan, folder)
     comparison = compare(plan, records)
     write_results(plan, records, folder / RESULTS)
     write_timing(plan, records, folder / TIMING)
-    (folder / TABLE).write_text(table_markdown(plan, comparison), encoding="utf-8")
+    write_whole(folder / TABLE, table_markdown(plan, comparison))
     report = write_report(plan, comparison, records, folder, catalog)
     print_comparison(console, comparison, plan)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import itertools
 import os
-import resource
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +22,8 @@ from graphnav.codec import encode, lcm_text_of
 from graphnav.errors import LogError
 from graphnav.messages import About, Flow, Twist
 from graphnav.record import ABOUT, LogWriter, Recording
+
+DiskOf = Callable[[int], AbstractContextManager[None]]
 
 GRAPH = "stages: {robot: {use: world.pymunk}}\n"
 SAID = About(
@@ -171,18 +172,6 @@ def test_a_log_that_cannot_be_opened_is_one_line(tmp_path: Path, name: str) -> N
         Recording(tmp_path / name)
 
 
-@contextmanager
-def disk_of(n_bytes: int) -> Iterator[None]:
-    """Let no file grow beyond ``n_bytes``: the kernel then refuses as it does where the disk is full."""
-    old, ignored = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, old[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
-        signal.signal(signal.SIGXFSZ, ignored)
-
-
 def fill(log: LogWriter, data: bytes) -> None:
     """Write until the disk refuses."""
     for k in itertools.count():
@@ -191,7 +180,9 @@ def fill(log: LogWriter, data: bytes) -> None:
 
 @pytest.mark.parametrize("size", [40, 300_000])
 @pytest.mark.parametrize("n_bytes", [1_000_000, 1_000_001, 1_000_050, 1_234_567])
-def test_a_full_disk_is_said_and_what_was_recorded_stays_readable(tmp_path: Path, size: int, n_bytes: int) -> None:
+def test_a_full_disk_is_said_and_what_was_recorded_stays_readable(
+    disk_of: DiskOf, tmp_path: Path, size: int, n_bytes: int
+) -> None:
     path = tmp_path / "log"
     with disk_of(n_bytes):
         log = LogWriter(path)

@@ -8,12 +8,16 @@ import pty
 import shutil
 import subprocess
 import sysconfig
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from graphnav.cli import main
+
+DiskOf = Callable[[int], AbstractContextManager[None]]
 
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
@@ -77,6 +81,34 @@ def test_the_report_is_made_again_from_the_runs_alone(study: Any) -> None:
     study.plugin.unlink()
     assert main(["ablate", "--report", str(moved)]) == 0
     assert (moved / "results.csv").read_bytes() == before["results.csv"]
+
+
+def test_a_disk_that_fills_up_leaves_every_table_and_the_report_whole(
+    study: Any, disk_of: DiskOf, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study.run()
+    former = files(study.out)
+    shutil.rmtree(study.out / "runs" / "toy" / "robot.odd=fine" / "2")
+    complete = Path(shutil.copytree(study.out, study.out.with_name("complete")))
+    assert main(["ablate", "--report", str(complete)]) == 0
+    new = files(complete)
+    changed = {name for name in new if new[name] != former[name]}
+    assert changed == {"results.csv", "timing.csv", "table.md", "report.html"}
+    for n_bytes in sorted(len(new[name]) - 1 for name in changed):
+        capsys.readouterr()
+        with disk_of(n_bytes):
+            assert main(["ablate", "--report", str(study.out)]) == 1
+        said = capsys.readouterr().err
+        assert said.startswith(f"cannot write {study.out}/")
+        assert said.endswith(": File too large\n")
+        found = files(study.out)
+        assert found.keys() == former.keys()
+        assert all(found[name] in (former[name], new[name]) for name in found)
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """Return what the files of a folder hold."""
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
 
 
 def test_an_unfinished_study_has_a_report_that_says_so(study: Any, capsys: pytest.CaptureFixture[str]) -> None:

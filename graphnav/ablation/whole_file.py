@@ -1,0 +1,29 @@
+"""Write a file at once: whoever reads it, or is stopped meanwhile, finds a whole one."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from graphnav.errors import GraphnavError
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file beside the one that may be there, then put it in its place.
+
+    Raises
+    ------
+    GraphnavError
+        The disk refuses; what was there is as it was.
+    """
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with unfinished.open("w", encoding="utf-8", newline="") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        unfinished.replace(path)
+    except OSError as error:
+        raise GraphnavError(f"cannot write {path}: {error.strerror}") from error
+    finally:
+        unfinished.unlink(missing_ok=True)
