@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from graphnav.ablation.threads import ONE_THREAD
+from graphnav.cli.lasting_output import lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, USER_ERROR
 
 COMMANDS = {
@@ -29,6 +30,9 @@ COMMANDS = {
     "doctor": "say what this machine lacks, with the command that mends it",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
+
+FOR_A_READER = {"spy", "echo", "hz"}
+"""Commands that are over when nobody reads what they print; all others do what they are for."""
 
 
 class _Intermixed(argparse.ArgumentParser):
@@ -69,17 +73,25 @@ def build_parser(chosen: str | None) -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status: 0 fine, 1 failed, 2 a user's error, 130 Ctrl-C."""
-    from graphnav.errors import GraphnavError, ParamError, UserError  # noqa: PLC0415
-
     _show_what_the_terminal_can()
     for variable, value in ONE_THREAD.items():
         os.environ.setdefault(variable, value)
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
-    args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
-    args.words = words
+    with lasting_output(for_a_reader=chosen in FOR_A_READER):
+        args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
+        args.words = words
+        return _status_of(args)
+
+
+def _status_of(args: argparse.Namespace) -> int:
+    """Run a command; say in a line what ends it."""
+    from graphnav.errors import GraphnavError, ParamError, UserError  # noqa: PLC0415
+
     try:
-        return int(args.main(args))
+        status = int(args.main(args))
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except UserError as error:
         print(error, file=sys.stderr)
         if len(error.problems) > 1:
@@ -95,7 +107,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("stopped", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        sys.stderr.close()
         return FAILED
     except OSError as error:
         print(
@@ -103,6 +114,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return FAILED
+    return status
 
 
 def _show_what_the_terminal_can() -> None:

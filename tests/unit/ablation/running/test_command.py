@@ -106,6 +106,15 @@ def test_a_disk_that_fills_up_leaves_every_table_and_the_report_whole(
         assert all(found[name] in (former[name], new[name]) for name in found)
 
 
+def test_a_study_whose_reader_leaves_is_made_all_the_same(study: Any) -> None:
+    with study.start() as process:
+        process.stdout.close()
+        assert process.stderr.read() == ""
+        assert process.wait(60) == 0
+    assert len(study.rows) == 8
+    assert {"results.csv", "timing.csv", "table.md", "report.html"} <= files(study.out).keys()
+
+
 def files(folder: Path) -> dict[str, bytes]:
     """Return what the files of a folder hold."""
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}

@@ -1,0 +1,63 @@
+"""Standard output and error that may be closed while the command is at work, as behind ``| head -1``."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+
+@contextmanager
+def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
+    """Let what is printed after the reader has left go nowhere, so that nothing else the command does is lost.
+
+    ``for_a_reader``: whether the command does nothing but print; then it gets the BrokenPipeError that ends it.
+    """
+    old = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = new = tuple(_lasting(stream, for_a_reader=for_a_reader) for stream in old)
+    try:
+        yield
+    finally:
+        for stream in filter(None, new):
+            with suppress(OSError):  # said when it was printed
+                stream.flush()
+        sys.stdout, sys.stderr = old
+
+
+def _lasting(stream: Any, *, for_a_reader: bool) -> Any:
+    """Return a stream to the same file; the stream itself where there is no file, as in a test."""
+    try:
+        raw = _LastingFile(stream.fileno(), for_a_reader=for_a_reader)
+    except (AttributeError, io.UnsupportedOperation):
+        return stream
+    stream.flush()
+    return io.TextIOWrapper(
+        raw if stream.write_through else io.BufferedWriter(raw),
+        encoding=stream.encoding,
+        errors=stream.errors,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )
+
+
+class _LastingFile(io.FileIO):
+    """A file that, once it has refused something, takes everything and drops it."""
+
+    def __init__(self, fd: int, *, for_a_reader: bool) -> None:
+        super().__init__(fd, "w", closefd=False)
+        self._for_a_reader = for_a_reader
+
+    def write(self, data: Any) -> int:
+        """Write bytes; raise the OSError of the first refusal, but for a reader that has left."""
+        try:
+            return super().write(data)
+        except OSError as error:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())  # for what is still in buffers, and for processes to come
+            os.close(nowhere)
+            if self._for_a_reader or not isinstance(error, BrokenPipeError):
+                raise
+            return memoryview(data).nbytes
