@@ -5,28 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from graphnav.ablation.digits import MOST_DECIMALS, decimals
+from graphnav.ablation import digits
 
-_MOST_PLACES = 7
 MINUS = "\N{MINUS SIGN}"
 
 
-def number(value: float, places: int) -> str:
-    """Return a number with so many places, zero without a sign."""
-    text = f"{value:.{places}f}"
-    return text.removeprefix("-") if float(text) == 0 else text.replace("-", MINUS)
+def number(value: float, form: str, sign: str = "") -> str:
+    """Return a number in a format, with ``sign`` where it is above zero; zero has none."""
+    return digits.number(value, form, sign).replace("-", MINUS)
 
 
 def estimated(mean: float, low: float, high: float, *, signed: bool = False) -> str:
     """Return ``0.94 [0.84, 0.98]``; without an interval the mean alone."""
-    places = decimals(mean, low, high)
-    while low * high > 0 and places < _MOST_PLACES and float(f"{mean:.{places}f}") == 0:
-        places += 1  # a clear difference is not told as none
-    sign = "+" if signed and float(f"{mean:.{places}f}") > 0 else ""
-    text = sign + number(mean, places)
+    form = digits.format_of(mean, low, high)
+    text = number(mean, form, "+" if signed else "")
     if not (math.isfinite(low) and math.isfinite(high)):
         return text
-    return f"{text} [{number(low, places)}, {number(high, places)}]"
+    return f"{text} [{number(low, form)}, {number(high, form)}]"
 
 
 def counted(n: int, one: str, many: str = "") -> str:
@@ -37,6 +32,7 @@ def counted(n: int, one: str, many: str = "") -> str:
 def means_text(means: Sequence[float], *, signed: bool = False) -> str:
     """Return the least and the greatest of some means: ``0.86 to 0.98``."""
     ends = (min(means), max(means))
-    places = max(2, -math.floor(math.log10(max(map(abs, ends))))) if any(ends) else 2
-    texts = [("+" if signed and end > 0 else "") + number(end, min(places, MOST_DECIMALS)) for end in ends]
-    return " to ".join(dict.fromkeys(texts))
+    most = max(map(abs, ends))
+    places = max(2, -math.floor(math.log10(most))) if most else 2
+    form = f".{places}f" if places <= digits.MOST_DECIMALS else digits.TINY
+    return " to ".join(dict.fromkeys(("+" if signed and end > 0 else "") + number(end, form) for end in ends))

@@ -40,7 +40,7 @@ class Scale:
         """Return the number that stands at a tick; at the lower end of a logarithmic axis, that all below is there."""
         if self.is_log:
             return f"≤{tick:g}" if tick == self.low else f"{tick:g}"
-        return number(tick, self.decimals)
+        return number(tick, f".{self.decimals}f")
 
     def between(self, start: float, stop: float) -> Scale:
         """Return the same axis drawn elsewhere."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.ablation.digits import decimals
+from graphnav.ablation.digits import format_of
 from graphnav.ablation.report.axis import x_axis
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.numbers import number
@@ -104,6 +104,6 @@ def _mark(mark: Mark, scale: Scale, y: float) -> Html:
         parts.append(f'<path class="dot" d="M{x:.1f},{y - 5.5:.1f}l5.5,5.5l-5.5,5.5l-5.5,-5.5z"/>')
     else:
         parts.append(f'<circle class="dot" cx="{x:.1f}" cy="{y:.1f}" r="4.5"/>')
-    text = number(mark.mean, decimals(mark.mean, mark.low, mark.high))
+    text = number(mark.mean, format_of(mark.mean, mark.low, mark.high))
     parts.append(tag("text", text, x=f"{scale.stop + _VALUE - 4:.1f}", y=f"{y + 4:.1f}", class_="value"))
     return tag("g", *parts, class_=mark.look)

@@ -8,6 +8,8 @@ import math
 from collections.abc import Callable
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rich.console import Console
 
 from graphnav.ablation.comparison import Difference, Estimate, compare
@@ -16,6 +18,7 @@ from graphnav.ablation.legend import seeds_text
 from graphnav.ablation.markdown import table_markdown
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import Record
+from graphnav.ablation.report.numbers import MINUS, estimated
 from graphnav.ablation.table import print_comparison
 
 MakePlan = Callable[..., Plan]
@@ -34,7 +37,12 @@ MakeRecord = Callable[..., Record]
         (0.1, 0.1, 0.1, "0.1000 [0.1000, 0.1000]"),
         (0.1, math.nan, math.nan, "0.1000"),
         (-0.00001, -0.1, 0.1, "0.00 [-0.10, 0.10]"),
-        (3e-9, 2e-9, 4e-9, "0.0000 [0.0000, 0.0000]"),
+        (3e-9, 2e-9, 4e-9, "3.0e-09 [2.0e-09, 4.0e-09]"),
+        (0.00002, 0.00001, 0.0003, "2.0e-05 [1.0e-05, 3.0e-04]"),
+        (0.00006, 0.00002, 0.0001, "6.0e-05 [2.0e-05, 1.0e-04]"),
+        (0.4, 0.001, 30.0, "0.4 [0.0, 30.0]"),
+        (0.00002, math.nan, math.nan, "2.0e-05"),
+        (0.0, -2e-6, 2e-6, "0.0 [-2.0e-06, 2.0e-06]"),
     ],
 )
 def test_digits_follow_the_interval(mean: float, low: float, high: float, text: str) -> None:
@@ -51,10 +59,27 @@ def test_worlds_without_the_figure_are_told() -> None:
         (0.02, -0.011, 0.053, "+0.020 [-0.011, +0.053], 7–3"),
         (0.0, -0.053, 0.053, "0.000 [-0.053, +0.053], 7–3"),
         (-2.0, math.nan, math.nan, "-2.000, 7–3"),
+        (-0.00003, -0.00005, -0.00001, "-3.0e-05 [-5.0e-05, -1.0e-05], 7–3"),
     ],
 )
 def test_differences_have_a_sign(mean: float, low: float, high: float, text: str) -> None:
     assert difference_text(Difference(mean, low, high, 50, 7, 3)) == text
+
+
+MAGNITUDES = st.floats(-18, 6).map(lambda power: 10.0**power)
+
+
+@given(MAGNITUDES, st.floats(0, 0.99), st.floats(0, 100), st.sampled_from([-1, 1]))
+def test_a_clear_difference_never_reads_as_none(size: float, less: float, more: float, side: int) -> None:
+    """It has a digit, and so is at most half of that off."""
+    low, high = sorted((side * size * (1 - less), side * size * (1 + more)))
+    found = Difference(side * size, low, high, 50, 50, 0)
+    assert found.is_clear
+    for text in (difference_text(found), estimated(found.mean, low, high, signed=True).replace(MINUS, "-")):
+        told = text.split(maxsplit=1)[0]
+        assert float(told) * side > 0
+        assert told.startswith("+-"[side < 0])
+        assert float(told) == pytest.approx(found.mean, rel=0.501)
 
 
 @pytest.mark.parametrize(

@@ -56,10 +56,11 @@ def test_numbers_are_as_exact_as_their_intervals() -> None:
     assert estimated(0.943, 0.84, 0.981) == "0.943 [0.840, 0.981]"
     assert estimated(-0.0412, -0.12, 0.023, signed=True) == f"{MINUS}0.041 [{MINUS}0.120, 0.023]"
     assert estimated(12.0, math.nan, math.nan, signed=True) == "+12.00"
-    assert estimated(0.00002, 0.00001, 0.0003) == "0.00002 [0.00001, 0.00030]"
-    assert number(-0.0001, 2) == "0.00"
+    assert estimated(-0.00002, -0.0003, -0.00001) == "-2.0e-05 [-3.0e-04, -1.0e-05]".replace("-", MINUS)
+    assert number(-0.0001, ".2f") == "0.00"
     assert means_text([0.9, 0.02, 0.5]) == "0.02 to 0.90"
     assert means_text([0.0, 0.0]) == "0.00"
+    assert means_text([0.0, 0.00002]) == f"0.0 to 2.0e{MINUS}05"
     assert means_text([-0.004, 0.001], signed=True) == f"{MINUS}0.004 to +0.001"
 
 
