@@ -24,6 +24,7 @@ def study_of_command(
     varies: Sequence[str] = (),
     sets: Sequence[str] = (),
     figures: Sequence[str] = (),
+    within: Sequence[str] = (),
     seeds: str | None = None,
     one_at_a_time: bool = False,
 ) -> Study:
@@ -31,7 +32,7 @@ def study_of_command(
 
     ``names``: one study, or graphs, each a file or a name. ``--vary`` replaces an axis of the study of that name or
     adds one, ``--vary AXIS+=VALUE`` adds a choice (see `varied`); ``--set`` comes before what the study sets of the
-    same; ``--figures`` (texts with commas between) and ``--seeds`` replace the study's.
+    same; ``--figures`` and ``--within`` (texts with commas between) and ``--seeds`` replace the study's.
 
     Raises
     ------
@@ -49,14 +50,18 @@ def study_of_command(
             found = parse_seeds(seeds, Place("--seeds"))
         except UserError as error:
             problems += error.problems
-    given = [figure.strip() for text in figures for figure in text.split(",")]
+    given = _split(figures)
     if "" in given:
         problems.append(Problem(Place("--figures"), "a figure is empty", "write --figures drive.success,drive.spl"))
+    conditions = _split(within)
+    if "" in conditions:
+        problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))
     if problems:
         raise UserError(problems)
     new = {target for text in sets for target in targets_of(text)}
     kept = [text for text in base.sets if not new.issuperset(targets_of(text))]
     places = {text: Place(f"--set {text}") for text in sets} | {text: Place("--figures") for text in given}
+    places |= {text: Place("--within") for text in conditions}
     do = "does" if len(axes) == 1 else "do"
     about = base.about or f"What {do} {_listed(axis.name for axis in axes)} change on {_listed(base.graphs)}?"
     return replace(
@@ -66,9 +71,14 @@ def study_of_command(
         seeds=found,
         sets=(*kept, *sets),
         figures=tuple(given) or base.figures,
+        within=tuple(dict.fromkeys(conditions)) or base.within,
         one_at_a_time=one_at_a_time or base.one_at_a_time,
         places={**base.places, **places},
     )
+
+
+def _split(texts: Sequence[str]) -> list[str]:
+    return [part.strip() for text in texts for part in text.split(",")]
 
 
 def _named(names: Sequence[str]) -> Study:

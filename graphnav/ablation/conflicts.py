@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from graphnav.ablation.expand import Variant
 from graphnav.ablation.study import Study
 from graphnav.ablation.targets import Target, targets_of
-from graphnav.errors import Place, Problem
+from graphnav.errors import Place, Problem, did_you_mean
 
 _OWN = {
     "seed": ("a study's seeds are its worlds", "write seeds: FIRST:END, or --seeds FIRST:END"),
@@ -30,10 +30,27 @@ def _conflicts(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
         yield Problem(None, f"the study '{study.name}' has no graphs", "name one: graphnav ablate corridor_ccw ...")
     if not study.seeds:
         yield Problem(None, f"the study '{study.name}' has no seeds", "say which worlds: --seeds 0:50")
+    yield from _within(study)
     for text in study.sets:
         yield from _own(text, study.places.get(text))
     for variant in variants:
         yield from _set_twice(study, variant)
+
+
+def _within(study: Study) -> Iterator[Problem]:
+    axes = [axis.name for axis in study.axes]
+    unknown = [name for name in study.within if name not in axes]
+    for name in unknown:
+        hint = did_you_mean(name, axes) or f"axes are {', '.join(axes)}"
+        yield Problem(study.places.get(name), f"'within' names '{name}', but the study has no such axis", hint)
+    if not study.within or unknown:
+        return
+    place = study.places.get(study.within[0])
+    if study.one_at_a_time:
+        what = "'within' needs axes that cross: one at a time, no variant but the base has another condition"
+        yield Problem(place, what, "leave out 'within' or 'one_at_a_time'")
+    elif len(study.within) == len(axes):
+        yield Problem(place, "'within' names every axis, which leaves none to compare", "leave out the one that varies")
 
 
 def _set_twice(study: Study, variant: Variant) -> Iterator[Problem]:

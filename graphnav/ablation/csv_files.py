@@ -24,13 +24,13 @@ def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
     """
     ordered = in_plan_order(plan, records)
     figures = figure_columns(plan, ordered)
-    labels = {(case.graph, case.variant): case.labels for case in plan.cases}
+    cases = {(case.graph, case.variant): case for case in plan.cases}
     header = ["graph", "variant", *plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *figures]
     rows = (
         [
-            record.graph,
+            (case := cases[record.graph, record.variant]).source,
             record.variant,
-            *(labels[record.graph, record.variant].get(axis, "") for axis in plan.axes),
+            *(case.labels.get(axis, "") for axis in plan.axes),
             record.seed,
             record.outcome,
             record.failure,
@@ -45,16 +45,17 @@ def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
 
 def write_timing(plan: Plan, records: Iterable[Record], path: Path) -> None:
     """Write a line for every stage of every run: what it was, how often it stepped, how long that took."""
-    uses = {(case.graph, case.variant): case.uses for case in plan.cases}
-    header = ["graph", "variant", "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"]
+    cases = {(case.graph, case.variant): case for case in plan.cases}
+    header = ["graph", "variant", *plan.axes, "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"]
     rows = (
         [
-            record.graph,
+            (case := cases[record.graph, record.variant]).source,
             record.variant,
+            *(case.labels.get(axis, "") for axis in plan.axes),
             record.seed,
             repr(record.wall_s),
             stage,
-            uses[record.graph, record.variant].get(stage, ""),
+            case.uses.get(stage, ""),
             time.steps,
             repr(time.p50_ms),
             repr(time.p99_ms),

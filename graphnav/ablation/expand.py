@@ -20,7 +20,11 @@ class Variant:
     """A choice of every axis."""
 
     name: str
-    """What tables call it, unique in its study."""
+    """All its choices, unique in its study."""
+    called: str
+    """What tables call it: its choices but for conditions, unique among those under the same conditions."""
+    condition: str
+    """Its choices of the axes within which variants are compared; empty where there are none."""
     choices: Mapping[str, Choice]
     """By axis."""
     is_base: bool
@@ -45,6 +49,8 @@ def count_variants(study: Study) -> int:
 def expand(study: Study) -> tuple[Variant, ...]:
     """Return the variants of a study, the base first: every axis at its first choice.
 
+    Where variants are compared within conditions they come condition by condition, each with its own base first.
+
     Raises
     ------
     UserError
@@ -52,12 +58,26 @@ def expand(study: Study) -> tuple[Variant, ...]:
     """
     _check_size(study)
     short, rows = _short_labels(study.axes), _rows(study)
-    names = _unique(_one_at_a_time_names(study, rows, short) if study.one_at_a_time else _crossed_names(rows, short))
-    names_of_axes = [axis.name for axis in study.axes]
-    return tuple(
-        Variant(name, dict(zip(names_of_axes, row, strict=True)), is_base=number == 0)
-        for number, (name, row) in enumerate(zip(names, rows, strict=True))
-    )
+    if study.one_at_a_time:
+        names = called = _unique(_one_at_a_time_names(study, rows, short))
+        conditions = [""] * len(rows)
+    else:
+        names = _unique(_crossed_names(rows, short))
+        called = _names_by(rows, short, [axis.name not in study.within for axis in study.axes])
+        conditions = _names_by(rows, short, [axis.name in study.within for axis in study.axes])
+    bases: dict[str, str] = {}
+    for condition, first in zip(conditions, called, strict=True):
+        bases.setdefault(condition, first)
+    variants = [
+        Variant(name, said, condition, _choices(study, row), is_base=bases[condition] == said)
+        for name, said, condition, row in zip(names, called, conditions, rows, strict=True)
+    ]
+    order = list(bases)
+    return tuple(sorted(variants, key=lambda variant: order.index(variant.condition)))
+
+
+def _choices(study: Study, row: tuple[Choice, ...]) -> dict[str, Choice]:
+    return {axis.name: choice for axis, choice in zip(study.axes, row, strict=True)}
 
 
 def _check_size(study: Study) -> None:
@@ -98,6 +118,15 @@ def _short_labels(axes: tuple[Axis, ...]) -> list[Mapping[str, str]]:
 def _crossed_names(rows: list[tuple[Choice, ...]], short: list[Mapping[str, str]]) -> Iterator[str]:
     for row in rows:
         yield " + ".join(names[choice.label] for names, choice in zip(short, row, strict=True))
+
+
+def _names_by(rows: list[tuple[Choice, ...]], short: list[Mapping[str, str]], counts: list[bool]) -> list[str]:
+    """Return a name for each row made of those choices whose axis counts; rows that have these in common share it."""
+    parts = [tuple(choice for choice, does in zip(row, counts, strict=True) if does) for row in rows]
+    words = [names for names, does in zip(short, counts, strict=True) if does]
+    distinct = list(dict.fromkeys(parts))
+    names = dict(zip(distinct, _unique(_crossed_names(distinct, words)), strict=True))
+    return [names[part] for part in parts]
 
 
 def _one_at_a_time_names(study: Study, rows: list[tuple[Choice, ...]], short: list[Mapping[str, str]]) -> Iterator[str]:

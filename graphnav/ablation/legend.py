@@ -22,9 +22,10 @@ COUNTING = (
 
 def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     """Return the sentences below a study's table, plain text."""
+    where = f", under the same {' and '.join(plan.within)}" if plan.within else ""
     reading = (
         "Each cell is the mean over worlds with its interval; ↑ more is better, ↓ less. Differences are from the base, "
-        f"{plan.base}, in the same worlds: the mean with its interval, in how many worlds it was better–worse. "
+        f"{plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was better–worse. "
         f"Differences whose interval leaves out 0, over {LEAST_WORLDS} worlds or more, are bold."
     )
     sentences = [reading, INTERVALS, COUNTING]

@@ -41,15 +41,17 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
     figures = plan_figures(study, classes, problems)
     if problems:
         raise UserError(dict.fromkeys(problems))
+    cases = tuple(_cases(study, variants, checked))
     return Plan(
         name=study.name,
         about=study.about,
         command=command,
-        graphs=study.graphs,
+        graphs=tuple(dict.fromkeys(case.graph for case in cases)),
         axes={axis.name: tuple(choice.label for choice in axis.choices) for axis in study.axes},
         seeds=study.seeds,
         figures=figures,
-        cases=tuple(_cases(study, variants, checked)),
+        cases=cases,
+        within=study.within,
         less_is_better=less_is_better(classes),
         plugins=tuple(str(path.absolute()) for path in plugins),
         versions=versions(),
@@ -62,18 +64,19 @@ def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[Checke
     first: dict[object, Checked] = {}
     base: dict[str, Checked] = {}
     for case in checked:
-        same = first.setdefault(case.identity, case)
-        base.setdefault(case.name, case)
-        before = base[case.name].uses
+        graph = ", ".join(filter(None, (case.name, case.variant.condition)))
+        same = first.setdefault((graph, case.identity), case)
+        before = base.setdefault(graph, case).uses
         yield Case(
-            graph=case.name,
-            variant=case.variant.name,
+            graph=graph,
+            source=case.name,
+            variant=case.variant.called,
             labels=case.variant.labels,
             sets=case.sets,
             is_base=case.variant.is_base,
             role=case.role,
             folder=f"runs/{of_graph[case.name]}/{of_variant[same.variant.name]}",
-            same_as="" if same is case else same.variant.name,
+            same_as="" if same is case else same.variant.called,
             uses=case.uses,
             swapped=tuple(stage for stage, use in case.uses.items() if before.get(stage) != use),
             notices=case.notices,

@@ -20,7 +20,9 @@ class Case:
     """One graph with one variant, checked."""
 
     graph: str
-    """As the study names it."""
+    """As tables call it: the graph's name and, where variants are compared within conditions, the condition."""
+    source: str
+    """The graph as the study names it."""
     variant: str
     """What tables call it; the same over all graphs."""
     labels: Mapping[str, str]
@@ -65,6 +67,7 @@ class Plan:
     command: str
     """The exact command that runs it again."""
     graphs: tuple[str, ...]
+    """As tables call them, each with a base of its own."""
     axes: Mapping[str, tuple[str, ...]]
     """The labels of each axis, the base's first."""
     seeds: tuple[int, ...]
@@ -72,6 +75,8 @@ class Plan:
     """Columns of the table, ``stage.figure``, and which values are better; the one that decides first."""
     cases: tuple[Case, ...]
     """Graph by graph, in the same order of variants; the base first."""
+    within: tuple[str, ...] = ()
+    """Axes that are conditions, within which variants are compared."""
     less_is_better: tuple[str, ...] = ()
     """All ``stage.figure`` of which less is better, as the stages of the cases say."""
     plugins: tuple[str, ...] = ()
@@ -82,6 +87,11 @@ class Plan:
     def variants(self) -> tuple[str, ...]:
         """All variants, the base first."""
         return tuple(dict.fromkeys(case.variant for case in self.cases))
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """The graphs as the study names them."""
+        return tuple(dict.fromkeys(case.source for case in self.cases))
 
     @property
     def base(self) -> str:

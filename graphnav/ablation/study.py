@@ -48,9 +48,11 @@ class Study:
     """Applied to every run, before those of the axes."""
     figures: tuple[str, ...] = ()
     """Columns of the table, ``stage.figure``, the one that decides first; empty for every figure there is."""
+    within: tuple[str, ...] = ()
+    """Axes that are conditions: variants are compared with the base within each combination of their choices."""
     one_at_a_time: bool = False
     """Whether each variant differs from the base in one axis; else the axes cross."""
     folder: Path | None = field(default=None, compare=False)
     """That of its file, beside which its paths are looked for first; None if the command line says it all."""
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
-    """Where each of ``graphs``, ``sets`` and ``figures`` was said."""
+    """Where each of ``graphs``, ``sets``, ``figures`` and ``within`` was said."""

@@ -46,6 +46,7 @@ def _study(value: Value, path: Path, words: Words) -> Study:
         words.problem(value.place, f"a study must be a mapping, not {value.kind}", VARY)
     graphs = _graphs(keys, path, words)
     sets = words.sets(keys["set"].value, "'set'") if "set" in keys else {}
+    within = words.texts(keys["within"].value, "'within'", "speed") if "within" in keys else {}
     figures = words.texts(keys["figures"].value, "'figures'", "drive.success, drive.spl") if "figures" in keys else {}
     return Study(
         name=path.stem,
@@ -55,9 +56,10 @@ def _study(value: Value, path: Path, words: Words) -> Study:
         seeds=_seeds(keys["seeds"].value, words) if "seeds" in keys else (),
         sets=tuple(sets),
         figures=tuple(figures),
+        within=tuple(within),
         one_at_a_time=_typed(keys, "one_at_a_time", bool, "true or false", words) or False,
         folder=path.resolve().parent,
-        places=graphs | sets | figures,
+        places=graphs | sets | figures | within,
     )
 
 

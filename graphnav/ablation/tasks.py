@@ -31,6 +31,6 @@ class Tasks:
     def _graph(self, case: Case) -> tuple[Graph, str]:
         """Return a case's graph, and the text of it that loads from any folder."""
         if case.folder not in self._graphs:
-            graph = load_graph(case.graph, self._catalog, case.sets)
+            graph = load_graph(case.source, self._catalog, case.sets)
             self._graphs[case.folder] = graph, resolved_yaml(graph, portable_paths=False)
         return self._graphs[case.folder]

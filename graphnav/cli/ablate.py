@@ -50,6 +50,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--one-at-a-time", action="store_true", help="change one axis of the base at a time; else cross"
     )
     parser.add_argument(
+        "--within",
+        action="append",
+        default=[],
+        metavar="AXIS,...",
+        help="axes that are conditions: variants are compared with the base under the same one",
+    )
+    parser.add_argument(
         "--figures",
         action="append",
         default=[],
@@ -119,6 +126,7 @@ def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
         varies=args.varies,
         sets=args.sets,
         figures=args.figures,
+        within=args.within,
         seeds=args.seeds,
         one_at_a_time=args.one_at_a_time,
     )

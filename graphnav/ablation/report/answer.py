@@ -48,7 +48,8 @@ def _facts(material: Material) -> Html:
     shared = sum(bool(case.same_as) for case in plan.cases)
     facts = [
         ("worlds", f"seeds {seeds_text(plan.seeds)}, the same for all variants"),
-        ("graphs", ", ".join(plan.graphs)),
+        ("graphs", ", ".join(plan.sources)),
+        *([("compared under the same", ", ".join(plan.within))] if plan.within else []),
         (
             "variants",
             f"{len(plan.variants)}"

@@ -67,11 +67,12 @@ def scale_of(values: Iterable[float], most_ticks: int = 5) -> Scale:
 def wide_scale_of(values: Iterable[float]) -> Scale:
     """Return the axis of `scale_of`, or a logarithmic one where that would hide all but the greatest values.
 
-    Zeros have no place on a logarithmic axis; they are drawn at its lower end.
+    Zeros have no place on a logarithmic axis; they are drawn at its lower end. What never exceeds 1 is taken for a
+    share, of which small values are small.
     """
     finite = [value for value in values if math.isfinite(value)]
     positive = [value for value in finite if value > 0]
-    if not positive or min(finite) < 0 or max(positive) < _WIDE * min(positive):
+    if not positive or min(finite) < 0 or max(positive) < max(1.0, _WIDE * min(positive)):
         return scale_of(finite)
     powers = range(math.floor(math.log10(min(positive))), math.ceil(math.log10(max(positive))) + 1)
     marks = [mark * 10.0**power for power in powers for mark in (1.0, 3.0)]

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from graphnav.ablation.plan import Case
+from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.lines import HALF, WHOLE, Point, Series, line_chart
 from graphnav.ablation.report.looks import BASE, METHODS
@@ -65,17 +65,32 @@ def _by_axis(material: Material, figures: Sequence[str]) -> Iterator[tuple[str, 
         places = axis_numbers(labels)
         if places is None:
             continue
-        for graph in material.plan.graphs:
-            charts = list(_charts(material, graph, axis, places, figures))
-            if charts:
+        by_graph = _by_graph(material.plan, axis)
+        for graph, cases in by_graph.items():
+            lines = _lines(material.plan, cases, axis)
+            where = f" on {graph}" if len(by_graph) > 1 else ""
+            if charts := list(_charts(material, lines, axis, places, figures, where)):
                 yield f"{axis} on {graph}", charts
 
 
+def _by_graph(plan: Plan, axis: str) -> dict[str, list[Case]]:
+    """Return the cases among which an axis varies and no condition else, by graph and those conditions."""
+    found: dict[str, list[Case]] = {}
+    for case in plan.cases:
+        others = [case.labels[name] for name in plan.within if name != axis]
+        found.setdefault(", ".join([case.source, *others]), []).append(case)
+    return found
+
+
 def _charts(
-    material: Material, graph: str, axis: str, places: Mapping[str, float], figures: Sequence[str]
+    material: Material,
+    lines: Mapping[str, Sequence[Case]],
+    axis: str,
+    places: Mapping[str, float],
+    figures: Sequence[str],
+    where: str,
 ) -> Iterator[Chart]:
     """Yield a chart for every name of a figure: a line for each stage that has it and each choice of other axes."""
-    lines = _lines(material, graph, axis)
     families: dict[str, list[str]] = {}
     for figure in figures:
         families.setdefault(_family(figure), []).append(figure)
@@ -89,17 +104,15 @@ def _charts(
                 colour = (BASE, *METHODS)[len(series) % (1 + len(METHODS))]
                 series.append(Series(", ".join(words), points, colour, is_dashed=special))
         if series:
-            where = f" on {graph}" if len(material.plan.graphs) > 1 else ""
             yield Chart((kin[0] if len(kin) == 1 else name) + where, axis, series)
 
 
-def _lines(material: Material, graph: str, axis: str) -> dict[str, list[Case]]:
+def _lines(plan: Plan, cases: Sequence[Case], axis: str) -> dict[str, list[Case]]:
     """Return the cases of each choice of the other axes, where there are enough for a line."""
     found: dict[str, list[Case]] = {}
-    for case in material.plan.cases:
-        if case.graph == graph:
-            others = ", ".join(label for name, label in case.labels.items() if name != axis)
-            found.setdefault(others, []).append(case)
+    for case in cases:
+        others = ", ".join(label for name, label in case.labels.items() if name not in {axis, *plan.within})
+        found.setdefault(others, []).append(case)
     return {others: cases for others, cases in found.items() if len({case.labels[axis] for case in cases}) >= 3}
 
 

@@ -16,6 +16,7 @@ MakeRecord = Callable[..., Record]
 def case_of(graph: str, variant: str, *, is_base: bool, same_as: str = "") -> Case:
     return Case(
         graph=graph,
+        source=graph,
         variant=variant,
         labels={"plane": variant},
         sets=() if is_base else (f"plane=plane.{variant}",),

@@ -66,6 +66,7 @@ def plan_of(
     cases = tuple(
         Case(
             graph=graph,
+            source=graph,
             variant=variant,
             labels={axis: variant},
             sets=(f"plane={variant}",),

@@ -78,6 +78,7 @@ def test_times_stand_apart(make_plan: MakePlan, make_record: MakeRecord, tmp_pat
     assert dict(zip(header, line, strict=True)) == {
         "graph": "corridor",
         "variant": "affine",
+        "plane": "affine",
         "seed": "1",
         "wall_s": "0.1",
         "stage": "plane",

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -59,6 +60,24 @@ def test_names() -> None:
         "dis + 35",
     ]
     assert [v.name for v in expand(study(FLOW, TILT, one_at_a_time=True))] == ["base", "dis", "35", "20"]
+
+
+def test_within_conditions_every_one_has_its_base() -> None:
+    asked = replace(study(PLANE, axis("tilt", "75", "35"), FLOW), within=("tilt",))
+    variants = expand(asked)
+    assert [(v.condition, v.called, v.is_base) for v in variants[::3]] == [
+        ("75", "ica + lk", True),
+        ("75", "affine + dis", False),
+        ("35", "ica + lk", True),
+        ("35", "affine + dis", False),
+    ]
+    assert {v.name for v in variants} == {v.name for v in expand(replace(asked, within=()))}
+    assert sum(v.is_base for v in variants) == 2
+
+
+def test_two_conditions_cross() -> None:
+    asked = replace(study(axis("tilt", "75", "35"), PLANE, axis("noise", "0", "2")), within=("noise", "tilt"))
+    assert list(dict.fromkeys(v.condition for v in expand(asked))) == ["75 + 0", "75 + 2", "35 + 0", "35 + 2"]
 
 
 def test_names_say_the_axis_where_two_have_the_same_choice() -> None:

@@ -56,6 +56,21 @@ def test_every_graph_with_every_variant_the_base_first(plan: MakePlan) -> None:
     assert made.case("chain", made.variants[3]).labels == {"plane": "judge.blind", "flow.layers": "flow.layers=3"}
 
 
+def test_within_a_condition_the_base_is_its_own(plan: MakePlan) -> None:
+    varies = ("plane=toy.detector,judge.blind", "flow.layers=2,3")
+    made, crossed = (
+        plan(*varies, names=("loop", "chain"), within=["flow.layers"]),
+        plan(*varies, names=("loop", "chain")),
+    )
+    graphs = ("loop, flow.layers=2", "loop, flow.layers=3", "chain, flow.layers=2", "chain, flow.layers=3")
+    assert (made.graphs, made.sources) == (graphs, ("loop", "chain"))
+    assert [(c.graph, c.variant, c.is_base) for c in made.cases] == [
+        (graph, variant, variant == "toy.detector") for graph in graphs for variant in ("toy.detector", "judge.blind")
+    ]
+    assert {c.folder for c in made.cases} == {c.folder for c in crossed.cases}
+    assert [c.swapped for c in made.cases[2:4]] == [(), ("plane",)]
+
+
 def test_a_case_is_the_graph_with_its_sets(plan: MakePlan, judges: Catalog) -> None:
     made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1"], names=("loop", "chain"))
     for case in made.cases:

@@ -45,6 +45,7 @@ def test_places_are_linear_and_end_at_the_ends() -> None:
 
 def test_an_axis_is_logarithmic_where_values_differ_a_hundredfold() -> None:
     assert not wide_scale_of([0.1, 9.9]).is_log
+    assert not wide_scale_of([0.001, 0.99]).is_log
     assert not wide_scale_of([-1.0, 0.01, 10.0]).is_log
     scale = wide_scale_of([0.0, 0.031, math.nan, 10.4]).between(0.0, 300.0)
     assert scale.ticks == pytest.approx((0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0))
