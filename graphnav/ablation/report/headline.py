@@ -39,7 +39,7 @@ def lead(material: Material, figure: str, found: Found) -> Html:
     if sides["better"]:
         clauses.append(f"{_names(sides['better'])} better")
     if sides["mixed"]:
-        clauses.append(f"{_names(sides['mixed'])} better on some graphs and worse on others")
+        clauses.append(f"{_names(sides['mixed'])} better on some {_places(material)} and worse on others")
     if rivals and not clauses:
         clauses.append(f"None of the {len(rivals)} others is better")
     if sides["worse"]:
@@ -85,12 +85,18 @@ def _everywhere(material: Material, figure: str) -> Html:
     graphs, base = material.plan.graphs, material.plan.base
     found = {graph: of for graph in graphs if (of := material.estimate(graph, base, figure)) is not None}
     if len(found) > _MOST_NAMES:
-        return f"{means_text([of.mean for of in found.values()])} on {len(found)} graphs"
+        return f"{means_text([of.mean for of in found.values()])} on {len(found)} {_places(material)}"
     said = [
         estimated(of.mean, of.low, of.high) + (f" on {esc(graph)}" if len(graphs) > 1 else "")
         for graph, of in found.items()
     ]
     return ", ".join(said) or "in no run yet"
+
+
+def _places(material: Material) -> str:
+    """Return what tells the tables of a study apart."""
+    plan = material.plan
+    return "graphs" if not plan.within else "conditions" if len(plan.sources) == 1 else "graphs and conditions"
 
 
 def name(variant: str) -> Html:

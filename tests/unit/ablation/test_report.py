@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,22 @@ def test_many_graphs_and_methods_are_told_in_short(tmp_path: Path) -> None:
     text = page(plan, records_of(plan, SHARES), tmp_path).text
     assert "ica has drive.success 0.90 on 7 graphs." in text
     assert "Worse than the base bad −0.80 For scale" in text
+
+
+def test_conditions_have_tables_of_their_own_and_lines_run_across_them(tmp_path: Path) -> None:
+    speeds = [f"{number} m/s" for number in range(1, 5)]
+    crossed = plan_of(ROLES, graphs=[f"corridor, {speed}" for speed in speeds])
+    cases = tuple(
+        replace(case, source="corridor", labels={**case.labels, "speed": case.graph.partition(", ")[2]})
+        for case in crossed.cases
+    )
+    plan = replace(crossed, cases=cases, axes={**crossed.axes, "speed": tuple(speeds)}, within=("speed",))
+    found = page(plan, records_of(plan, SHARES), tmp_path)
+    assert "ica has drive.success 0.90 on 4 conditions." in found.text
+    assert "graphs corridor compared under the same speed" in found.text
+    assert all(graph in found.text for graph in plan.graphs)
+    chart = found.text.partition("decides")[2].partition("corridor, 1 m/s")[0]
+    assert all(f"{variant}: " in chart and f" at {number}" in chart for variant in ROLES for number in range(1, 5))
 
 
 def test_a_control_that_is_as_good_as_the_base_is_on_the_first_screen(tmp_path: Path) -> None:
