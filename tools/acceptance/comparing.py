@@ -27,10 +27,10 @@ def controls_item(seeds: Sequence[int], jobs: int) -> bool:
     checks = [
         *(
             _share(steering, graph, {"steer": steer}, "failed", 0.9)
-            for graph in ("corridor_ccw", "pillars")
+            for graph in DRIVES
             for steer in ("forward", "random")
         ),
-        *(_share(steering, graph, {"steer": "oracle"}, "arrived", 0.98) for graph in ("corridor_ccw", "pillars")),
+        *(_share(steering, graph, {"steer": "oracle"}, "arrived", 0.98) for graph in DRIVES),
     ]
     detectors = study("detectors", seeds, jobs)
     at = {"planar": "planar.motion"}
