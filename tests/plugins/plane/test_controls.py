@@ -25,7 +25,7 @@ def scored(plane: Plane, obstacle: Cells) -> dict[str, float]:
     stage = score.Plane()
     stage.reset(0)
     shape = obstacle.shape
-    flow_px = np.zeros((*shape, 2), np.float32)
+    flow_px = np.ones((*shape, 2), np.float32)
     depth_m = np.ones(shape, np.float32)
     stage.step(
         plane,
