@@ -17,6 +17,7 @@ from graphnav.errors import GraphnavError, UserError
 from graphnav.runner.recorded import SUMMARY
 
 PLAN = "plan.json"
+RUNS = "runs"
 LOCK = ".lock"
 SCRATCH = ".scratch"
 _OURS = {LOCK, SCRATCH, f".{PLAN}"}
@@ -70,7 +71,9 @@ class StudyFolder:
         """
         written = self.path / PLAN
         if written.exists():
-            check_same(read_plan(self.path), plan, self.path)
+            old = read_plan(self.path)
+            if (self.path / RUNS).exists():
+                check_same(old, plan, self.path)
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir()
         unfinished = self.path / f".{PLAN}"

@@ -6,18 +6,20 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from graphnav.ablation.execute import perform_all
-from graphnav.ablation.folder import StudyFolder
+from graphnav.ablation.folder import RUNS, StudyFolder
 from graphnav.ablation.plan import Case, Job, Plan
 from graphnav.ablation.records import Record, read_record
 from graphnav.ablation.tasks import Tasks
+from graphnav.ablation.work import NOT_DRAWN
 from graphnav.ablation.workers import Workers
 from graphnav.record import LOG
 from graphnav.runner import Outcome
 from graphnav.runner.recorded import SUMMARY
 
-RUNS, FAILURES = "runs", "failures"
+FAILURES = "failures"
 _WORST = (Outcome.CONTACT, Outcome.FAILED, Outcome.TIMEOUT)
 """A failure that is hard to explain by its summary comes first."""
+_CHANGED = "not the same again"
 _OF_CONTROLS = 1
 """Controls fail by design: one picture shows how."""
 
@@ -59,9 +61,10 @@ def worst_failures(plan: Plan, records: Iterable[Record], each: int) -> list[Job
 
 
 def undrawn(jobs: Iterable[Job], folder: StudyFolder, *, keep_logs: bool) -> list[Job]:
-    """Return the failures that are still to be drawn."""
+    """Return the failures that are still to be drawn, those among them that could not be."""
     wanted = LOG if keep_logs else SUMMARY
-    return [job for job in jobs if not (folder.path / failure_folder(job.case, job.seed) / wanted).is_file()]
+    places = {folder.path / failure_folder(job.case, job.seed): job for job in jobs}
+    return [job for at, job in places.items() if not (at / wanted).is_file() or (at / NOT_DRAWN).is_file()]
 
 
 def draw_failures(
@@ -73,24 +76,29 @@ def draw_failures(
     *,
     keep_logs: bool,
 ) -> list[str]:
-    """Run failures again, draw them, keep the pictures; return what did not end as it had, which should be nothing."""
+    """Run failures again, draw them, keep the pictures; return what is to be said, which should be nothing.
+
+    That is what did not end as it had, and what could not be drawn.
+    """
     wanted = {failure_folder(job.case, job.seed): job for job in jobs}
     again = (
         replace(tasks.task(job), folder=place, record="all", draws=True, keeps_log=keep_logs)
         for place, job in wanted.items()
     )
-    changed = []
+    said = []
     for result in perform_all(again, workers):
         place, job = result.task.folder, wanted[result.task.folder]
         if result.died:
-            changed.append(f"{job.folder}: its process died when it was run again with everything recorded")
+            said.append(f"{_CHANGED}: {job.folder}: its process died when it was run again with everything recorded")
         else:
             folder.keep(place, result.files)
             before, after = (_ending(folder, job, where) for where in (job.folder, place))
             if before != after:
-                changed.append(f"{job.folder}: {before}, but {after} when it was run again")
+                said.append(f"{_CHANGED}: {job.folder}: {before}, but {after} when it was run again")
+            if why := result.files.get(NOT_DRAWN):
+                said.append(f"not drawn: {job.folder}: {why.decode()}")
         on_made(Outcome.FAILED if result.died else result.outcome)
-    return changed
+    return said
 
 
 def _ending(folder: StudyFolder, job: Job, place: str) -> str:

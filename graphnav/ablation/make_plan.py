@@ -9,6 +9,7 @@ from graphnav.ablation.checked_case import Checked, check_cases, stage_classes
 from graphnav.ablation.conflicts import conflicts
 from graphnav.ablation.expand import Variant, expand
 from graphnav.ablation.findings import Findings
+from graphnav.ablation.folder import RUNS
 from graphnav.ablation.folder_names import folder_names
 from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.plan_figures import less_is_better, plan_figures
@@ -75,7 +76,7 @@ def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[Checke
             sets=case.sets,
             is_base=case.variant.is_base,
             role=case.role,
-            folder=f"runs/{of_graph[case.name]}/{of_variant[same.variant.name]}",
+            folder=f"{RUNS}/{of_graph[case.name]}/{of_variant[same.variant.name]}",
             same_as="" if same is case else same.variant.called,
             uses=case.uses,
             swapped=tuple(stage for stage, use in case.uses.items() if before.get(stage) != use),

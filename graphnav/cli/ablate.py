@@ -25,6 +25,13 @@ stopped or killed goes on when the same command is given again, and more seeds a
 """
 
 
+_OF_RUNS = (
+    ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--figures", "figures"),
+    ("--one-at-a-time", "one_at_a_time"), ("--plugin", "plugins"), ("--cluster", "cluster"),
+)  # fmt: skip
+"""Options that only a study that runs takes, and what the arguments call them."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.epilog = _ABOUT
@@ -100,6 +107,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.ablation.folder import read_plan  # noqa: PLC0415
     from graphnav.cli.study_output import write_outputs, write_pairing  # noqa: PLC0415
 
+    _refuse_mixtures(args)
     console = Console(highlight=False, soft_wrap=True)
     if args.compare:
         first, second = args.compare
@@ -113,6 +121,19 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
     catalog = catalog_of(args)
     return _study(_plan(args, catalog), catalog, args, console)
+
+
+def _refuse_mixtures(args: argparse.Namespace) -> None:
+    """Raise UserError where --report or --compare stands beside what only a study that runs takes."""
+    chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
+    if not chosen:
+        return
+    given = [*args.names, *(option for option, name in _OF_RUNS if getattr(args, name)), *chosen[1:]]
+    if args.report and args.folder:
+        given.append("-o")
+    if given:
+        what = f"{chosen[0]} takes a study as it is; {', '.join(given)} would change nothing"
+        raise UserError.of(what, f"leave {'it' if len(given) == 1 else 'them'} out")
 
 
 def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:

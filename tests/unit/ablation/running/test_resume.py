@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from graphnav.ablation.folder import read_plan
+from graphnav.cli import main
 
 Wait = Callable[[Callable[[], object]], None]
 
@@ -79,6 +80,32 @@ def test_another_study_is_refused(study: Any, capsys: pytest.CaptureFixture[str]
     said = refused(study, capsys, "--set", "run.until_s=7")
     what = f"toy with robot.odd=fine has changed since its runs in {study.out} were made"
     assert said == f"{what}: 'until_s: 5.0' was, 'until_s: 7.0' is\n{hint}"
+
+
+def test_a_plan_without_a_run_gives_way(study: Any) -> None:
+    study.run(seeds="0:1")
+    shutil.rmtree(study.out / "runs")
+    assert study.run(vary="robot.odd=contact,fine", seeds="0:1") == 0
+    assert len(study.runs) == 2
+
+
+def test_a_figure_that_no_run_says_is_named(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert study.run("--figures", "drive.way_m,drive.wai_m", seeds="0:1") == 0
+    assert "no run says the figure 'drive.wai_m'\n  did you mean 'drive.way_m'?\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--report", "out", "--figures", "a.b"], "--report takes a study as it is; --figures would change nothing"),
+        (["toy", "--report", "out", "-o", "x"], "--report takes a study as it is; toy, -o would change nothing"),
+        (["--compare", "a", "b", "--seeds", "0:1"], "--compare takes a study as it is; --seeds would change nothing"),
+        (["--report", "out", "--compare", "a", "b"], "--report takes a study as it is; --compare would change nothing"),
+    ],
+)
+def test_what_would_change_nothing_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["ablate", *words]) == 2
+    assert capsys.readouterr().err.startswith(f"{said}\n  leave ")
 
 
 def test_a_plugin_that_has_changed_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
