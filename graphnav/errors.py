@@ -95,6 +95,10 @@ class LogError(GraphnavError):
     """A log could not be written or read."""
 
 
+class DrawingError(GraphnavError):
+    """A plugin that draws raised; what it drew from is whole. One line."""
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return the hint that proposes the known word nearest to ``word``, empty if none is near."""
     near = difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.6)

@@ -11,15 +11,17 @@ from typing import Literal
 
 from graphnav.ablation.provenance import difference_here
 from graphnav.catalog import Catalog
-from graphnav.errors import GraphnavError, LogError, StageError, UserError
+from graphnav.errors import DrawingError, GraphnavError, LogError, StageError, UserError
 from graphnav.graph import Graph, graph_of
 from graphnav.record import LOG, Recording
-from graphnav.report.pictures import draw_pictures
+from graphnav.report.pictures import draw_pictures, drawing
 from graphnav.runner import Outcome
 from graphnav.runner.recorded import run_recorded
 
 ENDING = "end.png"
 """The picture of how a run ended: the map, and the panels of the last frame."""
+NOT_DRAWN = "not_drawn.txt"
+"""Why pictures are missing, in one line; only where some are."""
 
 
 @dataclass(frozen=True)
@@ -80,13 +82,27 @@ def _perform(task: Task, scratch: Path) -> Result:
     if summary.outcome == Outcome.STOPPED:
         return Result(task, {}, trouble=f"a process on {platform.node()} was told to stop")
     if task.draws and summary.frames:
-        draw_pictures(catalog, scratch / LOG, scratch, video=False)
-        with Recording(scratch / LOG) as recording:
-            catalog.hook.graphnav_draw_end(recording=recording, file=scratch / ENDING)
+        _draw(catalog, scratch)
     if not task.keeps_log:
         (scratch / LOG).unlink()
     files = {path.name: path.read_bytes() for path in sorted(scratch.iterdir())}
     return Result(task, files, outcome=summary.outcome)
+
+
+def _draw(catalog: Catalog, scratch: Path) -> None:
+    """Draw a run and its end; a picture that a plugin cannot draw costs no other."""
+    errors = []
+    try:
+        draw_pictures(catalog, scratch / LOG, scratch, video=False)
+    except DrawingError as error:
+        errors.append(str(error))
+    try:
+        with Recording(scratch / LOG) as recording, drawing():
+            catalog.hook.graphnav_draw_end(recording=recording, file=scratch / ENDING)
+    except DrawingError as error:
+        errors.append(str(error))
+    if errors:
+        (scratch / NOT_DRAWN).write_text("; ".join(dict.fromkeys(errors)), encoding="utf-8")
 
 
 def _graph(task: Task, catalog: Catalog) -> Graph:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.errors import UserError
+from graphnav.errors import DrawingError, UserError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -83,6 +83,11 @@ def main(args: argparse.Namespace) -> int:
     elif not args.no_pictures and summary.frames:
         try:
             files += [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
+        except DrawingError as error:
+            print(f"not drawn: {error}", file=sys.stderr)
+            if args.verbose:
+                traceback.print_exception(error.__cause__)
+            files = [*files, *sorted(path.name for path in folder.iterdir() if path.name not in files)]
         except KeyboardInterrupt:
             print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
             raise

@@ -68,12 +68,12 @@ def make_missing(
 def draw_worst(
     plan: Plan, tasks: Tasks, folder: StudyFolder, workers: Workers, console: Console, *, each: int, keep_logs: bool
 ) -> None:
-    """Draw the worst failures that are not drawn, and say so where one does not happen again."""
+    """Draw the worst failures that are not drawn, and say so where one does not happen again or cannot be drawn."""
     chosen = worst_failures(plan, read_records(plan, folder.path), each)
     jobs = undrawn(chosen, folder, keep_logs=keep_logs)
     with study_bar(Console(stderr=True), "failures", len(chosen) - len(jobs), len(chosen)) as on_made:
         for line in draw_failures(jobs, tasks, folder, workers, on_made, keep_logs=keep_logs):
-            console.print(f"not the same again: {line}", markup=False)
+            console.print(line, markup=False)
 
 
 def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:

@@ -11,10 +11,10 @@ from graphnav.ablation.report.html import Html, esc, tag
 from graphnav.ablation.report.looks import chips, colours_of
 from graphnav.ablation.report.material import Material
 from graphnav.ablation.report.pictures import embedded
-from graphnav.errors import GraphnavError
+from graphnav.errors import DrawingError, GraphnavError
 from graphnav.record import Recording
 from graphnav.record.find import LOG
-from graphnav.report.pictures import DRAWING_FAMILY
+from graphnav.report.pictures import DRAWING_FAMILY, drawing
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
@@ -80,6 +80,8 @@ def _map(material: Material, graph: str, seed: int, runs: Sequence[Record], colo
     file = material.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
     try:
         drawn = _drawn(material, runs, colours, file)
+    except DrawingError as error:
+        return tag("p", f"World {seed} of {esc(graph)} cannot be drawn: {esc(str(error))}", class_="note warn")
     except GraphnavError:  # a log that cannot be read shows no path
         drawn = None
     if drawn is None:
@@ -101,7 +103,8 @@ def _drawn(material: Material, runs: Sequence[Record], colours: dict[str, str], 
         if not recordings:
             return None
         file.parent.mkdir(parents=True, exist_ok=True)
-        drawn: Path | None = material.catalog.hook.graphnav_draw_paths(
-            recordings=recordings, colours=colours, file=file
-        )
+        with drawing():
+            drawn: Path | None = material.catalog.hook.graphnav_draw_paths(
+                recordings=recordings, colours=colours, file=file
+            )
         return drawn

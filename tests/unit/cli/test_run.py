@@ -134,3 +134,26 @@ def test_why_a_run_failed_is_said_even_if_it_cannot_be_drawn(
     told = capsys.readouterr().err.splitlines()
     assert told[0] == "stage 'c' (drawn.fails) failed at 0.10 s: worn out"
     assert told[1] == said.format(out=out)
+
+
+@pytest.mark.parametrize(("more", "has_traceback"), [([], False), (["-v"], True)])
+def test_a_picture_that_cannot_be_drawn_costs_nothing_else(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], has_traceback: bool
+) -> None:
+    (tmp_path / "drawn.py").write_text(PLUGIN + DRAWS_HALF)
+    graph, out = tmp_path / "graph.yaml", tmp_path / "out"
+    graph.write_text("run: {until_s: 0.9}\nstages:\n  c: {use: scored.still}\n")
+    assert main(["run", str(graph), "--plugin", str(tmp_path / "drawn.py"), "--no-tap", "-o", str(out), *more]) == 0
+    told = capsys.readouterr()
+    assert told.err.startswith("not drawn: ValueError: zero size, in two lines\n")
+    assert ("Traceback" in told.err, told.err.count("\n") > 1) == (has_traceback, has_traceback)
+    assert told.out.endswith(f"{out}: run.lcmlog, graph.yaml, summary.json, first.png\n")
+
+
+DRAWS_HALF = """
+
+@hookimpl
+def graphnav_draw(recording, folder, video):
+    (folder / "first.png").write_bytes(b"drawn")
+    raise ValueError("zero size,\\nin two lines")
+"""

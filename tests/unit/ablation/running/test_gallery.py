@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -92,3 +93,36 @@ def test_a_control_is_shown_once(study: Any, plan: Plan) -> None:
     ]
     with StudyFolder(study.out) as folder:
         assert undrawn(chosen, folder, keep_logs=False) == chosen
+
+
+DRAWS_BADLY = """
+
+@hookimpl
+def graphnav_draw(recording, folder, video):
+    (folder / "first.png").write_bytes(b"drawn")
+    return [folder / "first.png"]
+
+
+@hookimpl
+def graphnav_draw_end(recording, file):
+    raise ValueError("zero size,\\nin two lines")
+
+
+@hookimpl
+def graphnav_draw_paths(recordings, colours, file):
+    raise ValueError("no <path>")
+"""
+
+
+def test_a_picture_that_cannot_be_drawn_costs_nothing_else(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    plugin = Path(study.plugin)
+    plugin.write_text(plugin.read_text() + DRAWS_BADLY)
+    said = "not drawn: runs/toy/robot.odd=contact/0: ValueError: zero size, in two lines\n"
+    for _ in range(2):  # the same command tries again
+        assert study.run("--gallery", "1") == 0
+        assert said in capsys.readouterr().out
+        assert len(study.rows) == 8
+        assert (study.out / "table.md").is_file()
+        report = (study.out / "report.html").read_text()
+        assert "World 0 of toy cannot be drawn: ValueError: no &lt;path&gt;" in report
+        assert (study.out / FAILURES[0] / "first.png").read_bytes() == b"drawn"
