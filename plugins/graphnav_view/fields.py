@@ -36,7 +36,7 @@ def draw_potential(axes: Axes, frame: Frame) -> str:
         interpolation="bilinear",
         aspect="auto",
     )
-    if high - low > 1e-6:
+    if high - low > 1e-6 and min(values.shape) > 1:
         rows, cols = values.shape
         x = (np.arange(cols) + 0.5) * potential.step_px - 0.5
         y = (np.arange(rows) + 0.5) * potential.step_px - 0.5
@@ -60,7 +60,7 @@ def draw_gradient(axes: Axes, frame: Frame) -> str:
     picked = (slice(every // 2, rows, every), slice(every // 2, cols, every))
     at = (np.mgrid[picked] + 0.5) * potential.step_px - 0.5
     away = -potential.gradient[picked]
-    most = float(np.hypot(away[..., 0], away[..., 1]).max())
+    most = float(np.hypot(away[..., 0], away[..., 1]).max(initial=0.0))  # a field may be too small for any arrow
     if most > 0:
         axes.quiver(
             at[1],
