@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 from graphnav.cli.options import add_graph_options, add_run_options, load
-from graphnav.cli.status import FAILED, OK
+from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import UserError
 
 
@@ -31,6 +31,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.codec import encode  # noqa: PLC0415
     from graphnav.messages import PlanarModel  # noqa: PLC0415
     from graphnav.record import LOG, LogWriter, Recording  # noqa: PLC0415
+    from graphnav.runner import Outcome  # noqa: PLC0415
     from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
 
     if args.model.exists() and not args.force:
@@ -49,6 +50,9 @@ def main(args: argparse.Namespace) -> int:
         if summary.failure:
             print(summary.failure, file=sys.stderr)
             return FAILED
+        if summary.outcome == Outcome.STOPPED:
+            print(f"stopped: teaching was not over, and nothing is written to {args.model}", file=sys.stderr)
+            return INTERRUPTED
         with Recording(Path(scratch) / LOG) as recording:
             if not recording.count(channel):
                 raise UserError.of(f"{graph.path} published no planar model", "let it run longer with --until")

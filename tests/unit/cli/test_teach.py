@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sysconfig
+import time
 from pathlib import Path
 
 import pytest
@@ -10,6 +15,7 @@ from graphnav import PlanarModel, Recording
 from graphnav.cli import main
 
 TEACH = ["teach", "teach_downward", "--set", "teach.terms=[v]", "--set", "teach.every_frames=5"]
+GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 
 def test_the_last_model_is_saved_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -40,3 +46,28 @@ def test_too_short_a_drive_teaches_nothing_and_says_so(tmp_path: Path, capsys: p
 def test_a_graph_without_a_teacher_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["teach", "approach", "-o", str(tmp_path / "model.lcmlog")]) == 2
     assert "has 0 channels with a planar model, but teaching needs one" in capsys.readouterr().err
+
+
+def test_ctrl_c_saves_no_model_that_is_half_taught(tmp_path: Path) -> None:
+    path, scratch = tmp_path / "model.lcmlog", tmp_path / "scratch"
+    path.write_text("precious")
+    scratch.mkdir()
+    command = [str(GRAPHNAV), *TEACH, "--until", "1e6", "--force", "-o", str(path)]
+    pipe, env = subprocess.PIPE, os.environ | {"TMPDIR": str(scratch)}
+    teaching = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True, env=env)
+    deadline = time.monotonic() + 60
+    while teaching.poll() is None and time.monotonic() < deadline and not has_model(scratch):
+        os.sched_yield()
+    os.killpg(teaching.pid, signal.SIGINT)
+    assert teaching.communicate(timeout=60) == (
+        "",
+        f"stopped: teaching was not over, and nothing is written to {path}\n",
+    )
+    assert teaching.returncode == 130
+    assert path.read_text() == "precious"
+    assert list(scratch.iterdir()) == []
+
+
+def has_model(scratch: Path) -> bool:
+    """Return whether the log of what is taught has a model: it is far larger than anything else in it."""
+    return any(log.stat().st_size > 20_000 for log in scratch.glob("*/run.lcmlog"))
