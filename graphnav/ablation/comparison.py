@@ -82,6 +82,10 @@ class Comparison:
 
     rows: tuple[Row, ...]
 
+    def says(self, figure: str) -> bool:
+        """Return whether any run has a figure."""
+        return any(figure in row.estimates for row in self.rows)
+
     def of_graph(self, graph: str) -> tuple[Row, ...]:
         """Return the rows of one graph."""
         return tuple(row for row in self.rows if row.case.graph == graph)

@@ -11,16 +11,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from graphnav.ablation.plan import Plan
+from graphnav.ablation.plan import RUNS, Plan
 from graphnav.ablation.sameness import check_same
 from graphnav.errors import GraphnavError, UserError
 from graphnav.runner.recorded import SUMMARY
 
 PLAN = "plan.json"
-RUNS = "runs"
 LOCK = ".lock"
 SCRATCH = ".scratch"
-_OURS = {LOCK, SCRATCH, f".{PLAN}"}
+_OURS = {LOCK, SCRATCH}
 """What there may be before the plan is."""
 
 _ELSEWHERE = "choose another folder with -o"
@@ -76,7 +75,7 @@ class StudyFolder:
                 check_same(old, plan, self.path)
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir()
-        unfinished = self.path / f".{PLAN}"
+        unfinished = self.scratch / PLAN
         plan.write(unfinished)
         unfinished.replace(written)
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from graphnav.ablation.execute import perform_all
-from graphnav.ablation.folder import RUNS, StudyFolder
-from graphnav.ablation.plan import Case, Job, Plan
+from graphnav.ablation.folder import StudyFolder
+from graphnav.ablation.plan import RUNS, Case, Job, Plan
 from graphnav.ablation.records import Record, read_record
 from graphnav.ablation.tasks import Tasks
 from graphnav.ablation.work import NOT_DRAWN

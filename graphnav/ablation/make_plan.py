@@ -9,9 +9,8 @@ from graphnav.ablation.checked_case import Checked, check_cases, stage_classes
 from graphnav.ablation.conflicts import conflicts
 from graphnav.ablation.expand import Variant, expand
 from graphnav.ablation.findings import Findings
-from graphnav.ablation.folder import RUNS
 from graphnav.ablation.folder_names import folder_names
-from graphnav.ablation.plan import Case, Plan
+from graphnav.ablation.plan import RUNS, Case, Plan
 from graphnav.ablation.plan_figures import less_is_better, plan_figures
 from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog

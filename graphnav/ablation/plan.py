@@ -14,6 +14,9 @@ from graphnav.stage import Role
 
 Better = Literal["more", "less"]
 
+RUNS = "runs"
+"""Where runs are, below the study's folder."""
+
 
 @dataclass(frozen=True)
 class Case:

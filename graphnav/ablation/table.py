@@ -44,14 +44,6 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
                 console.print(Text(line, style="red"), soft_wrap=True)
 
 
-def unknown_figures(comparison: Comparison, plan: Plan) -> tuple[str, ...]:
-    """Return the figures that the study asks for and no run says, once there is a run."""
-    if not any(row.runs for row in comparison.rows):
-        return ()
-    said = {figure for row in comparison.rows for figure in row.estimates}
-    return tuple(figure for figure in plan.figures if figure not in said)
-
-
 def print_pairing(console: Console, pairing: Pairing) -> None:
     """Print what became of each variant from the first study to the second, and what cannot be compared."""
     figures = tuple(pairing.figures)[:DECIDING]

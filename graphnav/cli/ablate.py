@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 _ABOUT = """\
 A study is a YAML file, the name of one that ships, or graphs and --vary. Its folder keeps every run: a study that was
-stopped or killed goes on when the same command is given again, and more seeds add runs to those that are there.
+stopped or killed goes on when the same command is given again, and a longer range of seeds adds runs to those that
+are there.
 """
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from graphnav.ablation.comparison import compare
-from graphnav.ablation.csv_files import RESULTS, TIMING, write_results, write_timing
+from graphnav.ablation.csv_files import RESULTS, TIMING, figure_columns, write_results, write_timing
 from graphnav.ablation.folder import read_plan
 from graphnav.ablation.markdown import TABLE, table_markdown
 from graphnav.ablation.pair_studies import pair_studies
@@ -15,7 +15,7 @@ from graphnav.ablation.pairing_markdown import pairing_markdown
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import read_records
 from graphnav.ablation.report import write_report
-from graphnav.ablation.table import print_comparison, print_pairing, unknown_figures
+from graphnav.ablation.table import print_comparison, print_pairing
 from graphnav.ablation.whole_file import write_whole
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError, did_you_mean
@@ -38,10 +38,10 @@ def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) 
     write_whole(folder / TABLE, table_markdown(plan, comparison))
     report = write_report(plan, comparison, records, folder, catalog)
     print_comparison(console, comparison, plan)
-    for figure in unknown_figures(comparison, plan):
-        known = sorted({name for record in records for name in record.figures})
-        near = did_you_mean(figure, known) or "table.md of a study without 'figures' has them all"
-        console.print(f"no run says the figure '{figure}'\n  {near}", style="yellow", markup=False)
+    for figure in plan.figures if records else ():
+        if not comparison.says(figure):
+            hint = did_you_mean(figure, figure_columns(plan, records)) or f"{RESULTS} has them all"
+            console.print(f"no run says the figure '{figure}'\n  {hint}", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
     console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {report.name}", markup=False)

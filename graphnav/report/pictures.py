@@ -39,9 +39,11 @@ def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> 
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Let a plugin draw: whatever it raises becomes a DrawingError, but for a disk that refuses."""
+    """Let a plugin draw: whatever it raises becomes a DrawingError, but for a disk that refuses or a damaged log."""
     try:
         yield
+    except GraphnavError:
+        raise
     except Exception as error:
         if isinstance(error, OSError) and error.errno in _REFUSED:
             raise

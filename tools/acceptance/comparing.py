@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from acceptance.drives import GRAPHNAV, say, wilson
-from graphnav.ablation.statistics import bootstrap
+from acceptance.drives import GRAPHNAV, say
+from graphnav.ablation.statistics import bootstrap, wilson
 
 Run = dict[str, str]
 
@@ -36,7 +36,7 @@ def controls_item(seeds: Sequence[int], jobs: int) -> bool:
     at = {"planar": "planar.motion"}
     for graph in DRIVES:
         found = sorted(set(_figures(detectors, graph, {**at, "plane": "plane.all_ground"}, "sight.auroc").tolist()))
-        checks.append(_said(found == [0.5], f"{graph}: plane.all_ground scores AUROC {found}, exactly 0.5"))
+        checks.append(_said(f"{graph}: plane.all_ground scores AUROC {found}, exactly 0.5", good=found == [0.5]))
         prior = _figures(detectors, graph, {**at, "plane": "plane.row_prior"}, "sight.auroc")
         say(f"     {graph}: plane.row_prior scores AUROC {np.mean(prior):.3f} (the prior's)")
         for plane in _values(detectors, "plane") - {"plane.truth"}:
@@ -92,23 +92,25 @@ def _figures(runs: Iterable[Run], graph: str, labels: dict[str, str], figure: st
 
 def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, least: float) -> bool:
     """Say in how many worlds the drive arrived without contact, or failed to."""
+    who = f"{graph}: {' + '.join(labels.values())}"
     ends = [run["outcome"] == "goal" for run in _chosen(runs, graph, labels)]
+    if not ends:
+        return _said(f"{who}: there is no run", good=False)
     count = sum(ends) if what == "arrived" else len(ends) - sum(ends)
     low, high = wilson(count, len(ends))
-    text = f"{graph}: {' + '.join(labels.values())} {what} in {count} of {len(ends)} worlds [{low:.2f}, {high:.2f}]"
-    return _said(bool(ends) and count >= least * len(ends), f"{text}, at least {least:g}")
+    text = f"{who} {what} in {count} of {len(ends)} worlds [{low:.2f}, {high:.2f}], at least {least:g}"
+    return _said(text, good=count >= least * len(ends))
 
 
 def _bounded(what: str, values: npt.NDArray[np.float64], bound: npt.NDArray[np.float64]) -> bool:
     """Say whether the paired difference from what bounds it is not plainly above zero (95 %, bootstrap over worlds)."""
-    both = ~np.isnan(values) & ~np.isnan(bound)
-    difference = values[both] - bound[both]
+    difference = (values - bound)[~np.isnan(values - bound)]
     if not len(difference):
-        return _said(bool(len(difference)), f"{what}: no world has the figure")
+        return _said(f"{what}: no world has the figure", good=False)
     low, high = bootstrap(difference)
-    return _said(low <= 0.0, f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]")
+    return _said(f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]", good=low <= 0.0)
 
 
-def _said(good: bool, text: str) -> bool:  # noqa: FBT001 - the verdict and its words
+def _said(text: str, *, good: bool) -> bool:
     say(f"{'ok  ' if good else 'MISS'} {text}")
     return good

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import subprocess
 import sys
 import sysconfig
@@ -68,16 +67,6 @@ def drive_all(graph: str, seeds: Sequence[int], sets: Sequence[str] = (), jobs: 
     with ThreadPoolExecutor(jobs) as pool:
         summaries = tuple(pool.map(lambda seed: drive(graph, seed, sets), seeds))
     return Drives(graph, tuple(sets), tuple(seeds), summaries)
-
-
-def wilson(successes: int, count: int, z: float = 1.96) -> tuple[float, float]:
-    """Return the 95 % interval of a share (Wilson's score interval)."""
-    if not count:
-        return 0.0, 1.0
-    share = successes / count
-    centre = (share + z * z / (2 * count)) / (1 + z * z / count)
-    half = z / (1 + z * z / count) * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
-    return centre - half, centre + half
 
 
 def say(text: str) -> None:

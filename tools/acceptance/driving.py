@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from acceptance.drives import Drives, drive_all, say, wilson
+from acceptance.drives import Drives, drive_all, say
+from graphnav.ablation.statistics import wilson
 
 DRAWS = 10_000
 LEAST_SHARE = 0.95

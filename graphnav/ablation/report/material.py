@@ -28,7 +28,7 @@ class Material:
     def figures(self) -> tuple[str, ...]:
         """The columns of the tables that some run has, or all columns while no run is there."""
         every = [figure.text for figure in table_figures(self.plan, self.records)]
-        found = [name for name in every if any(name in row.estimates for row in self.comparison.rows)]
+        found = [name for name in every if self.comparison.says(name)]
         return tuple(found or every)
 
     @property
