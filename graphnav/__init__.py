@@ -4,6 +4,8 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from graphnav.adapter import Adapter
+    from graphnav.continuity import Continuity
     from graphnav.errors import (
         DeclarationError,
         GraphnavError,
@@ -20,25 +22,31 @@ if TYPE_CHECKING:
         About,
         Flow,
         Goal,
+        GuardState,
         Image,
         Map,
         Message,
         Motion,
+        Odometry,
         Planar,
         PlanarModel,
         Plane,
         Potential,
         State,
+        Status,
         Steering,
+        Stop,
         Truth,
         Twist,
     )
     from graphnav.record import Recording
-    from graphnav.stage import Finished, Latest, Role, Source, Stage, Stamp, param
+    from graphnav.stage import Age, Finished, Latest, Role, Since, Source, Stage, Stamp, Stamped, param
 
 __version__ = "0.1.0"
 
 _HOMES = {
+    "graphnav.adapter": ("Adapter",),
+    "graphnav.continuity": ("Continuity",),
     "graphnav.errors": (
         "DeclarationError",
         "GraphnavError",
@@ -55,36 +63,45 @@ _HOMES = {
         "About",
         "Flow",
         "Goal",
+        "GuardState",
         "Image",
         "Map",
         "Message",
         "Motion",
+        "Odometry",
         "Planar",
         "PlanarModel",
         "Plane",
         "Potential",
         "State",
+        "Status",
         "Steering",
+        "Stop",
         "Truth",
         "Twist",
     ),
     "graphnav.record": ("Recording",),
-    "graphnav.stage": ("Finished", "Latest", "Role", "Source", "Stage", "Stamp", "param"),
+    "graphnav.stage": ("Age", "Finished", "Latest", "Role", "Since", "Source", "Stage", "Stamp", "Stamped", "param"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [
     "About",
+    "Adapter",
+    "Age",
+    "Continuity",
     "DeclarationError",
     "Finished",
     "Flow",
     "Goal",
     "GraphnavError",
+    "GuardState",
     "Image",
     "Latest",
     "Map",
     "Message",
     "Motion",
+    "Odometry",
     "ParamError",
     "Place",
     "Planar",
@@ -94,11 +111,15 @@ __all__ = [
     "Problem",
     "Recording",
     "Role",
+    "Since",
     "Source",
     "Stage",
     "Stamp",
+    "Stamped",
     "State",
+    "Status",
     "Steering",
+    "Stop",
     "Truth",
     "Twist",
     "UserError",

@@ -187,7 +187,7 @@ class Catalog:
 def _check_declaration(cls: type[Stage], origin: str) -> None:
     try:
         params_of(cls)
-        plain = [port.name for port in ports_of(cls).inputs if not port.latest]
+        plain = [port.name for port in ports_of(cls).inputs if port.is_plain]
     except DeclarationError as error:
         raise CatalogError(f"{origin}: {error}") from error
     if issubclass(cls, Source) and plain:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pluggy
 
+from graphnav.adapter import Adapter
 from graphnav.stage import Stage
 
 if TYPE_CHECKING:
@@ -22,6 +23,11 @@ hookimpl = pluggy.HookimplMarker(PROJECT)
 @hookspec
 def graphnav_stages() -> list[type[Stage]]:  # type: ignore[empty-body]
     """Return the stage classes of a plugin; the entry point's name is their family."""
+
+
+@hookspec
+def graphnav_adapters() -> list[Adapter]:  # type: ignore[empty-body]
+    """Return the adapters of a plugin between LCM types of other packages and messages of ours."""
 
 
 @hookspec

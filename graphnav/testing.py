@@ -76,7 +76,7 @@ def _check_declaration(cls: type[Stage]) -> None:
     _require(is_written, cls, "has no docstring; its first line is what 'graphnav stages' shows")
     _require(doc.splitlines()[0].endswith("."), cls, "the docstring's first line is no sentence")
     ports = ports_of(cls)
-    plain = [port.name for port in ports.inputs if not port.latest]
+    plain = [port.name for port in ports.inputs if port.is_plain]
     if issubclass(cls, Source):
         _require(not plain, cls, f"is a Source, but its input '{plain[:1]}' is not sampled")
     else:

@@ -47,7 +47,7 @@ def _table(graph: Graph) -> Table:
     for heading in ("stage", "uses", "reads", "writes"):
         table.add_column(heading, overflow="fold")
     for node in (*graph.sources, *graph.order):
-        reads = [f"{i.channel.ref}{' (latest)' if i.port.latest else ''}" for i in node.inputs if i.channel]
+        reads = [f"{i.channel.ref}{f' ({i.port.reading})' if i.port.reading else ''}" for i in node.inputs if i.channel]
         cells = (node.name, node.use, "\n".join(reads), "\n".join(_writes(node)))
         table.add_row(*(Text(cell) for cell in cells))
     return table

@@ -70,7 +70,7 @@ def _all(catalog: Catalog, uses: list[str]) -> Table:
     for use in uses:
         cls = catalog.stage(use)
         ports = ports_of(cls)
-        reads = ", ".join(f"{p.name}{' (latest)' if p.latest else ''}" for p in ports.inputs)
+        reads = ", ".join(f"{p.name}{f' ({p.reading})' if p.reading else ''}" for p in ports.inputs)
         _row(table, use, reads, ", ".join(p.name for p in ports.outputs), summary_of(cls))
     return table
 

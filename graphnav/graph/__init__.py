@@ -3,7 +3,7 @@
 from graphnav.graph.find import find_graph, shipped_folder, shipped_graphs
 from graphnav.graph.graph import Graph
 from graphnav.graph.load import graph_of, load_graph
-from graphnav.graph.node import Channel, Input, Node, Setting
+from graphnav.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
 from graphnav.graph.resolved import resolved_yaml
 from graphnav.graph.schema import graph_schema
 from graphnav.spec import RunOptions
@@ -12,7 +12,9 @@ __all__ = [
     "Channel",
     "Graph",
     "Input",
+    "InputChannel",
     "Node",
+    "OutputChannel",
     "RunOptions",
     "Setting",
     "find_graph",

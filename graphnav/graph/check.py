@@ -45,7 +45,7 @@ def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], not
         settings = settings_of(stage, cls, path.parent, problems)
         outputs = {port.name: channels[f"{name}.{port.name}"] for port in ports_of(cls).outputs}
         inputs = wires.inputs_of(stage)
-        nodes.append(Node(name, stage.use, cls, settings, inputs, outputs, stage.place, stage.use_note))
+        nodes.append(Node(name, stage.use, cls, settings, inputs, outputs, stage.place, use_note=stage.use_note))
     if spec.stages and len(classes) == len(spec.stages) and not any(node.is_source for node in nodes):
         what = "the graph has no source: nothing would ever fire"
         problems.append(Problem(spec.stages_place, what, "add a world, a video or another Source"))
@@ -63,7 +63,7 @@ def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], not
         run=run,
         notices=tuple(notices),
         deploy={name: entry.value.plain() for name, entry in spec.deploy.items()},
-        inputs={name: entry.value.plain() for name, entry in spec.inputs.items()},
+        queues={name: entry.value.plain() for name, entry in spec.inputs.items()},
     )
 
 
@@ -82,7 +82,7 @@ def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]
 
 
 def _plain(node: Node) -> list[tuple[Input, Channel]]:
-    return [(i, i.channel) for i in node.inputs if i.channel is not None and not i.port.latest]
+    return [(i, i.channel) for i in node.inputs if i.channel is not None and i.port.is_plain]
 
 
 def _check_deploy(spec: Spec, problems: list[Problem]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.errors import ParamError, Problem, UserError
-from graphnav.graph.node import Channel, Node
+from graphnav.graph.node import Channel, InputChannel, Node, OutputChannel
 from graphnav.spec import RunOptions
 from graphnav.stage import Stage
 
@@ -30,8 +30,20 @@ class Graph:
     """What swaps rewired, pruned and set to defaults, and what is accepted but not used."""
     deploy: Mapping[str, Any] = field(default_factory=dict)
     """Which processes the stages would run in; lockstep does not use it."""
-    inputs: Mapping[str, Any] = field(default_factory=dict)
-    """How joins would hold messages in real time; lockstep does not use it."""
+    inputs: Mapping[str, InputChannel] = field(default_factory=dict)
+    """Channels that other programs write, by reference; their channels stand in ``channels`` too."""
+    outputs: Mapping[str, OutputChannel] = field(default_factory=dict)
+    """Channels that leave a live graph, by the reference of what is sent."""
+    queues: Mapping[str, int | None] = field(default_factory=dict)
+    """How many messages a plain input holds live, by ``stage.port``: each complete set of them fires, in order. None
+    is as many as memory allows. Without an entry the newest complete set fires and older ones are overtaken."""
+    plugins: tuple[Path, ...] = ()
+    """One-file plugins that the graph names."""
+
+    @property
+    def is_live(self) -> bool:
+        """Whether it can only run live, because other programs write some of its channels."""
+        return bool(self.inputs)
 
     @property
     def sources(self) -> tuple[Node, ...]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from graphnav.adapter import Adapter
 from graphnav.errors import ParamError, Place, Problem
 from graphnav.messages import Message
 from graphnav.stage import Port, Source, Stage
@@ -45,6 +47,47 @@ class Input:
 
 
 @dataclass(frozen=True)
+class InputChannel:
+    """A channel that another program writes, or a recorded one that is played at its stamps."""
+
+    channel: Channel
+    """What stages consume: its ``ref`` and its ``name`` in logs are the name that the graph gives the input."""
+    name: str
+    """The LCM channel that is listened to; of a log, the channel in it."""
+    lcm_class: type
+    """The type on the wire."""
+    type_name: str
+    """``package.type_t``"""
+    adapter: Adapter | None
+    """What turns it into the channel's message, None where the message class wraps the type itself."""
+    max_age_s: float | None
+    """Older than this, the input counts as lost; None: a few of its periods."""
+    log: Path | None
+    """The log that is played, None for a channel that is listened to."""
+    place: Place
+
+
+@dataclass(frozen=True)
+class OutputChannel:
+    """A channel that leaves a live graph for other programs, whole."""
+
+    channel: Channel
+    name: str
+    """The LCM channel on which it leaves."""
+    lcm_class: type
+    type_name: str
+    adapter: Adapter | None
+    """What turns the channel's message into the type on the wire, None where it is sent as it is."""
+    motor: bool
+    """Whether it moves something, so that a stop must follow when the run ends or hangs."""
+    max_age_s: float
+    """Of a motor channel: silence that lasts longer is answered by stops."""
+    stop: Mapping[str, Any] | None
+    """The LCM fields of the stop message where the graph gives them; None: what becomes of ``Twist(0, 0)``."""
+    place: Place
+
+
+@dataclass(frozen=True)
 class Setting:
     """A parameter's value and where it came from."""
 
@@ -73,6 +116,10 @@ class Node:
     outputs: Mapping[str, Channel]
     """By the name of the port, in the order of declaration."""
     place: Place
+    every_ms: float | None = None
+    """Live, the stage also fires this often; None: only when its plain inputs are complete."""
+    deadline_ms: float | None = None
+    """A step that ends later than this after its newest input was ready is counted as missed."""
     use_note: str = ""
     """The ``--set`` that put this stage here, empty if the graph says it."""
 

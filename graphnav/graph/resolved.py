@@ -34,7 +34,7 @@ def _lines(graph: Graph, *, portable_paths: bool) -> Iterator[str]:
     if renamed:
         yield "channels:"
         yield from (f"  {channel.ref}: {write_value(channel.name)}" for channel in renamed)
-    for key, section in (("deploy", graph.deploy), ("inputs", graph.inputs)):
+    for key, section in (("deploy", graph.deploy), ("queues", graph.queues)):
         if section:
             yield f"{key}:"
             yield from (f"  {write_value(name)}: {write_value(words)}" for name, words in section.items())

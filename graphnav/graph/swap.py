@@ -126,14 +126,14 @@ class _Swap:
             same = [r for r, message in channels.items() if message is port.message and r.startswith(f"{writer}.")]
             if len(same) == 1:
                 self._wire(self._spec.stages[reader], port, same[0], f"in place of {ref}")
-            elif port.latest:
+            elif not port.is_plain:
                 self._notices.append(f"{reader}.{port.name}: not connected any more, {ref} is gone")
             else:
                 self._wire_to_only(self._spec.stages[reader], port, channels, ref)
 
     def _wire_new(self, stage: StageSpec, cls: type[Stage], channels: Mapping[str, type[Message]]) -> None:
         for port in ports_of(cls).inputs:
-            if not port.latest and port.name not in stage.wires and (stage.name, port.name) not in self._given:
+            if port.is_plain and port.name not in stage.wires and (stage.name, port.name) not in self._given:
                 self._wire_to_only(stage, port, channels)
 
     def _wire_to_only(
@@ -174,7 +174,7 @@ class _Swap:
         """Return ``start`` and every stage that depends on it through plain inputs."""
         found, grew = {start}, True
         while grew:
-            readers = {reader for reader, port, ref in self._wires() if not port.latest and ref.split(".")[0] in found}
+            readers = {reader for reader, port, ref in self._wires() if port.is_plain and ref.split(".")[0] in found}
             grew = not readers <= found
             found |= readers
         return found

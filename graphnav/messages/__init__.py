@@ -1,24 +1,28 @@
 """The message types that ship."""
 
-from graphnav.messages.driving import Goal, Map, Motion, State, Steering, Twist
+from graphnav.messages.driving import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
 from graphnav.messages.message import Message, snake_case
-from graphnav.messages.running import About
+from graphnav.messages.running import About, Status
 from graphnav.messages.vision import Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [
     "About",
     "Flow",
     "Goal",
+    "GuardState",
     "Image",
     "Map",
     "Message",
     "Motion",
+    "Odometry",
     "Planar",
     "PlanarModel",
     "Plane",
     "Potential",
     "State",
+    "Status",
     "Steering",
+    "Stop",
     "Truth",
     "Twist",
     "snake_case",

@@ -40,6 +40,49 @@ class Motion(Message, lcm=graphnav_lcm.motion_t):
     interval_us: int
 
 
+class Odometry(Message, lcm=graphnav_lcm.odometry_t):
+    """Pose and speeds as a robot's odometry sees them, at its own stamps and rate.
+
+    ``x_m``, ``y_m``, ``yaw_rad``: in the odometry's own frame, whose origin is where it began to count. ``v_mps``:
+    forward. ``omega_radps``: counterclockwise.
+    """
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    v_mps: float
+    omega_radps: float
+
+
+class Stop(Message, lcm=graphnav_lcm.stop_t):
+    """Stop the robot (``engaged``), or arm it again; ``reason`` is for people."""
+
+    engaged: bool
+    reason: str = ""
+
+
+class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
+    """What the guard before the motors lets through, and why not.
+
+    ``may_move``: whether any motion is let through; ``may_advance``: whether motion forward is. ``overridden``: an
+    override drives. ``stopped``: a stop was asked for and the guard was not armed again since.
+
+    ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that forbids something now: "waiting" (no
+    message yet), "stale", "fault" (of the sender's stamps), "blind", "obstacle" or "stop"; the guard's input port that
+    it is about; what was found and what is allowed (seconds for waiting and stale, a ratio for blind and obstacle,
+    else 0).
+    """
+
+    may_move: bool
+    may_advance: bool
+    overridden: bool
+    stopped: bool
+    causes: tuple[str, ...]
+    ports: tuple[str, ...]
+    values: Doubles
+    limits: Doubles
+
+
 class State(Message, lcm=graphnav_lcm.state_t):
     """Where the simulated robot really is; for scores and oracles only.
 

@@ -1,6 +1,8 @@
-"""What a run says of itself, on the reserved channel ``graphnav.about``."""
+"""What a run says of itself, on the reserved channels ``graphnav.about`` and ``graphnav.status``."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import graphnav_lcm
 
@@ -19,3 +21,25 @@ class About(Message, lcm=graphnav_lcm.about_t):
     seed: int
     channels: tuple[str, ...]
     types: tuple[str, ...]
+
+
+class Status(Message, lcm=graphnav_lcm.status_t):
+    """The health of a run, once a second.
+
+    ``behind_s``: how far the run is behind the wall clock. ``stages``, ``inputs``, ``outputs``, ``edges``: one mapping
+    each, with the fields of ``stage_status_t``, ``input_status_t``, ``output_status_t`` and ``edge_status_t``.
+    """
+
+    run_id: str
+    graph: str
+    live: bool
+    wall_s: float
+    run_s: float
+    behind_s: float
+    memory_mb: float
+    tap_dropped: int
+    log_dropped: int
+    stages: tuple[dict[str, Any], ...]
+    inputs: tuple[dict[str, Any], ...]
+    outputs: tuple[dict[str, Any], ...]
+    edges: tuple[dict[str, Any], ...]

@@ -71,7 +71,7 @@ def _content(node: Node, width: int) -> list[str]:
     gap = max(2, width - len(node.name) - len(node.use))
     lines = [f"{node.name}{' ' * gap}{node.use}"]
     lines += [
-        f"  ◂ {i.port.name}" + (" (latest)" if i.port.latest else "") + ("" if i.channel else ", open")
+        f"  ◂ {i.port.name}" + (f" ({i.port.reading})" if i.port.reading else "") + ("" if i.channel else ", open")
         for i in node.inputs
     ]
     for channel in node.outputs.values():

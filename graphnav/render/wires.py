@@ -20,7 +20,7 @@ class Wire:
 def wires_of(graph: Graph) -> list[Wire]:
     """Return every wire, readers in the file's order."""
     return [
-        Wire(i.channel, node.name, i.port.name, i.port.latest)
+        Wire(i.channel, node.name, i.port.name, not i.port.is_plain)
         for node in graph.nodes
         for i in node.inputs
         if i.channel is not None

@@ -14,8 +14,8 @@ from graphnav.codec import EncodeError, decode, encode
 from graphnav.errors import StageError
 from graphnav.graph import Channel, Graph
 from graphnav.messages import Message
+from graphnav.runner.lockstep_unit import LockstepUnit
 from graphnav.runner.seeds import seed_of
-from graphnav.runner.unit import Unit
 from graphnav.stage import Source, Stage
 
 
@@ -55,15 +55,16 @@ class Runner:
         self._bus = bus
         self._sinks = sinks
         self._seqs: dict[str, int] = defaultdict(int)
-        self._units = {node.name: Unit(node, stages[node.name], self._publish) for node in graph.nodes}
+        self._units = {node.name: LockstepUnit(node, stages[node.name], self._publish) for node in graph.nodes}
         self._order = [self._units[node.name] for node in graph.order]
         self._due: list[tuple[int, int, int]] = []
         self._sources = [self._units[node.name] for node in graph.sources]
         self._rates: list[float] = []
+        self._plain = {i.channel.name for n in graph.nodes for i in n.inputs if i.channel and i.port.is_plain}
         self._consumed = self._subscribe()
 
     @property
-    def units(self) -> Mapping[str, Unit]:
+    def units(self) -> Mapping[str, LockstepUnit]:
         """The stages at work, by name."""
         return self._units
 
@@ -147,12 +148,14 @@ class Runner:
         if failed:
             raise failed
 
-    def _fire(self, unit: Unit, stamp: int) -> str | None:
+    def _fire(self, unit: LockstepUnit, stamp: int) -> str | None:
         outcome = unit.fire(stamp)
         self._bus.drain()
         return outcome
 
     def _publish(self, channel: Channel, utime: int, message: Message) -> None:
+        if utime != self.utime and channel.name in self._plain:
+            raise ValueError("it has a stamp of its own, but feeds a plain input: read it as Latest or Since")
         consumed = channel.name in self._consumed
         seq = self._seqs[channel.name]
         self._seqs[channel.name] = seq + 1

@@ -17,3 +17,7 @@ class RunOptions:
     record: Literal["all", "small"] = param(
         "all", doc="what the log keeps; small: messages below 4 kB, and the first of every channel"
     )
+    url: str | None = param(
+        None,
+        doc="LCM URL of the channels that leave and come in, live; null: LCM_DEFAULT_URL, else this machine's group",
+    )

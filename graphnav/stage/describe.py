@@ -61,7 +61,7 @@ def plain_data(value: Any) -> Any:
 
 
 def _port(port: Port) -> dict[str, Any]:
-    return {"name": port.name, "type": port.message.__name__, "latest": port.latest}
+    return {"name": port.name, "type": port.message.__name__, "latest": port.latest, "since": port.since}
 
 
 def _param(param: Param) -> dict[str, Any]:

@@ -17,6 +17,13 @@ from graphnav.messages.message import Message, snake_case
 Stamp = NewType("Stamp", int)
 """Annotates a parameter of ``step`` that receives the firing's time, microseconds."""
 
+Age = NewType("Age", float)
+"""Annotates a parameter of ``step`` that receives how old the plain inputs are, seconds.
+
+In lockstep 0. Live it is counted from the arrival of the input that they were made from, and it grows from one timer
+firing (``every_ms``) to the next; infinite before the first complete set.
+"""
+
 M = TypeVar("M")
 
 
@@ -25,19 +32,61 @@ class Latest(Generic[M]):
     """A sampled input: it never triggers, and is the one legal way to close a loop.
 
     ``value`` is the newest message, None before the first; ``age_s`` is how old it is, infinite before the first.
+    ``fault``: live, what is wrong with the stamps of the input that feeds it, empty if nothing is. ``is_connected``:
+    whether the graph wires it.
     """
 
     value: M | None = None
     age_s: float = math.inf
+    fault: str = ""
+    is_connected: bool = True
+
+
+@dataclass(frozen=True)
+class Since(Generic[M]):
+    """An input that holds everything that came since the last firing, for senders of another rate; it never triggers.
+
+    ``messages``: pairs of the sender's stamp (microseconds) and the message, oldest first. Live, a firing waits, for
+    at most `Stage.patience_s`, until a message has come that is as new as the firing's stamp.
+    """
+
+    messages: tuple[tuple[int, M], ...] = ()
+
+
+@dataclass(frozen=True)
+class Stamped(Generic[M]):
+    """An output with a stamp of its own, as of a sensor that keeps another time than the stage's firings.
+
+    Its channel may feed `Latest` and `Since` inputs, inputs of other programs and logs, but no plain input.
+    """
+
+    message: M
+    utime: int
 
 
 @dataclass(frozen=True)
 class Port:
-    """One input or output: its name, its message type, whether it is sampled (`Latest`)."""
+    """One input or output: its name, its message type, how it is read.
+
+    ``latest``: sampled (`Latest`). ``since``: holds everything since the last firing (`Since`). ``optional``: a plain
+    input annotated ``T | None``: a timer may fire the stage before there is a message.
+    """
 
     name: str
     message: type[Message]
     latest: bool = False
+    since: bool = False
+    optional: bool = False
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether a message on it fires the stage."""
+        return not (self.latest or self.since)
+
+    @property
+    def reading(self) -> str:
+        """How it is read, in a word: "latest", "since", or nothing for a plain one."""
+        return "latest" if self.latest else "since" if self.since else ""
 
 
 @dataclass(frozen=True)
@@ -48,6 +97,8 @@ class Ports:
     outputs: tuple[Port, ...]
     stamps: tuple[str, ...]
     """Parameters that receive the stamp."""
+    ages: tuple[str, ...]
+    """Parameters that receive the age of the plain inputs."""
     result: type | None
     """The NamedTuple that ``step`` returns, None where it returns one message or nothing."""
 
@@ -71,6 +122,7 @@ def _ports_of(cls: Any) -> Ports:
     hints = _hints(cls, step)
     inputs: list[Port] = []
     stamps: list[str] = []
+    ages: list[str] = []
     for name, parameter in list(inspect.signature(step).parameters.items())[1:]:
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD, parameter.POSITIONAL_ONLY):
             raise DeclarationError(f"step() of {cls.__qualname__} takes '{name}': name every port, without * or /")
@@ -78,16 +130,20 @@ def _ports_of(cls: Any) -> Ports:
         if hint is Stamp:
             stamps.append(name)
             continue
-        latest = get_origin(hint) is Latest
-        message = get_args(hint)[0] if latest else hint
+        if hint is Age:
+            ages.append(name)
+            continue
+        latest, since = get_origin(hint) is Latest, get_origin(hint) is Since
+        message = get_args(hint)[0] if latest or since else _without_none(hint)
         if not _is_message(message):
             raise DeclarationError(
                 f"input '{name}' of {cls.__qualname__}.step() is annotated {_written(hint)}: "
-                "use a Message type, Latest[a Message type] or Stamp"
+                "use a Message type, Latest[...] or Since[...] of one, Stamp or Age"
             )
-        inputs.append(Port(name, message, latest))
+        optional = not (latest or since) and message is not hint
+        inputs.append(Port(name, message, latest, since, optional))
     outputs, result = _outputs(cls, hints.get("return", inspect.Signature.empty))
-    return Ports(tuple(inputs), outputs, tuple(stamps), result)
+    return Ports(tuple(inputs), outputs, tuple(stamps), tuple(ages), result)
 
 
 def _hints(cls: type, step: Callable[..., Any]) -> dict[str, Any]:

@@ -67,6 +67,10 @@ class Stage:
             It cannot be used; shown at the parameter's place in the graph.
         """
 
+    def patience_s(self) -> float:
+        """Return how long a live firing waits for `Since` inputs to come as far as its stamp; asked after `reset`."""
+        return 0.1
+
     def summary(self) -> Mapping[str, float]:
         """Return figures for the run's summary; they become the columns of every table."""
         return {}

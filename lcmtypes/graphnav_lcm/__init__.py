@@ -5,16 +5,24 @@ lcm-gen 1.5.3
 """
 
 from .about_t import about_t as about_t
+from .edge_status_t import edge_status_t as edge_status_t
 from .flow_t import flow_t as flow_t
 from .goal_t import goal_t as goal_t
+from .guard_state_t import guard_state_t as guard_state_t
 from .image_t import image_t as image_t
+from .input_status_t import input_status_t as input_status_t
 from .map_t import map_t as map_t
 from .motion_t import motion_t as motion_t
+from .odometry_t import odometry_t as odometry_t
+from .output_status_t import output_status_t as output_status_t
 from .planar_model_t import planar_model_t as planar_model_t
 from .planar_t import planar_t as planar_t
 from .plane_t import plane_t as plane_t
 from .potential_t import potential_t as potential_t
+from .stage_status_t import stage_status_t as stage_status_t
 from .state_t import state_t as state_t
+from .status_t import status_t as status_t
 from .steering_t import steering_t as steering_t
+from .stop_t import stop_t as stop_t
 from .truth_t import truth_t as truth_t
 from .twist_t import twist_t as twist_t

@@ -1,0 +1,64 @@
+"""A stage in lockstep: it fires once its plain inputs hold messages of the tick."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from graphnav.graph import Node
+from graphnav.messages import Message
+from graphnav.runner.unit import Publish, Unit
+from graphnav.stage import Latest, Since, Stage
+
+
+class LockstepUnit(Unit):
+    """Holds what arrived for a stage and fires it when its plain inputs are complete."""
+
+    def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
+        super().__init__(node, stage, publish)
+        self._inbox: dict[str, Message] = {}
+        self._newest: dict[str, tuple[int, Message]] = {}
+        self._gathered: dict[str, list[tuple[int, Message]]] = {port: [] for port in self._since}
+        self._open = {i.port.name for i in node.inputs if i.channel is None}
+
+    def deliver(self, port: str, utime: int, message: Message) -> None:
+        """Put a message into the inbox; what comes on a plain port is of the tick's stamp."""
+        if port in self._latest:
+            self._newest[port] = (utime, message)
+        elif port in self._since:
+            self._gathered[port].append((utime, message))
+        else:
+            self._inbox[port] = message
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every plain input holds a message of this tick."""
+        return len(self._inbox) == len(self._plain)
+
+    def discard(self) -> None:
+        """Drop what stayed incomplete, and count it."""
+        if self._inbox:
+            self._inbox.clear()
+            self.dropped += 1
+
+    def fire(self, utime: int) -> str | None:
+        """Step once and publish; return the outcome where a source ended the run.
+
+        Raises
+        ------
+        StageError
+            The step raised, or returned what it may not.
+        """
+        inputs: dict[str, Any] = dict(self._inbox)
+        self._inbox.clear()
+        for port in self._latest:
+            inputs[port] = self._sample(port, utime)
+        for port, gathered in self._gathered.items():
+            inputs[port] = Since(tuple(gathered))
+            gathered.clear()
+        return self.step(utime, inputs)
+
+    def _sample(self, port: str, utime: int) -> Latest[Any]:
+        if port not in self._newest:
+            return Latest(is_connected=port not in self._open)
+        sent, message = self._newest[port]
+        return Latest(message, (utime - sent) / 1e6)
