@@ -124,6 +124,11 @@ def with_defaults(url: str) -> str:
     return f"udpm://{parts.netloc or urlsplit(GROUP).netloc}?{urlencode(options)}"
 
 
+def same_group(one: str, other: str) -> bool:
+    """Whether two URLs lead to the same multicast group and port, whatever their options."""
+    return urlsplit(with_defaults(one))[:2] == urlsplit(with_defaults(other))[:2]
+
+
 def require_route(url: str) -> None:
     """Raise BusError, with the command that mends it, where no multicast route leads to the URL's group."""
     parts = urlsplit(url)

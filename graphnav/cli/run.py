@@ -35,6 +35,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="X times wall time; 1 to watch (default: as fast as it goes)",
     )
     parser.add_argument(
+        "--live",
+        action="store_true",
+        help="by the wall clock and on LCM channels of other programs; a graph with inputs is live by itself",
+    )
+    parser.add_argument(
+        "--url",
+        metavar="URL",
+        help="LCM URL of what comes in and leaves, live (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
+    )
+    parser.add_argument(
         "-o", dest="folder", type=Path, metavar="DIR", help="run folder, new or empty (default: runs/…)"
     )
     parser.add_argument(
@@ -60,17 +70,19 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.table import print_summary  # noqa: PLC0415
     from graphnav.runner.recorded import GRAPH, SUMMARY, new_run_id  # noqa: PLC0415
 
-    if args.pace is not None and not 0 < args.pace < math.inf:
-        raise UserError.of(f"--pace is {args.pace:g}, but must be above 0", "leave it out to run as fast as it goes")
     catalog, graph = load(args)
+    is_live = _is_live(args, graph)
     stages = graph.make_stages()
     folder = make_run_folder(args.folder, graph.path.stem)
     console = Console(stderr=args.json, highlight=False, soft_wrap=True)
     for notice in graph.notices:
         console.print(notice, markup=False)
+    if is_live:
+        console.print(_live_notice(args, graph), markup=False)
     run_id = new_run_id()
     tap = _open_tap(args.tap, run_id, console)
-    summary = _run_with_progress(graph, stages, folder, args, tap, run_id)
+    run = _run_live if is_live else _run_lockstep
+    summary = run(graph, stages, folder, args, tap, run_id)
     if args.json:
         print(json.dumps(summary.as_json() | {"folder": str(folder)}))
     else:
@@ -95,6 +107,25 @@ def main(args: argparse.Namespace) -> int:
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
 
 
+def _is_live(args: argparse.Namespace, graph: Graph) -> bool:
+    """Return whether the run is live; raise UserError for options that then mean nothing."""
+    if args.pace is not None and not 0 < args.pace < math.inf:
+        raise UserError.of(f"--pace is {args.pace:g}, but must be above 0", "leave it out to run as fast as it goes")
+    is_live = bool(args.live or graph.is_live)
+    if is_live and args.pace is not None:
+        raise UserError.of("--pace has no effect on a live run, which follows the wall clock", "leave --pace out")
+    if not is_live and args.url is not None:
+        raise UserError.of("--url is for live runs, but this graph runs in lockstep", "add --live, or leave --url out")
+    return is_live
+
+
+def _live_notice(args: argparse.Namespace, graph: Graph) -> str:
+    from graphnav.live import live_url  # noqa: PLC0415
+
+    why = "--live" if args.live else f"inputs: {', '.join(graph.inputs)}"
+    return f"live on {live_url(graph, args.url)} ({why}); Ctrl-C ends it"
+
+
 def _open_tap(mode: Literal["thin", "full", "none"], run_id: str, console: Console) -> LiveSink | None:
     """Return the tap, or None where it is off or there is no multicast, which is said once."""
     from graphnav.errors import BusError  # noqa: PLC0415
@@ -111,7 +142,7 @@ def _open_tap(mode: Literal["thin", "full", "none"], run_id: str, console: Conso
     return tap
 
 
-def _run_with_progress(
+def _run_lockstep(
     graph: Graph, stages: dict[str, Stage], folder: Path, args: argparse.Namespace, tap: LiveSink | None, run_id: str
 ) -> Summary:
     from rich.console import Console  # noqa: PLC0415
@@ -132,5 +163,30 @@ def _run_with_progress(
             tap=tap,
             run_id=run_id,
             on_tick=on_tick,
+            on_failure=show_cause,
+        )
+
+
+def _run_live(
+    graph: Graph, stages: dict[str, Stage], folder: Path, args: argparse.Namespace, tap: LiveSink | None, run_id: str
+) -> Summary:
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
+    from graphnav.live import run_live  # noqa: PLC0415
+
+    def show_cause(error: GraphnavError) -> None:
+        if args.verbose:
+            traceback.print_exception(error)
+
+    with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
+        return run_live(
+            graph,
+            stages,
+            folder,
+            url=args.url,
+            tap=tap,
+            run_id=run_id,
+            on_time=lambda run_s: on_tick(round(run_s * 1e6)),
             on_failure=show_cause,
         )

@@ -35,6 +35,8 @@ class Image(Message, lcm=graphnav_lcm.image_t, grid=("pixels",)):
     def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
         """Return the picture whose flat bytes ``image_t`` holds."""
         rows, cols, channels = values["rows"], values["cols"], values["channels"]
+        if rows < 1 or cols < 1 or channels not in (1, 3):
+            raise ValueError(f"an image of {cols}x{rows} pixels and {channels} channels")
         shape = (rows, cols) if channels == 1 else (rows, cols, channels)
         return cls(pixels=np.asarray(values["data"]).reshape(shape), step_px=values["step_px"])
 

@@ -11,7 +11,7 @@ _PATIENCE_S = 0.5
 
 
 class Interrupt:
-    """While entered, SIGINT and SIGTERM ask the run to stop.
+    """While entered, SIGINT, SIGTERM and SIGHUP ask the run to stop.
 
     A tick that does not end within half a second is broken off by `KeyboardInterrupt`, and so is one at the second
     Ctrl-C. Outside the main thread, where Python delivers no signals, it does nothing.
@@ -32,7 +32,7 @@ class Interrupt:
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            self._old = {s: signal.signal(s, self._ask) for s in (signal.SIGINT, signal.SIGTERM)}
+            self._old = {s: signal.signal(s, self._ask) for s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
             self._old[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._break_off)
         return self
 

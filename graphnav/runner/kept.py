@@ -34,3 +34,16 @@ class ChannelsOnly:
         """Take one message."""
         if channel in self._channels:
             self._sink.write(channel, utime, data)
+
+
+class ChannelsExcept:
+    """Passes on the messages of all channels but some."""
+
+    def __init__(self, sink: Sink, channels: Collection[str]) -> None:
+        self._sink = sink
+        self._channels = frozenset(channels)
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Take one message."""
+        if channel not in self._channels:
+            self._sink.write(channel, utime, data)

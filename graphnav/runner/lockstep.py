@@ -11,11 +11,10 @@ from typing import Any, Protocol
 
 from graphnav.bus import Bus
 from graphnav.codec import EncodeError, decode, encode
-from graphnav.errors import StageError
 from graphnav.graph import Channel, Graph
 from graphnav.messages import Message
+from graphnav.runner.lifecycle import close_stages, reset_stages
 from graphnav.runner.lockstep_unit import LockstepUnit
-from graphnav.runner.seeds import seed_of
 from graphnav.stage import Source, Stage
 
 
@@ -84,12 +83,7 @@ class Runner:
         self._seqs.clear()
         self.is_ready = False
         self.ticks = self.utime = 0
-        for name, unit in self._units.items():
-            try:
-                unit.stage.reset(seed_of(seed, name))
-            except (Exception, SystemExit) as error:
-                what = f"{type(error).__name__}: {error}" if not str(error) else " ".join(str(error).split())
-                raise StageError(name, unit.node.use, 0.0, what) from error
+        reset_stages(self._units, seed)
         self._rates = [source.rate() for unit in self._sources if isinstance(source := unit.stage, Source)]
         self._due = [(0, place, 0) for place in range(len(self._sources))]
         heapq.heapify(self._due)
@@ -139,14 +133,7 @@ class Runner:
         StageError
             The first failure, once every stage was closed.
         """
-        failed = None
-        for name, unit in self._units.items():
-            try:
-                unit.stage.close()
-            except Exception as error:  # noqa: BLE001 - a stranger's code, and the others must still be closed
-                failed = failed or StageError(name, unit.node.use, self.utime / 1e6, f"close: {error}")
-        if failed:
-            raise failed
+        close_stages(self._units, self.utime / 1e6)
 
     def _fire(self, unit: LockstepUnit, stamp: int) -> str | None:
         outcome = unit.fire(stamp)

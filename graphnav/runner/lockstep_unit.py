@@ -15,6 +15,7 @@ class LockstepUnit(Unit):
 
     def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
         super().__init__(node, stage, publish)
+        self._n_dropped = 0
         self._inbox: dict[str, Message] = {}
         self._newest: dict[str, tuple[int, Message]] = {}
         self._gathered: dict[str, list[tuple[int, Message]]] = {port: [] for port in self._since}
@@ -30,6 +31,11 @@ class LockstepUnit(Unit):
             self._inbox[port] = message
 
     @property
+    def dropped(self) -> int:
+        """Sets of inputs that stayed incomplete."""
+        return self._n_dropped
+
+    @property
     def is_complete(self) -> bool:
         """Whether every plain input holds a message of this tick."""
         return len(self._inbox) == len(self._plain)
@@ -38,7 +44,7 @@ class LockstepUnit(Unit):
         """Drop what stayed incomplete, and count it."""
         if self._inbox:
             self._inbox.clear()
-            self.dropped += 1
+            self._n_dropped += 1
 
     def fire(self, utime: int) -> str | None:
         """Step once and publish; return the outcome where a source ended the run.

@@ -30,6 +30,7 @@ class LiveSink(Sink, Protocol):
     """A sink that others watch while the run goes on: the tap."""
 
     dropped: int
+    url: str
 
     def announce(self, about: About) -> None:
         """Say on ``graphnav.about``, again and again, what runs."""
@@ -87,7 +88,7 @@ def run_recorded(
     with ExitStack() as cleanup, Interrupt() as interrupt:
         writer = _begin(graph, folder)
         started = time.monotonic()
-        cleanup.callback(_note_failure, failures, on_failure, writer.close)
+        cleanup.callback(note_failure, failures, on_failure, writer.close)
         sinks = [_kept(graph, writer, keep)]
         if tap is not None:
             cleanup.callback(tap.close)
@@ -96,7 +97,7 @@ def run_recorded(
         bus = Bus("memq://")
         cleanup.callback(bus.close)
         runner = Runner(graph, stages, bus, sinks)
-        cleanup.callback(_note_failure, failures, on_failure, runner.close)
+        cleanup.callback(note_failure, failures, on_failure, runner.close)
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait)
 
         def before_tick(utime: int) -> bool:
@@ -136,19 +137,44 @@ def run_recorded(
         run_id=run_id,
         versions=versions(),
     )
+    write_summary(summary, folder)
+    return summary
+
+
+def write_summary(summary: Summary, folder: Path) -> None:
+    """Write a summary into a run folder.
+
+    Raises
+    ------
+    GraphnavError
+        The disk refuses it.
+    """
     try:
         summary.write(folder / SUMMARY)
     except OSError as error:
         raise GraphnavError(
-            f"cannot write {folder / SUMMARY}: {error.strerror}; the log up to here is whole"
+            f"cannot write {folder / SUMMARY}: {error.strerror}; the log up to here is complete"
         ) from error
-    return summary
+
+
+def begin_folder(graph: Graph, folder: Path) -> None:
+    """Write the resolved graph into a run folder.
+
+    Raises
+    ------
+    UserError
+        The folder cannot be written.
+    """
+    try:
+        (folder / GRAPH).write_text(resolved_yaml(graph, portable_paths=False), encoding="utf-8")
+    except OSError as error:
+        raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
 
 
 def _begin(graph: Graph, folder: Path) -> LogWriter:
     """Write the resolved graph and open the log."""
+    begin_folder(graph, folder)
     try:
-        (folder / GRAPH).write_text(resolved_yaml(graph, portable_paths=False), encoding="utf-8")
         return LogWriter(folder / LOG)
     except OSError as error:
         raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
@@ -161,8 +187,8 @@ def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink
     return SmallOnly(writer) if graph.run.record == "small" else writer
 
 
-def _note_failure(failures: list[str], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]) -> None:
-    """Close something; what goes wrong is kept for the summary."""
+def note_failure(failures: list[str], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]) -> None:
+    """Close something; what goes wrong is added to ``failures`` for the summary."""
     try:
         close()
     except GraphnavError as error:

@@ -47,6 +47,8 @@ class Summary:
     tap_dropped: int
     run_id: str
     versions: dict[str, str]
+    live: dict[str, Any] | None = None
+    """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
     def write(self, path: Path) -> None:
         """Write it as JSON."""

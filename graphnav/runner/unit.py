@@ -21,7 +21,6 @@ class Unit:
     def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
         self.node, self.stage = node, stage
         self.durations = Durations()
-        self.dropped = 0
         self.last_utime = 0
         self._publish = publish
         self._step: Callable[..., Any] = getattr(stage, "step")  # noqa: B009 - a Stage has no step of its own
@@ -32,6 +31,11 @@ class Unit:
         self._latest = [i.port.name for i in node.inputs if i.port.latest]
         self._since = [i.port.name for i in node.inputs if i.port.since]
         self._outputs = [(port, node.outputs[port.name]) for port in ports.outputs]
+
+    @property
+    def dropped(self) -> int:
+        """Inputs that came and were never stepped with."""
+        return 0
 
     def step(self, utime: int, inputs: Mapping[str, Any], age_s: float = 0.0) -> str | None:
         """Step once with ``inputs`` by port and publish; return the outcome where a source ended the run.

@@ -1,0 +1,45 @@
+"""What a live run says of its channels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import graphnav_lcm
+
+from graphnav.codec import lcm_name, lcm_text_of
+from graphnav.graph import Graph
+from graphnav.messages import About
+from graphnav.runner.recorded import about_of
+
+STATUS = "graphnav.status"
+"""The channel on which a run publishes its health once a second."""
+
+
+def live_about(graph: Graph, *, by_outside_names: bool) -> About:
+    """Return what the log or the tap of a live run says of itself.
+
+    ``by_outside_names``: inputs and outputs stand under their LCM channels and types, for those who watch them on the
+    group where other programs write and read them.
+    """
+    about = about_of(graph)
+    channels = dict(zip(about.channels, about.types, strict=True))
+    classes = [channel.message.lcm_class for channel in graph.channels.values()]
+    if by_outside_names:
+        for ref, target in graph.outputs.items():
+            channels.pop(graph.channels[ref].name)
+            channels[target.name] = target.type_name
+            classes.append(target.lcm_class)
+        for ref, source in graph.inputs.items():
+            channels.pop(graph.channels[ref].name)
+            if source.log is None:
+                channels[source.name] = source.type_name
+                classes.append(source.lcm_class)
+    channels[STATUS] = lcm_name(graphnav_lcm.status_t)
+    classes.append(graphnav_lcm.status_t)
+    ordered = sorted(channels.items())
+    return replace(
+        about,
+        lcm_text=lcm_text_of(classes),
+        channels=tuple(name for name, _ in ordered),
+        types=tuple(kind for _, kind in ordered),
+    )

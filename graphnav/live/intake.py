@@ -1,0 +1,130 @@
+"""One input of a live run: its messages decoded, judged, and what was wrong with them counted."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from graphnav.codec import DecodeError, codec_of, fingerprint
+from graphnav.graph import InputChannel
+from graphnav.live.clock import LiveClock
+from graphnav.live.receiver import Arrival, Mailbox
+from graphnav.live.sender import SenderMonitor, Verdict
+from graphnav.messages import Message
+
+NEWEST = 8
+"""Messages that wait where only the newest counts: images of 640x480 are 0.3 to 0.9 MB."""
+GATHERED = 1024
+"""Messages that wait where every one counts."""
+
+
+class Received(NamedTuple):
+    """A message to deliver; ``raw``: its bytes where they are those of the message itself."""
+
+    utime: int
+    message: Message
+    birth_s: float
+    raw: bytes | None
+    begins_anew: bool
+
+
+class Intake:
+    """Takes the messages of one input out of its mailbox.
+
+    ``needs_all``: whether every message counts, as for `Since` inputs and joins; else only the newest is decoded.
+    """
+
+    def __init__(self, source: InputChannel, clock: LiveClock, *, needs_all: bool) -> None:
+        self.source = source
+        self.monitor = SenderMonitor(source.max_age_s)
+        self.mailbox = Mailbox(fingerprint(source.lcm_class), GATHERED if needs_all else NEWEST)
+        self.needs_all = needs_all
+        self.overtaken = 0
+        """Messages that were fit for use, but older than the newest."""
+        self._clock = clock
+        self._codec = codec_of(source.lcm_class)
+        self._sizes: tuple[tuple[int, ...], ...] | None = None
+        self._seen_wrong = self._seen_overflowed = 0
+
+    def take(self) -> Iterator[Received]:
+        """Yield what is fit for use, oldest first; everything else is counted."""
+        accepted: list[tuple[Arrival, Mapping[str, Any], Verdict]] = []
+        for arrival in self.mailbox.take():
+            judged = self._judge(arrival)
+            if judged is not None:
+                accepted.append((arrival, *judged))
+        self._count_unread()
+        if self.needs_all:
+            for arrival, fields, verdict in accepted:
+                message = self._message(fields)
+                if message is not None:
+                    yield self._received(arrival, message, verdict, anew=verdict.begins_anew)
+            return
+        anew = any(verdict.begins_anew for _, _, verdict in accepted)
+        for place in range(len(accepted) - 1, -1, -1):
+            arrival, fields, verdict = accepted[place]
+            message = self._message(fields)
+            if message is not None:
+                self.overtaken += place
+                yield self._received(arrival, message, verdict, anew=anew)
+                return
+
+    @property
+    def rejected(self) -> Counter[str]:
+        """Messages that were not used, by reason."""
+        return self.monitor.rejected
+
+    def _judge(self, arrival: Arrival) -> tuple[Mapping[str, Any], Verdict] | None:
+        try:
+            fields = self._codec.decode(arrival.data)
+        except DecodeError:
+            self.monitor.reject("undecodable")
+            return None
+        adapter = self.source.adapter
+        utime = adapter.utime(fields) if adapter is not None else fields.get("utime")
+        seq = fields.get("seq")
+        verdict = self.monitor.judge(
+            arrival.at_s,
+            self._clock.utime_at(arrival.at_s),
+            utime if isinstance(utime, int) else None,
+            seq if isinstance(seq, int) else None,
+        )
+        return (fields, verdict) if verdict.accepted else None
+
+    def _message(self, fields: Mapping[str, Any]) -> Message | None:
+        """Return the message of some fields, None where it is not fit for use."""
+        source = self.source
+        try:
+            if source.adapter is not None:
+                message = source.adapter.from_lcm(fields)
+            else:
+                message = source.channel.message.from_lcm_fields(fields)
+            not_finite = message.not_finite()
+        except Exception:  # noqa: BLE001 - an adapter of a plugin, and bytes of anybody
+            self.monitor.reject("unreadable")
+            return None
+        if not_finite:
+            self.monitor.reject("not finite")
+            return None
+        sizes = tuple(np.shape(getattr(message, name)) for name in message.grid)
+        if self._sizes is None:
+            self._sizes = sizes
+        elif sizes != self._sizes:
+            self.monitor.reject("wrong size")
+            return None
+        return message
+
+    def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, anew: bool) -> Received:
+        raw = arrival.data if self.source.adapter is None else None
+        return Received(verdict.utime, message, verdict.birth_s, raw, anew)
+
+    def _count_unread(self) -> None:
+        """Count what never came out of the mailbox."""
+        wrong, overflowed = self.mailbox.wrong_type, self.mailbox.overflowed
+        if wrong > self._seen_wrong:
+            self.monitor.rejected["wrong type"] += wrong - self._seen_wrong
+        self.overtaken += overflowed - self._seen_overflowed
+        self._seen_wrong, self._seen_overflowed = wrong, overflowed

@@ -1,0 +1,93 @@
+"""Joins: which messages of several senders belong together, and which of them a stage steps next."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+MAX_UNMATCHED = 8
+
+
+@dataclass(frozen=True)
+class Held:
+    """A message that waits; ``birth_s``: the arrival of the input that it was made from, monotonic seconds."""
+
+    message: Any
+    birth_s: float
+    arrived_s: float
+
+
+@dataclass(frozen=True)
+class MatchedSet:
+    """A complete set of plain inputs, by port; ``ready_s``: when its last message came."""
+
+    utime: int
+    held: Mapping[str, Held]
+    ready_s: float
+
+    @property
+    def birth_s(self) -> float:
+        """The oldest birth in it."""
+        return min(held.birth_s for held in self.held.values())
+
+
+class Join:
+    """Holds the messages of a stage's plain inputs until they match.
+
+    Branches of a graph differ in latency, so each port holds unmatched stamps, at most ``max_unmatched`` (None: as
+    many as come). Without ``in_order`` the newest complete set is taken and everything older is overtaken; with it
+    every complete set is taken, the oldest first, and only what no set can be made of any more is overtaken.
+    """
+
+    def __init__(
+        self, ports: Iterable[str], *, max_unmatched: int | None = MAX_UNMATCHED, in_order: bool = False
+    ) -> None:
+        self._waiting: dict[str, dict[int, Held]] = {port: {} for port in ports}
+        self._max = max_unmatched
+        self.in_order = in_order
+        self.overtaken: Counter[str] = Counter()
+        """Messages that were dropped, by port."""
+
+    def put(self, port: str, utime: int, held: Held) -> None:
+        """Take a message."""
+        waiting = self._waiting[port]
+        waiting[utime] = held
+        if self._max is not None and len(waiting) > self._max:
+            del waiting[min(waiting)]
+            self.overtaken[port] += 1
+
+    def complete(self) -> list[int]:
+        """Return the stamps of the complete sets, those that come first first."""
+        stamps = set.intersection(*map(set, self._waiting.values())) if self._waiting else set()
+        return sorted(stamps, reverse=not self.in_order)
+
+    def peek(self, utime: int) -> MatchedSet:
+        """Return a complete set."""
+        held = {port: waiting[utime] for port, waiting in self._waiting.items()}
+        return MatchedSet(utime, held, max(one.arrived_s for one in held.values()))
+
+    def take(self, utime: int) -> MatchedSet:
+        """Return a complete set and drop it with everything older."""
+        matched = self.peek(utime)
+        for port, waiting in self._waiting.items():
+            older = [stamp for stamp in waiting if stamp <= utime]
+            for stamp in older:
+                del waiting[stamp]
+            self.overtaken[port] += len(older) - 1
+        return matched
+
+    def newest_allowed(self, allowed: Callable[[MatchedSet], bool]) -> MatchedSet | None:
+        """Return, untaken, the set that comes first among the complete ones that ``allowed`` lets through."""
+        return next((one for utime in self.complete() if allowed(one := self.peek(utime))), None)
+
+    @property
+    def n_waiting(self) -> int:
+        """The number of messages that wait."""
+        return sum(map(len, self._waiting.values()))
+
+    def clear(self) -> None:
+        """Drop what waits, uncounted: its stamps mean nothing any more."""
+        for waiting in self._waiting.values():
+            waiting.clear()

@@ -1,0 +1,258 @@
+"""Live: stages fire when their inputs come, sources and timers by the wall clock."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import Counter, defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+from graphnav.bus import Bus
+from graphnav.codec import EncodeError, decode, encode
+from graphnav.graph import Channel, Graph
+from graphnav.live.clock import LiveClock
+from graphnav.live.intake import Intake, Received
+from graphnav.live.live_unit import LiveUnit
+from graphnav.live.outlet import Outlet
+from graphnav.live.timer import Timer
+from graphnav.messages import Message
+from graphnav.runner.lifecycle import close_stages, reset_stages
+from graphnav.runner.lockstep import Outcome, Sink
+from graphnav.stage import Source, Stage
+
+_MAX_WAIT_S = 0.05
+"""So often it is looked whether the run should stop, however long nothing comes."""
+
+
+class LiveRunner:
+    """Owns the stages of a graph in a live run; one thread fires them all.
+
+    At every turn one stage fires: a timer (``every_ms``) that is due, else a stage whose plain inputs are complete,
+    the one nearest to the end of the graph first, else a source that is due. Sources and stages take turns, so that a
+    source that takes longer than its period starves nobody. What a slow stage has missed is overtaken, not queued.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        stages: Mapping[str, Stage],
+        clock: LiveClock,
+        intakes: Sequence[Intake],
+        wake: threading.Event,
+    ) -> None:
+        self.graph = graph
+        self.clock = clock
+        self.is_ready = False
+        self.firings = 0
+        self.sinks: list[Sink] = []
+        self.outlets: dict[str, Outlet] = {}
+        """By the reference of what is sent."""
+        self.intakes = {intake.source.channel.ref: intake for intake in intakes}
+        self._wake = wake
+        self._bus = Bus("memq://")
+        self._seqs: dict[str, int] = defaultdict(int)
+        self._newest_stamp = self._stamp = clock.start_utime
+        self._units = {
+            node.name: LiveUnit(node, stages[node.name], self._publish, graph.queues, self._fault_of)
+            for node in graph.nodes
+        }
+        self._order = [self._units[node.name] for node in reversed(graph.order)]
+        self._clocked: list[tuple[Timer, LiveUnit]] = []
+        self._sources: list[tuple[Timer, LiveUnit]] = []
+        self._source_was_last = False
+        self._plain = {i.channel.name for n in graph.nodes for i in n.inputs if i.channel and i.port.is_plain}
+        self._readers: dict[str, list[tuple[LiveUnit, str]]] = defaultdict(list)
+        for unit in self._units.values():
+            for i in unit.node.inputs:
+                if i.channel is not None:
+                    self._readers[i.channel.name].append((unit, i.port.name))
+        self._firing = next(iter(self._units.values()))
+        self._subscribe()
+
+    @property
+    def units(self) -> Mapping[str, LiveUnit]:
+        """The stages at work, by name."""
+        return self._units
+
+    @property
+    def skipped(self) -> int:
+        """Firings of sources that were left out because they were late by more than a period."""
+        return sum(timer.skipped for timer, _ in self._sources)
+
+    def overtaken(self) -> Counter[str]:
+        """Return how many messages were overtaken on each edge, ``stage.port``, where any were."""
+        counts = (
+            (f"{name}.{port}", n) for name, unit in self._units.items() for port, n in unit.join.overtaken.items()
+        )
+        return Counter({edge: count for edge, count in counts if count})
+
+    def reset(self, seed: int) -> None:
+        """Make every stage's state anew from ``seed``.
+
+        Raises
+        ------
+        StageError
+            A stage cannot be made ready.
+        """
+        reset_stages(self._units, seed)
+        now_s = self.clock.now_s()
+        for unit in self._units.values():
+            unit.start_utime = self.clock.start_utime
+        self._clocked = [
+            (Timer(unit.node.every_ms / 1e3, now_s), unit) for unit in self._units.values() if unit.node.every_ms
+        ]
+        self._sources = [
+            (Timer(1 / stage.rate(), now_s), self._units[node.name])
+            for node in self.graph.sources
+            if isinstance(stage := self._units[node.name].stage, Source)
+        ]
+        self.is_ready = True
+
+    def behind_s(self, now_s: float) -> float:
+        """Return by how much the latest source or timer is late, seconds."""
+        return max([0.0, *(now_s - timer.due_s for timer, _ in (*self._clocked, *self._sources))])
+
+    def run(self, until_s: float | None, keep_going: Callable[[], bool], is_over: Callable[[], bool]) -> str:
+        """Take turns until a source ends the run, ``until_s`` seconds are over, or ``keep_going`` says no.
+
+        ``is_over`` says whether nothing more can come, asked where there is nothing to do.
+
+        Raises
+        ------
+        StageError
+            A stage raised, or returned what it may not.
+        """
+        while True:
+            if until_s is not None and self.clock.run_s() >= until_s:
+                return Outcome.TIMEOUT
+            if not keep_going():
+                return Outcome.STOPPED
+            self._wake.clear()
+            self._take_inputs()
+            outcome, fired = self._turn()
+            if outcome is not None:
+                return outcome
+            if not fired and is_over():
+                return Outcome.END
+            if not fired:
+                self._wake.wait(self._wait_s(until_s))
+
+    def close(self) -> None:
+        """Release what the stages hold; each is closed, also if another one fails to.
+
+        Raises
+        ------
+        StageError
+            The first failure, once every stage was closed.
+        """
+        self._bus.close()
+        close_stages(self._units, self.clock.run_s())
+
+    def _turn(self) -> tuple[str | None, bool]:
+        """Fire one stage; return the outcome where a source ended the run, and whether anything fired."""
+        now_s = self.clock.now_s()
+        for timer, unit in self._clocked:
+            if timer.is_due(now_s):
+                timer.advance(now_s)
+                return self._fire(unit, self._own_stamp(now_s), partial(unit.fire_timer, now_s=now_s)), True
+        due = next(((timer, unit) for timer, unit in self._sources if timer.is_due(now_s)), None)
+        if due is None or self._source_was_last:
+            for unit in self._order:
+                if (matched := unit.ready(now_s)) is not None:
+                    self._source_was_last = False
+                    utime = self._own_stamp(now_s) if unit.is_clocked else matched.utime
+                    outcome = self._fire(unit, utime, partial(unit.fire_set, matched, now_s=now_s))
+                    unit.judge_deadline(matched.ready_s, self.clock.now_s())
+                    return outcome, True
+        if due is None:
+            return None, False
+        timer, unit = due
+        utime = self.clock.utime_at(timer.due_s)
+        timer.advance(now_s)
+        self._source_was_last = True
+        return self._fire(unit, utime, partial(unit.fire_source, now_s=now_s)), True
+
+    def _fire(self, unit: LiveUnit, utime: int, fire: Callable[[int], str | None]) -> str | None:
+        self._firing, self._stamp = unit, utime
+        outcome = fire(utime)
+        self._bus.drain()
+        self.firings += 1
+        return outcome
+
+    def _wait_s(self, until_s: float | None) -> float:
+        """Return how long nothing can happen but that an input comes."""
+        now_s = self.clock.now_s()
+        due_s = min((timer.due_s for timer, _ in (*self._clocked, *self._sources)), default=math.inf)
+        waking_s = min((unit.wakes_at_s() for unit in self._order), default=math.inf)
+        end_s = math.inf if until_s is None else self.clock.start_s + until_s
+        return max(0.0, min(due_s, waking_s, end_s, now_s + _MAX_WAIT_S) - now_s)
+
+    def _take_inputs(self) -> None:
+        for intake in self.intakes.values():
+            before = intake.overtaken
+            for received in intake.take():
+                self._deliver_input(intake, received)
+            if intake.overtaken > before:
+                for unit, port in self._readers[intake.source.channel.name]:
+                    if unit.is_plain(port):
+                        unit.join.overtaken[port] += intake.overtaken - before
+
+    def _deliver_input(self, intake: Intake, received: Received) -> None:
+        if received.begins_anew:
+            for unit in self._units.values():
+                unit.begin_anew()
+        name = intake.source.channel.name
+        now_s = self.clock.now_s()
+        for unit, port in self._readers[name]:
+            unit.deliver(port, received.utime, received.message, received.birth_s, now_s)
+        if self.sinks:
+            data = received.raw or encode(received.message, received.utime, self.next_seq(name))
+            self.record(name, data)
+
+    def record(self, name: str, data: bytes) -> None:
+        """Give a message to the log and the tap, stamped now: senders' clocks may differ."""
+        utime = self.clock.now()
+        for sink in self.sinks:
+            sink.write(name, utime, data)
+
+    def _publish(self, channel: Channel, utime: int, message: Message) -> None:
+        """Send what the stage that is firing returned."""
+        if utime != self._stamp and channel.name in self._plain:
+            raise ValueError("it has a stamp of its own, but feeds a plain input: read it as Latest or Since")
+        try:
+            data = encode(message, utime, self.next_seq(channel.name))
+        except EncodeError as error:
+            raise ValueError(str(error)) from error
+        if (outlet := self.outlets.get(channel.ref)) is not None:
+            outlet.publish(message, data, utime, self._firing.origin_s)
+        if channel.name in self._readers:
+            self._bus.publish(channel.name, data)
+        self.record(channel.name, data)
+
+    def _subscribe(self) -> None:
+        """Subscribe once to each channel of this process that a stage consumes."""
+        for channel in self.graph.channels.values():
+            if channel.name in self._readers and channel.ref not in self.graph.inputs:
+                self._bus.subscribe(channel.name, partial(self._receive, channel.message))
+
+    def _receive(self, message_class: type[Message], name: str, data: bytes) -> None:
+        utime, _, message = decode(message_class, data)
+        now_s = self.clock.now_s()
+        for unit, port in self._readers[name]:
+            unit.deliver(port, utime, message, self._firing.birth_s, now_s)
+
+    def _own_stamp(self, now_s: float) -> int:
+        """Return a stamp of the run's own clock, later than all before."""
+        self._newest_stamp = max(self._newest_stamp + 1, self.clock.utime_at(now_s))
+        return self._newest_stamp
+
+    def _fault_of(self, ref: str, now_s: float) -> str:
+        intake = self.intakes.get(ref)
+        return intake.monitor.fault(now_s) if intake is not None else ""
+
+    def next_seq(self, channel: str) -> int:
+        """Return the number of a channel's next message."""
+        seq = self._seqs[channel]
+        self._seqs[channel] = seq + 1
+        return seq

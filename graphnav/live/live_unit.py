@@ -1,0 +1,147 @@
+"""A stage in a live run: it fires on the newest complete set of its plain inputs, and on its timer."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from graphnav.errors import StageError
+from graphnav.graph import Node
+from graphnav.live.join import MAX_UNMATCHED, Held, Join, MatchedSet
+from graphnav.messages import Message
+from graphnav.runner.unit import Publish, Unit
+from graphnav.stage import Latest, Since, Stage
+
+MAX_GATHERED = 4096
+"""Messages that a `Since` input holds at most; a sender of 1 kHz fills it in 4 s."""
+
+
+class LiveUnit(Unit):
+    """Holds what arrived for a stage and says when it may fire.
+
+    ``fault_of``: what is wrong with the stamps of the input that feeds a channel, by reference; empty for nothing.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        stage: Stage,
+        publish: Publish,
+        queues: Mapping[str, int | None],
+        fault_of: Callable[[str, float], str],
+    ) -> None:
+        super().__init__(node, stage, publish)
+        sizes = [queues[f"{node.name}.{port}"] for port in self._plain if f"{node.name}.{port}" in queues]
+        bound = MAX_UNMATCHED if not sizes else None if None in sizes else max(size or 0 for size in sizes)
+        self.join = Join(self._plain, max_unmatched=bound, in_order=bool(sizes))
+        self.missed = 0
+        self.start_utime = 0
+        self.birth_s = self.origin_s = math.nan
+        """What readers of its newest outputs count age from, and what their latency is counted from, monotonic seconds;
+        they differ for a stage with a timer, whose every firing is a new decision; NaN where nothing new came in."""
+        self._fault_of = fault_of
+        self._held: MatchedSet | None = None
+        self._newest: dict[str, tuple[Message, float]] = {}
+        self._gathered: dict[str, deque[tuple[int, Message]]] = {p: deque(maxlen=MAX_GATHERED) for p in self._since}
+        self._reached: dict[str, int] = {}
+        self._channel_of = {i.port.name: i.channel.ref for i in node.inputs if i.channel is not None}
+        self._needs = {i.port.name for i in node.inputs if i.port.is_plain and not i.port.optional}
+
+    @property
+    def is_clocked(self) -> bool:
+        """Whether a timer fires it too; then it publishes with the run's own clock."""
+        return self.node.every_ms is not None
+
+    @property
+    def is_single(self) -> bool:
+        """Whether the newest message of its one plain input is all that it steps with."""
+        return len(self._plain) == 1 and not self.join.in_order
+
+    @property
+    def dropped(self) -> int:
+        """Messages that were overtaken."""
+        return self.join.overtaken.total()
+
+    def deliver(self, port: str, utime: int, message: Message, birth_s: float, now_s: float) -> None:
+        """Take a message."""
+        if port in self._gathered:
+            self._gathered[port].append((utime, message))
+            self._reached[port] = max(utime, self._reached.get(port, utime))
+        elif port in self._latest:
+            self._newest[port] = (message, birth_s)
+        else:
+            self.join.put(port, utime, Held(message, birth_s, now_s))
+
+    def begin_anew(self) -> None:
+        """Drop everything whose stamps mean nothing any more."""
+        self.join.clear()
+        self._reached.clear()
+        for gathered in self._gathered.values():
+            gathered.clear()
+
+    def ready(self, now_s: float) -> MatchedSet | None:
+        """Return the set that would fire now, None while there is none or its `Since` inputs have not come so far."""
+        return self.join.newest_allowed(lambda one: self.waits_until_s(one) <= now_s)
+
+    def waits_until_s(self, matched: MatchedSet) -> float:
+        """Return until when a complete set waits for `Since` inputs, minus infinity if for nothing."""
+        behind = [p for p in self._since if p in self._channel_of and self._reached.get(p, 0) < matched.utime]
+        return matched.ready_s + self.stage.patience_s() if behind else -math.inf
+
+    def wakes_at_s(self) -> float:
+        """Return when the first waiting set has waited long enough, infinity where none waits."""
+        return min((self.waits_until_s(self.join.peek(utime)) for utime in self.join.complete()), default=math.inf)
+
+    def fire_set(self, matched: MatchedSet, utime: int, now_s: float) -> str | None:
+        """Step with a set that `ready` returned; ``utime``: the stamp of what is published."""
+        self._held = self.join.take(matched.utime)
+        self.origin_s = self._held.birth_s
+        self.birth_s = now_s if self.is_clocked else self._held.birth_s
+        return self._fire(utime, now_s)
+
+    def fire_timer(self, utime: int, now_s: float) -> str | None:
+        """Step with the newest complete set, or without one where every plain input is optional."""
+        if (matched := self.ready(now_s)) is not None:
+            return self.fire_set(matched, utime, now_s)
+        if self._held is None and self._needs:
+            return None
+        return self.fire_source(utime, now_s, origin_s=math.nan)
+
+    def fire_source(self, utime: int, now_s: float, origin_s: float | None = None) -> str | None:
+        """Step without a new set."""
+        self.birth_s = now_s
+        self.origin_s = now_s if origin_s is None else origin_s
+        return self._fire(utime, now_s)
+
+    def judge_deadline(self, ready_s: float, done_s: float) -> None:
+        """Count a step that ended later than the graph allows after its newest input was ready."""
+        if self.node.deadline_ms is not None and done_s - ready_s > self.node.deadline_ms / 1e3:
+            self.missed += 1
+
+    def is_plain(self, port: str) -> bool:
+        """Whether messages on an input fire it."""
+        return port in self._plain
+
+    def _fire(self, utime: int, now_s: float) -> str | None:
+        held, held_s = (self._held.held, self._held.birth_s) if self._held is not None else ({}, 0.0)
+        inputs: dict[str, Any] = {port: held[port].message if port in held else None for port in self._plain}
+        for port in self._latest:
+            inputs[port] = self._sample(port, now_s)
+        for port, gathered in self._gathered.items():
+            inputs[port] = Since(tuple(gathered))
+            gathered.clear()
+        return self.step(utime, inputs, now_s - held_s if held else math.inf)
+
+    def _sample(self, port: str, now_s: float) -> Latest[Any]:
+        if port not in self._channel_of:
+            return Latest(is_connected=False)
+        fault = self._fault_of(self._channel_of[port], now_s)
+        if port not in self._newest:
+            return Latest(fault=fault)
+        message, birth_s = self._newest[port]
+        return Latest(message, now_s - birth_s, fault)
+
+    def _failure(self, utime: int, what: str) -> StageError:
+        return StageError(self.node.name, self.node.use, (utime - self.start_utime) / 1e6, what)

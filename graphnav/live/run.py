@@ -1,0 +1,187 @@
+"""A live run that leaves a run folder: the log, the resolved graph, the summary."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from collections.abc import Callable, Collection
+from contextlib import ExitStack
+from pathlib import Path
+
+from graphnav.bus import GROUP, same_group, with_defaults
+from graphnav.codec import encode
+from graphnav.errors import GraphnavError
+from graphnav.graph import Graph
+from graphnav.live.about import STATUS, live_about
+from graphnav.live.clock import LiveClock
+from graphnav.live.intake import Intake
+from graphnav.live.live_runner import LiveRunner
+from graphnav.live.outside import opened
+from graphnav.live.playback import Playback
+from graphnav.live.status import StatusReporter
+from graphnav.messages import Status
+from graphnav.motors import MotorSender
+from graphnav.record import ABOUT, LOG, ThreadedLogWriter
+from graphnav.runner.interrupt import Interrupt
+from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
+from graphnav.runner.lockstep import Outcome, Sink
+from graphnav.runner.recorded import LiveSink, begin_folder, note_failure, write_summary
+from graphnav.runner.summary import Summary, figures_of, scores_of, versions
+from graphnav.stage import Stage
+
+
+def live_url(graph: Graph, given: str | None) -> str:
+    """Return the LCM URL of a live run: what was given, the graph's, ``LCM_DEFAULT_URL``, or this machine's group."""
+    return with_defaults(given or graph.run.url or os.environ.get("LCM_DEFAULT_URL") or GROUP)
+
+
+def to_stderr(notice: str) -> None:
+    """Tell a notice."""
+    print(notice, file=sys.stderr, flush=True)
+
+
+def run_live(
+    graph: Graph,
+    stages: dict[str, Stage],
+    folder: Path,
+    *,
+    url: str | None = None,
+    keep: Collection[str] | None = None,
+    tap: LiveSink | None = None,
+    run_id: str = "",
+    on_time: Callable[[float], None] = lambda _: None,
+    on_failure: Callable[[GraphnavError], None] = lambda _: None,
+    notice: Callable[[str], None] = to_stderr,
+) -> Summary:
+    """Run ``graph`` live into ``folder``, which must exist, and return what ``summary.json`` there says.
+
+    Whatever ends the run, motor channels get a stop first. A failing stage and Ctrl-C end the run, a full disk only the
+    recording. ``url``: see `live_url`. ``keep``: the channels that the log holds, None for what the graph's ``record``
+    says. ``on_time`` gets the seconds since the start now and then, ``notice`` what is late and what is lost.
+
+    Raises
+    ------
+    UserError
+        The folder cannot be written at all, or a log that is to be played does not hold what the graph says.
+    """
+    failures: list[str] = []
+    outcome: str = Outcome.FAILED
+    scores: dict[str, dict[str, float]] = {}
+    url = live_url(graph, url)
+    with ExitStack() as cleanup, Interrupt() as interrupt:
+        begin_folder(graph, folder)
+        wake, clock = threading.Event(), LiveClock()
+        intakes = [Intake(source, clock, needs_all=_needs_all(graph, ref)) for ref, source in graph.inputs.items()]
+        playback = Playback([(one.source, one.mailbox) for one in intakes if one.source.log is not None], wake.set)
+        cleanup.callback(playback.close)
+        writer = ThreadedLogWriter(folder / LOG, notice=notice)
+        cleanup.callback(writer.close)
+        runner = LiveRunner(graph, stages, clock, intakes, wake)
+        cleanup.callback(note_failure, failures, on_failure, runner.close)
+        runner.sinks = [_kept(graph, writer, keep), *_watched(graph, tap, url)]
+        if tap is not None:
+            cleanup.callback(tap.close)
+        reporter = StatusReporter(runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
+        try:
+            writer.write(ABOUT, clock.now(), encode(live_about(graph, by_outside_names=False), clock.now(), 0))
+            runner.reset(graph.run.seed)
+            with opened(graph, runner, url, wake, notice) as motors:
+                playback.start()
+
+                def keep_going() -> bool:
+                    if reporter.is_due():
+                        runner.record(STATUS, encode(reporter.make(), clock.now(), runner.next_seq(STATUS)))
+                        on_time(clock.run_s())
+                    _check_helpers(motors, playback)
+                    return not interrupt.asked
+
+                outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
+        except KeyboardInterrupt:
+            outcome = Outcome.STOPPED
+        except GraphnavError as error:
+            failures.append(str(error))
+            on_failure(error)
+        try:
+            scores = scores_of(runner.units) if runner.is_ready else {}
+        except GraphnavError as error:
+            failures.append(str(error))
+            on_failure(error)
+        status = reporter.make()
+    summary = Summary(
+        outcome=str(Outcome.FAILED if failures else outcome),
+        failure="\n".join(failures),
+        graph=graph.path.stem,
+        seed=graph.run.seed,
+        until_s=graph.run.until_s,
+        frames=runner.firings,
+        sim_s=status.run_s,
+        wall_s=round(status.wall_s, 4),
+        stages=figures_of(runner.units),
+        scores=scores,
+        notices=list(graph.notices),
+        tap_dropped=status.tap_dropped,
+        run_id=run_id,
+        versions=versions(),
+        live=_live_part(status, writer, url),
+    )
+    write_summary(summary, folder)
+    return summary
+
+
+def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
+    """Return what takes copies for those who watch: nothing that other programs of the same group write or read."""
+    if tap is None:
+        return []
+    is_shared = same_group(tap.url, url)
+    tap.announce(live_about(graph, by_outside_names=is_shared))
+    return [
+        ChannelsExcept(tap, {graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)} if is_shared else ())
+    ]
+
+
+def _check_helpers(motors: MotorSender | None, playback: Playback) -> None:
+    """Raise GraphnavError where what the run needs beside itself has failed."""
+    if motors is not None and not motors.alive:
+        raise GraphnavError("the process that sends the motor channels has died: the run cannot go on")
+    if playback.failure:
+        raise GraphnavError(playback.failure)
+
+
+def _is_over(graph: Graph, playback: Playback) -> bool:
+    """Whether nothing can come any more: every log is played, and there is no other source."""
+    return bool(graph.inputs) and not graph.sources and playback.is_over and all(i.log for i in graph.inputs.values())
+
+
+def _needs_all(graph: Graph, ref: str) -> bool:
+    """Whether every message of an input counts, not only the newest."""
+    for node in graph.nodes:
+        plain = [i for i in node.inputs if i.port.is_plain]
+        for i in node.inputs:
+            if i.channel is None or i.channel.ref != ref:
+                continue
+            queued = any(f"{node.name}.{one.port.name}" in graph.queues for one in plain)
+            if i.port.since or (i.port.is_plain and (len(plain) > 1 or queued)):
+                return True
+    return False
+
+
+def _kept(graph: Graph, writer: Sink, keep: Collection[str] | None) -> Sink:
+    """Return what takes the messages for the log."""
+    if keep is not None:
+        return ChannelsOnly(writer, keep)
+    return writer if graph.run.record == "all" else SmallOnly(writer)
+
+
+def _live_part(status: Status, writer: ThreadedLogWriter, url: str) -> dict[str, object]:
+    """Return what the summary of a live run says beside what every summary says."""
+    return {
+        "url": url,
+        "inputs": list(status.inputs),
+        "outputs": list(status.outputs),
+        "edges": list(status.edges),
+        "missed": {stage["name"]: stage["missed"] for stage in status.stages if stage["deadline_ms"]},
+        "memory_mb": status.memory_mb,
+        "log_dropped": writer.dropped,
+        "log_failure": writer.failure,
+    }

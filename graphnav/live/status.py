@@ -1,0 +1,142 @@
+"""The health of a live run: what `graphnav.status` says once a second, and what is late."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from graphnav.live.intake import Intake
+from graphnav.live.live_runner import LiveRunner
+from graphnav.live.live_unit import LiveUnit
+from graphnav.live.outlet import Outlet
+from graphnav.messages import Status
+
+_PERIOD_S = 1.0
+_PAGE_MB = os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+class StatusReporter:
+    """Makes a status once a second and tells, through ``notice``, what is late: at first, and when it has doubled.
+
+    ``dropped`` returns what the tap and the log have dropped.
+    """
+
+    def __init__(
+        self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]], notice: Callable[[str], None]
+    ) -> None:
+        self._runner, self._run_id, self._dropped, self._notice = runner, run_id, dropped, notice
+        self._due_s = runner.clock.now_s() + _PERIOD_S
+        self._last_s = runner.clock.now_s()
+        self._counts: Counter[str] = Counter()
+        self._busy_s: dict[str, float] = {}
+        self._told: dict[str, int] = {}
+        self._overtaken: Counter[str] = Counter()
+
+    def is_due(self) -> bool:
+        """Whether the last status is a second old."""
+        return self._runner.clock.now_s() >= self._due_s
+
+    def make(self) -> Status:
+        """Return the status of now; rates are those since the last one."""
+        clock = self._runner.clock
+        now_s = clock.now_s()
+        elapsed_s = max(now_s - self._last_s, 1e-6)
+        self._last_s, self._due_s = now_s, now_s + _PERIOD_S
+        overtaken = self._runner.overtaken()
+        tap_dropped, log_dropped = self._dropped()
+        status = Status(
+            run_id=self._run_id,
+            graph=self._runner.graph.path.stem,
+            live=True,
+            wall_s=clock.run_s(),
+            run_s=clock.run_s(),
+            behind_s=self._runner.behind_s(now_s),
+            memory_mb=memory_mb(),
+            tap_dropped=tap_dropped,
+            log_dropped=log_dropped,
+            stages=tuple(self._stage(unit, elapsed_s) for unit in self._runner.units.values()),
+            inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._runner.intakes.values()),
+            outputs=tuple(_output(one) for one in self._runner.outlets.values()),
+            edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),
+        )
+        for line in self._late(overtaken, elapsed_s):
+            self._notice(line)
+        return status
+
+    def _stage(self, unit: LiveUnit, elapsed_s: float) -> dict[str, Any]:
+        name = unit.node.name
+        return {
+            "name": name,
+            "use": unit.node.use,
+            "steps": unit.durations.count,
+            "rate_hz": self._since(name, unit.durations.count) / elapsed_s,
+            "p50_ms": unit.durations.quantile_s(0.5) * 1e3,
+            "p99_ms": unit.durations.quantile_s(0.99) * 1e3,
+            "deadline_ms": unit.node.deadline_ms or 0.0,
+            "missed": unit.missed,
+            "overtaken": unit.dropped,
+        }
+
+    def _input(self, intake: Intake, now_s: float, elapsed_s: float) -> dict[str, Any]:
+        source, monitor = intake.source, intake.monitor
+        age_s = monitor.age_s(now_s)
+        reasons = sorted(monitor.rejected.items())
+        return {
+            "name": source.channel.ref,
+            "channel": f"{source.log}:{source.name}" if source.log is not None else source.name,
+            "accepted": monitor.accepted,
+            "rate_hz": self._since(f"{source.channel.ref} accepted", monitor.accepted) / elapsed_s,
+            "age_s": age_s if monitor.accepted else -1.0,
+            "max_age_s": monitor.max_age_s,
+            "offset_s": monitor.offset_s,
+            "fault": monitor.fault(now_s),
+            "reasons": tuple(reason for reason, _ in reasons),
+            "rejected": tuple(count for _, count in reasons),
+        }
+
+    def _since(self, key: str, count: int) -> int:
+        """Return how much a count has grown since the last status."""
+        grown = count - self._counts[key]
+        self._counts[key] = count
+        return grown
+
+    def _late(self, overtaken: Counter[str], elapsed_s: float) -> Iterator[str]:
+        """Yield what to tell: on which edges messages were overtaken, and which stage took the time."""
+        units = self._runner.units
+        busy_s = {name: unit.durations.total_s for name, unit in units.items()}
+        spent_s = {name: total_s - self._busy_s.get(name, 0.0) for name, total_s in busy_s.items()}
+        self._busy_s = busy_s
+        slowest = max(spent_s, key=lambda name: spent_s[name])
+        step_ms = units[slowest].durations.quantile_s(0.5) * 1e3
+        for edge, count in overtaken.items():
+            if count >= max(2, 2 * self._told.get(edge, 0)):
+                self._told[edge] = count
+                share = f"{slowest} took {spent_s[slowest] / elapsed_s:.0%} of the last second, {step_ms:.0f} ms a step"
+                yield f"late: {count} messages overtaken on {edge}; {share}"
+        for name, unit in units.items():
+            if unit.missed >= max(1, 2 * self._told.get(f"{name} missed", 0)):
+                self._told[f"{name} missed"] = unit.missed
+                yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
+
+
+def memory_mb() -> float:
+    """Return the resident memory of this process, megabytes; 0 where the kernel does not tell."""
+    try:
+        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * _PAGE_MB
+    except (OSError, ValueError, IndexError):
+        return 0.0
+
+
+def _output(outlet: Outlet) -> dict[str, Any]:
+    return {
+        "name": outlet.target.channel.ref,
+        "channel": outlet.target.name,
+        "motor": outlet.target.motor,
+        "sent": outlet.sent,
+        "latency_p50_ms": outlet.latency.quantile_s(0.5) * 1e3,
+        "latency_p99_ms": outlet.latency.quantile_s(0.99) * 1e3,
+        "latency_max_ms": outlet.max_latency_s * 1e3,
+    }
