@@ -1,0 +1,90 @@
+"""The navigation graph by hand: one python-lcm loop that calls the same stages, without graphnav's runner.
+
+What `tools/bench_live.py` measures live graphs against: it listens, decodes with lcm-gen's own classes, waits for the
+odometry after each frame, steps, and publishes. It keeps no log, answers for no hang, and counts nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import lcm
+import numpy as np
+from graphnav_lcm import image_t, odometry_t, twist_t
+
+from graphnav import Image, Latest, Odometry, Since
+from graphnav.ablation.threads import ONE_THREAD
+from graphnav.catalog import Catalog
+from graphnav.graph import load_graph
+
+GRAPH = "navigate_live"
+_PATIENCE = 5
+
+
+class Bare:
+    """Steps the stages of the navigation graph when a frame and the odometry after it have come."""
+
+    def __init__(self, url: str) -> None:
+        self._lcm = lcm.LCM(url)
+        self._stages: dict[str, Any] = load_graph(GRAPH, Catalog()).make_stages()
+        for stage in self._stages.values():
+            stage.reset(0)
+        self._frame: image_t | None = None
+        self._samples: list[tuple[int, Odometry]] = []
+        self._lcm.subscribe("CAMERA", self._see)
+        self._lcm.subscribe("ODOMETRY", self._count)
+
+    def run(self) -> None:
+        """Handle messages for ever."""
+        while True:
+            self._lcm.handle()
+
+    def _see(self, _channel: str, data: bytes) -> None:
+        self._frame = image_t.decode(data)
+        self._step_when_covered()
+
+    def _count(self, _channel: str, data: bytes) -> None:
+        sample = odometry_t.decode(data)
+        message = Odometry(
+            x_m=sample.x_m, y_m=sample.y_m, yaw_rad=sample.yaw_rad, v_mps=sample.v_mps, omega_radps=sample.omega_radps
+        )
+        self._samples.append((sample.utime, message))
+        self._step_when_covered()
+
+    def _step_when_covered(self) -> None:
+        frame = self._frame
+        if frame is None or not self._samples or self._samples[-1][0] < frame.utime:
+            return
+        self._frame = None
+        stages = self._stages
+        pixels = np.frombuffer(frame.data, np.uint8).reshape(frame.rows, frame.cols)
+        image = Image(pixels=pixels)
+        flow = stages["flow"].step(image, frame.utime)
+        if flow is None:
+            return
+        since, self._samples = Since(tuple(self._samples)), []
+        motion = stages["odometry"].step(flow, since, frame.utime)
+        if motion is None:
+            return
+        planar = stages["planar"].step(flow, motion)
+        plane = stages["plane"].step(flow, planar, frame.utime)
+        steering = stages["steer"].step(plane)
+        command = stages["control"].step(steering)
+        nothing: Latest[Any] = Latest(is_connected=False)
+        guarded = stages["guard"].step(
+            command, Latest(plane, 0.0), Latest(image, 0.0), nothing, nothing, frame.utime, 0.0
+        )
+        out = twist_t()
+        out.utime, out.v_mps, out.omega_radps = frame.utime, guarded.twist.v_mps, guarded.twist.omega_radps
+        self._lcm.publish("BASE_CMD", out.encode())
+
+
+if __name__ == "__main__":
+    import os
+
+    os.environ.update(ONE_THREAD)
+    import cv2
+
+    cv2.setNumThreads(1)
+    Bare(sys.argv[1]).run()
