@@ -1,0 +1,185 @@
+"""The process that sends the motor channels: it forwards commands, and stops the robot when they end.
+
+It is started by `graphnav.motors.sender`, which writes frames to its standard input. Standard output says once whether
+LCM is open; the only argument is the descriptor of a memory file for the counts.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import select
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from types import FrameType
+from typing import Any
+
+from graphnav.bus import Bus
+from graphnav.errors import BusError
+from graphnav.motors.channel import MotorChannel
+from graphnav.motors.counts import Counts, SharedCounts
+from graphnav.motors.frames import FAILED, READY, Frame, FrameReader, Kind
+from graphnav.motors.motor import Motor
+from graphnav.motors.schedule import STOP_FOR_S
+
+_ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+_CHUNK_BYTES = 65_536
+_COMMANDS, _OUT = 0, 1
+
+
+class Child:
+    """Sends the motor channels until the pipe ``commands_fd`` closes, an end is ordered or one of ``ending_fds`` wakes.
+
+    Then it sends stops for one second, forwards no more, and `run` returns.
+    """
+
+    def __init__(self, motors: Sequence[Motor], commands_fd: int, ending_fds: Sequence[int]) -> None:
+        self._motors = motors
+        self._commands_fd = commands_fd
+        self._fds = [commands_fd, *ending_fds]
+        self._reader = FrameReader()
+        self._end_s = math.inf
+        self._overtaken = 0
+
+    @property
+    def counts(self) -> Counts:
+        """What was done so far."""
+        return Counts(
+            forwarded=sum(motor.forwarded for motor in self._motors),
+            stops=sum(motor.stops for motor in self._motors),
+            failed=sum(motor.failed for motor in self._motors),
+            overtaken=self._overtaken,
+            late=sum(motor.late for motor in self._motors),
+        )
+
+    def run(self, shared: SharedCounts) -> None:
+        """Forward and stop until the last stop is sent."""
+        while (now_s := time.monotonic()) < self._end_s:
+            due_s = min((motor.due_s for motor in self._motors), default=math.inf)
+            wait_s = min(due_s, self._end_s) - now_s
+            ready, _, _ = select.select(self._fds, [], [], None if wait_s == math.inf else max(0.0, wait_s))
+            if self._commands_fd in ready:
+                ready.remove(self._commands_fd)
+                self._take()
+            if ready:
+                self._end()
+            for motor in self._motors:
+                motor.stop_if_due(time.monotonic())
+            shared.write(self.counts)
+
+    def _take(self) -> None:
+        """Do what the pipe says; of several commands of a channel that wait only the newest is forwarded."""
+        try:
+            data = os.read(self._commands_fd, _CHUNK_BYTES)
+            frames = self._reader.feed(data)
+        except (OSError, ValueError):
+            data, frames = b"", []
+        newest: dict[int, Frame] = {}
+        for frame in frames:
+            if frame.kind == Kind.COMMAND:
+                self._overtaken += frame.channel in newest
+                newest[frame.channel] = frame
+            else:
+                self._overtaken += len(newest)
+                newest = {}
+                if frame.kind == Kind.END:
+                    self._end()
+                    return
+                self._order_stops()
+        for frame in newest.values():
+            self._motors[frame.channel].command(frame.payload, frame.sent_s, time.monotonic())
+        if not data:
+            self._end()
+
+    def _end(self) -> None:
+        """Listen to nothing any more and stop."""
+        if self._end_s == math.inf:
+            self._fds = []
+            self._end_s = time.monotonic() + STOP_FOR_S
+            self._order_stops()
+
+    def _order_stops(self) -> None:
+        for motor in self._motors:
+            motor.order_stops(time.monotonic())
+
+
+def main() -> int:
+    """Open LCM, say so, and send until the run ends."""
+    signals_fd = _signals()
+    setup = _read_setup()
+    if setup is None:
+        return 1
+    shared = SharedCounts(int(sys.argv[1]))
+    try:
+        bus = Bus(setup["url"])
+    except BusError as error:
+        _say(FAILED + str(error).encode())
+        return 1
+    channels = [MotorChannel(**{**channel, "stop": bytes.fromhex(channel["stop"])}) for channel in setup["channels"]]
+    _raise_priority()
+    _say(READY)
+    child = Child([Motor(channel, bus) for channel in channels], _COMMANDS, [signals_fd, *_watch(setup["parent"])])
+    child.run(shared)
+    return 0
+
+
+def _signals() -> int:
+    """Return a descriptor that wakes when a signal asks for the end."""
+    awake_fd, signal_fd = os.pipe2(os.O_NONBLOCK)
+    signal.set_wakeup_fd(signal_fd, warn_on_full_buffer=False)
+    for number in _ENDING:
+        signal.signal(number, _ignore)
+    signal.pthread_sigmask(signal.SIG_SETMASK, [])  # a thread that blocks signals hands that on
+    return awake_fd
+
+
+def _ignore(_number: int, _frame: FrameType | None) -> None:
+    """Leave a signal to the descriptor that it wakes."""
+
+
+def _read_setup() -> dict[str, Any] | None:
+    """Return what the first frame says, None if the run ended before it was complete."""
+    reader = FrameReader()
+    while data := os.read(_COMMANDS, _CHUNK_BYTES):
+        for frame in reader.feed(data):
+            setup: dict[str, Any] = json.loads(frame.payload)
+            return setup
+    return None
+
+
+def _say(words: bytes) -> None:
+    """Tell the run, once; from then on standard output leads nowhere, so that nobody waits for its end."""
+    with contextlib.suppress(OSError):
+        os.write(_OUT, words)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, _OUT)
+    os.close(nowhere)
+
+
+def _watch(parent: int) -> list[int]:
+    """Return what wakes when the run's process ends: processes that it forked may keep the pipe open.
+
+    Empty where the kernel has no such descriptor; the end of a run that left such processes is then seen as silence.
+    """
+    try:
+        fd = os.pidfd_open(parent)
+    except OSError:
+        return []
+    return [fd]
+
+
+def _raise_priority() -> None:
+    """Be scheduled before everything of ordinary priority, where that is allowed."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+    except OSError:
+        with contextlib.suppress(OSError):
+            os.nice(-10)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

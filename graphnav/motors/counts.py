@@ -1,0 +1,51 @@
+"""Counts that the sending process writes and the run reads, in shared memory."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+from typing import NamedTuple
+
+_LAYOUT = struct.Struct("=5q")
+
+
+class Counts(NamedTuple):
+    """What the process did since it started, over all channels.
+
+    ``forwarded`` commands and ``stops`` left; ``failed`` messages the network did not take (they are no part of the
+    two); ``overtaken`` commands were replaced by newer ones before they were forwarded; ``late`` ones had waited for
+    longer than ``max_age_s`` and were not forwarded.
+    """
+
+    forwarded: int = 0
+    stops: int = 0
+    failed: int = 0
+    overtaken: int = 0
+    late: int = 0
+
+
+class SharedCounts:
+    """A few bytes of memory that two processes share through a file descriptor; one writes, the other reads."""
+
+    def __init__(self, fd: int) -> None:
+        self._memory = mmap.mmap(fd, _LAYOUT.size)
+
+    @classmethod
+    def new_file(cls) -> int:
+        """Return the descriptor of a memory file that holds counts of zero; the caller closes it."""
+        fd = os.memfd_create("graphnav-motors")
+        os.truncate(fd, _LAYOUT.size)
+        return fd
+
+    def read(self) -> Counts:
+        """Return what was written last."""
+        return Counts(*_LAYOUT.unpack_from(self._memory))
+
+    def write(self, counts: Counts) -> None:
+        """Let ``counts`` be what is read."""
+        _LAYOUT.pack_into(self._memory, 0, *counts)
+
+    def close(self) -> None:
+        """Give the memory back."""
+        self._memory.close()

@@ -1,0 +1,54 @@
+"""One motor channel in the process that sends it."""
+
+from __future__ import annotations
+
+from graphnav.bus import Bus
+from graphnav.errors import BusError
+from graphnav.motors.channel import MotorChannel
+from graphnav.motors.schedule import StopSchedule
+from graphnav.motors.stop_message import StopMessage
+
+
+class Motor:
+    """Forwards the commands of a channel and sends its stops; all times are monotonic seconds.
+
+    What the network does not take is counted in ``failed`` and not sent again: the next command or stop follows soon.
+    """
+
+    def __init__(self, channel: MotorChannel, bus: Bus) -> None:
+        self.forwarded = self.stops = self.failed = self.late = 0
+        self._name, self._max_age_s = channel.name, channel.max_age_s
+        self._bus = bus
+        self._schedule = StopSchedule(channel.max_age_s)
+        self._message = StopMessage(channel)
+
+    @property
+    def due_s(self) -> float:
+        """When the next stop is due."""
+        return self._schedule.due_s
+
+    def command(self, data: bytes, sent_s: float, now_s: float) -> None:
+        """Forward a command, unless it has waited for longer than the channel may be silent."""
+        if now_s - sent_s > self._max_age_s:
+            self.late += 1
+            return
+        self._schedule.command(sent_s)
+        self.forwarded += self._publish(self._message.forward(data, sent_s))
+
+    def order_stops(self, now_s: float) -> None:
+        """Send a stop, and more of them for a second."""
+        self._schedule.order(now_s)
+        self.stop_if_due(now_s)
+
+    def stop_if_due(self, now_s: float) -> None:
+        """Send the stop that is due, if one is."""
+        if self._schedule.take(now_s):
+            self.stops += self._publish(self._message.stop(now_s))
+
+    def _publish(self, data: bytes) -> bool:
+        try:
+            self._bus.publish(self._name, data)
+        except BusError:
+            self.failed += 1
+            return False
+        return True

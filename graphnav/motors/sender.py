@@ -1,0 +1,181 @@
+"""Motor channels as the run sends them: through a process that stops the robot however the run ends."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+
+from graphnav.errors import BusError
+from graphnav.motors.channel import MotorChannel
+from graphnav.motors.counts import Counts, SharedCounts
+from graphnav.motors.frames import MAX_PAYLOAD_BYTES, READY, Kind
+from graphnav.motors.writer import FrameWriter
+
+__all__ = ["MotorChannel", "MotorSender"]
+
+_MODULE = "graphnav.motors.child"
+_READY_S = 10.0
+_ENDED_S = 2.0
+_STALLED_S = 0.25
+_MAX_SETUP_BYTES = 60_000
+"""What an empty pipe takes at once."""
+
+
+class MotorSender:
+    """A process of its own that sends the motor channels; it forwards commands and answers trouble with stops.
+
+    A stop is sent at once and repeated at 50 Hz for one second when this process ends, in whatever way; when `stop` or
+    `close` is called; and when a channel that had a command has none for its ``max_age_s`` (then once more every
+    ``max_age_s`` while it stays silent). A later command is forwarded at once and ends the stops.
+
+    Construction returns when the process is ready (some 0.1 s). Raises BusError, with the reason, where it cannot be
+    started or does not get LCM open within 10 s; ValueError where two channels have one name.
+    """
+
+    def __init__(self, url: str, channels: Sequence[MotorChannel]) -> None:
+        self.refused = 0
+        self._indices = {channel.name: index for index, channel in enumerate(channels)}
+        if len(self._indices) != len(channels):
+            raise ValueError("two motor channels have one name")
+        counts_fd = SharedCounts.new_file()
+        try:
+            self._counts = SharedCounts(counts_fd)
+            self._process = _start(counts_fd)
+        finally:
+            os.close(counts_fd)
+        assert self._process.stdin is not None
+        self._writer = FrameWriter(self._process.stdin)
+        self._is_closed = False
+        self._taken_s = time.monotonic()
+        try:
+            self._set_up(url, channels)
+        except BaseException:
+            self._writer.close()
+            assert self._process.stdout is not None
+            self._process.stdout.close()
+            self._process.kill()
+            self._process.wait()
+            raise
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process runs; one that was killed from outside sends no stops."""
+        return self._process.poll() is None
+
+    @property
+    def pid(self) -> int:
+        """The process's id."""
+        return self._process.pid
+
+    @property
+    def counts(self) -> Counts:
+        """What the process did since it started."""
+        return self._counts.read()
+
+    @property
+    def stops(self) -> int:
+        """How many stops were sent, over all channels."""
+        return self.counts.stops
+
+    def send(self, channel: str, data: bytes) -> bool:
+        """Forward an encoded command; never waits.
+
+        Return False, and count it in ``refused``, where the process does not take commands: it ended, or has not read
+        its pipe for a quarter of a second. The newest command of each channel then waits for it, for ``max_age_s``.
+        False too for more than 1 MiB. Raises KeyError for a channel that was not given at construction.
+        """
+        index = self._indices[channel]
+        if self._is_closed or len(data) > MAX_PAYLOAD_BYTES:
+            self.refused += 1
+            return False
+        now_s = time.monotonic()
+        try:
+            if not self._writer.unread_bytes:
+                self._taken_s = now_s
+            is_sent = self._writer.command(index, now_s, data) and now_s - self._taken_s < _STALLED_S
+        except OSError:
+            is_sent = False
+        self.refused += not is_sent
+        return is_sent
+
+    def stop(self) -> None:
+        """Stop all channels now and for one second; a command that is sent after it is forwarded and ends its stops.
+
+        Never waits; may be called from any thread and from a signal handler.
+        """
+        if not self._is_closed:
+            with contextlib.suppress(OSError):
+                self._writer.order(Kind.STOP, time.monotonic())
+
+    def close(self, wait: bool = True) -> None:  # noqa: FBT001, FBT002
+        """Stop all channels for one second and end the process.
+
+        With ``wait`` return when it ended, or after 2 s; what then still runs ends later, by itself.
+        """
+        if not self._is_closed:
+            self._is_closed = True
+            with contextlib.suppress(OSError):
+                self._writer.order(Kind.END, time.monotonic())
+            self._writer.close()
+            with contextlib.suppress(RuntimeError):  # while Python shuts down there are no new threads
+                threading.Thread(target=self._process.wait, name="graphnav-motors-end", daemon=True).start()
+        if wait:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(_ENDED_S)
+
+    def _set_up(self, url: str, channels: Sequence[MotorChannel]) -> None:
+        """Tell the process what it sends and wait until it can; raises BusError."""
+        words = json.dumps(
+            {
+                "url": url,
+                "parent": os.getpid(),
+                "channels": [vars(channel) | {"stop": channel.stop.hex()} for channel in channels],
+            }
+        ).encode()
+        if len(words) > _MAX_SETUP_BYTES:
+            raise BusError(f"the stop messages are too long: {len(words)} bytes as text, at most {_MAX_SETUP_BYTES}")
+        with contextlib.suppress(OSError):
+            self._writer.order(Kind.SETUP, time.monotonic(), words)
+        answer = self._answer()
+        if answer[:1] == READY:
+            return
+        if answer:
+            raise BusError(answer[1:].decode())
+        status = self._process.wait()
+        raise BusError(f"the process that sends the motor channels ended with status {status} before LCM was open")
+
+    def _answer(self) -> bytes:
+        """Return what the process says, empty if it ended; raises BusError where it says nothing for too long."""
+        assert self._process.stdout is not None
+        with self._process.stdout as out:
+            if select.select([out], [], [], _READY_S)[0]:
+                return os.read(out.fileno(), select.PIPE_BUF)
+        raise BusError(f"the process that sends the motor channels was not ready within {_READY_S:.0f} s")
+
+
+def _start(counts_fd: int) -> subprocess.Popen[bytes]:
+    """Start the process: in a session of its own, so that no terminal's signal reaches it; raises BusError.
+
+    It finds its modules where this process finds them, installed or not.
+    """
+    path = os.pathsep.join(os.path.abspath(entry) for entry in sys.path)
+    try:
+        return subprocess.Popen(  # noqa: S603 - it is this program
+            [sys.executable, "-P", "-m", _MODULE, str(counts_fd)],
+            bufsize=0,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            pass_fds=[counts_fd],
+            start_new_session=True,
+            env=os.environ | {"PYTHONPATH": path},
+        )
+    except OSError as error:
+        raise BusError(f"the process that sends the motor channels does not start: {error}") from error

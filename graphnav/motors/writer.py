@@ -1,0 +1,91 @@
+"""Frames into a pipe, without ever waiting for its reader."""
+
+from __future__ import annotations
+
+import array
+import fcntl
+import os
+import termios
+import threading
+from collections import deque
+from typing import IO
+
+from graphnav.motors.frames import Kind, pack
+
+
+class FrameWriter:
+    """Writes frames to a pipe, which it makes non-blocking; what does not fit waits until the next call.
+
+    At most one command of each channel waits: the newest. An order (stop, end) replaces the commands that wait and is
+    written before those that come after it. A frame that has begun is always completed first.
+
+    Any thread may call it, a signal handler too: a call that interrupts another one of its thread leaves the writing
+    to that one. All methods raise OSError where the pipe is closed, or nothing reads it.
+    """
+
+    def __init__(self, pipe: IO[bytes]) -> None:
+        self._pipe = pipe
+        self._fd = pipe.fileno()
+        os.set_blocking(self._fd, False)
+        self._rest = b""
+        self._orders: deque[bytes] = deque(maxlen=len(Kind))
+        self._commands: dict[int, bytes] = {}
+        self._lock = threading.RLock()
+        self._is_writing = False
+
+    @property
+    def unread_bytes(self) -> int:
+        """How much of what was written nobody has read."""
+        count = array.array("i", [0])
+        with self._lock:
+            fcntl.ioctl(self._fd, termios.FIONREAD, count)
+        return count[0]
+
+    def command(self, channel: int, sent_s: float, data: bytes) -> bool:
+        """Write a command; return whether it, and all before it, is in the pipe."""
+        with self._lock:
+            self._commands[channel] = pack(Kind.COMMAND, channel, sent_s, data)
+            return self._flush()
+
+    def order(self, kind: Kind, sent_s: float, payload: bytes = b"") -> bool:
+        """Write an order to all channels; return whether it is in the pipe."""
+        with self._lock:
+            self._commands = {}
+            self._orders.append(pack(kind, 0, sent_s, payload))
+            return self._flush()
+
+    def close(self) -> None:
+        """Close the pipe; what waits is lost."""
+        with self._lock:
+            self._fd = -1
+            self._pipe.close()
+
+    @property
+    def _is_empty(self) -> bool:
+        return not (self._rest or self._orders or self._commands)
+
+    def _flush(self) -> bool:
+        """Write until nothing waits or the pipe is full; return whether nothing waits."""
+        while not (self._is_writing or self._is_empty):
+            self._is_writing = True
+            try:
+                while not self._is_empty:
+                    self._write_next()
+            except BlockingIOError:
+                break
+            finally:
+                self._is_writing = False
+        return self._is_empty
+
+    def _write_next(self) -> None:
+        """Write one frame, or as much of it as fits; raises BlockingIOError, and keeps it, where nothing fits."""
+        orders, commands = self._orders, self._commands
+        if frame := self._rest:
+            self._rest = frame[os.write(self._fd, frame) :]
+        elif orders:
+            self._rest = orders[0][os.write(self._fd, orders[0]) :]
+            orders.popleft()
+        else:
+            for channel, command in tuple(commands.items())[:1]:
+                self._rest = command[os.write(self._fd, command) :]
+                commands.pop(channel, None)
