@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from graphnav.errors import DeclarationError, one_line
 from graphnav.messages import Message
 
 
@@ -57,3 +59,59 @@ class Adapter:
     def writes(cls) -> bool:
         """Whether it turns ours into theirs."""
         return cls.to_lcm is not Adapter.to_lcm
+
+
+@dataclass(frozen=True)
+class Adapters:
+    """The adapters of the loaded plugins, by ``type_name``: one for each direction of a type."""
+
+    readers: Mapping[str, Adapter]
+    """Those that turn their type into ours."""
+    writers: Mapping[str, Adapter]
+    """Those that turn ours into theirs."""
+
+
+def collect_adapters(found: Iterable[tuple[str, Any]]) -> Adapters:
+    """Return adapters by type; ``found``: pairs of the package or file and what its hook gave, instances or classes.
+
+    Raises
+    ------
+    DeclarationError
+        One is not an adapter, is declared wrongly, or two turn the same type in the same direction.
+    """
+    readers: dict[str, Adapter] = {}
+    writers: dict[str, Adapter] = {}
+    origins: dict[tuple[str, str], str] = {}
+    for origin, given in found:
+        adapter = _made(origin, given)
+        name = adapter.type_name
+        for verb, does, known in (("read", adapter.reads(), readers), ("written", adapter.writes(), writers)):
+            if not does:
+                continue
+            if name in known:
+                raise DeclarationError(f"'{name}' is {verb} by adapters of {origins[verb, name]} and of {origin}")
+            known[name], origins[verb, name] = adapter, origin
+    return Adapters(readers, writers)
+
+
+def _made(origin: str, given: Any) -> Adapter:
+    """Return the instance of an adapter whose declaration is complete."""
+    adapter = given
+    if isinstance(given, type) and issubclass(given, Adapter):
+        try:
+            adapter = given()
+        except Exception as error:
+            raise DeclarationError(f"{origin}: {given.__name__}() raises {one_line(error)}") from error
+    if not isinstance(adapter, Adapter):
+        raise DeclarationError(f"{origin}: graphnav_adapters() returns {given!r}, which is not an Adapter")
+    who = f"{origin}: adapter {type(adapter).__name__}"
+    if not isinstance(getattr(adapter, "type_name", None), str):
+        raise DeclarationError(f"{who} does not name its type: write type_name = 'package.type_t'")
+    if not hasattr(getattr(adapter, "lcm_class", None), "__typenames__"):
+        raise DeclarationError(f"{who} has no lcm_class that lcm-gen made")
+    message = getattr(adapter, "message", None)
+    if not (isinstance(message, type) and issubclass(message, Message)):
+        raise DeclarationError(f"{who} does not name its message: write message = Image, or another Message")
+    if not (adapter.reads() or adapter.writes()):
+        raise DeclarationError(f"{who} has neither from_lcm nor to_lcm")
+    return adapter

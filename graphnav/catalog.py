@@ -6,6 +6,7 @@ import importlib.util
 import re
 import sys
 import traceback
+from collections.abc import Iterator
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -14,12 +15,16 @@ from typing import Any
 import pluggy
 
 import graphnav.hooks
-from graphnav.errors import CatalogError, DeclarationError, did_you_mean
+from graphnav.adapter import Adapters, collect_adapters
+from graphnav.errors import CatalogError, DeclarationError, did_you_mean, one_line
 from graphnav.messages import snake_case
 from graphnav.stage import Source, Stage, params_of, ports_of
 
 GROUP = "graphnav"
 """The group of entry points; an entry point's name is a family, its value a module with hooks."""
+
+ADAPTERS = "adapters"
+"""The reserved family of packages that bring adapters, which every graph with channels from outside may use."""
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -36,6 +41,7 @@ class Catalog:
         self._files: dict[str, list[str]] = {}
         self._loaded: set[str] = set()
         self._registered: set[tuple[str, str]] = set()
+        self._adapters: Adapters | None = None
         for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
             self._entry_points.setdefault(point.name, []).append(point)
 
@@ -45,8 +51,26 @@ class Catalog:
         return self._plugins.hook
 
     def families(self) -> tuple[str, ...]:
-        """Return the names of all families, imported or not, sorted."""
-        return tuple(sorted({*self._entry_points, *self._files}))
+        """Return the names of all families of stages, imported or not, sorted."""
+        files = {family for family in self._files if family in self._entry_points or self._stages.get(family)}
+        return tuple(sorted({*self._entry_points, *files} - {ADAPTERS}))
+
+    def adapters(self) -> Adapters:
+        """Return the adapters of the packages of the family ``adapters`` and of every family and file that is loaded.
+
+        Raises
+        ------
+        CatalogError
+            A package cannot be imported, or what its hook gives is not an adapter or one too many.
+        """
+        if ADAPTERS in self._entry_points:
+            self._load(ADAPTERS)
+        if self._adapters is None:
+            try:
+                self._adapters = collect_adapters(self._given_adapters())
+            except DeclarationError as error:
+                raise CatalogError(str(error), "fix the plugin") from error
+        return self._adapters
 
     def names(self, family: str) -> tuple[str, ...]:
         """Return the names of a family's stages, sorted.
@@ -93,17 +117,20 @@ class Catalog:
         CatalogError
             There is no such family, or one of its packages cannot be used.
         """
+        if family not in self._loaded and family not in self.families():
+            raise CatalogError(f"there is no family '{family}'", did_you_mean(family, self.families()))
+        self._load(family)
+
+    def _load(self, family: str) -> None:
         if family in self._loaded:
             return
-        if family not in self.families():
-            raise CatalogError(f"there is no family '{family}'", did_you_mean(family, self.families()))
         for point in self._entry_points.get(family, []):
             origin = f"package {point.dist.name}" if point.dist else f"module {point.value}"
             try:
                 module = point.load()
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 raise CatalogError(
-                    f"family '{family}' cannot be imported from {origin}: {type(error).__name__}: {error}",
+                    f"family '{family}' cannot be imported from {origin}: {one_line(error)}",
                     "mend the package, or install what it needs",
                 ) from error
             self._register(family, module, origin)
@@ -128,7 +155,7 @@ class Catalog:
                 "write FAMILY = '...' in the file",
             )
         if family in self._entry_points:
-            self.load(family)
+            self._load(family)
         self._register(family, module, str(path))
         if not self._plugins.get_hookcallers(module):
             hint = "write @hookimpl above def graphnav_stages() -> list[type[Stage]]"
@@ -146,7 +173,10 @@ class Catalog:
                 self._plugins.check_pending()
             except pluggy.PluginValidationError as error:
                 raise CatalogError(f"{origin}: {' '.join(str(error).split())}") from error
+        self._adapters = None
         stages = {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
+        if family == ADAPTERS and stages:
+            raise CatalogError(f"{origin}: the family '{ADAPTERS}' is reserved", "give its stages another family")
         for name in stages:
             use = f"{family}.{name}"
             if use in self._origins:
@@ -170,6 +200,20 @@ class Catalog:
             if not (isinstance(cls, type) and issubclass(cls, Stage)):
                 raise CatalogError(f"{origin}: graphnav_stages() returns {cls!r}, which is no Stage class")
         return stages
+
+    def _given_adapters(self) -> Iterator[tuple[str, Any]]:
+        """Yield the origin and each thing that its hook gives."""
+        for hook in self._plugins.hook.graphnav_adapters.get_hookimpls():
+            origin = hook.plugin_name.partition(": ")[2]
+            try:
+                given = hook.function()
+            except Exception as error:
+                raise CatalogError(
+                    f"{origin}: graphnav_adapters() failed: {one_line(error)}", "fix the plugin"
+                ) from error
+            if not isinstance(given, list | tuple):
+                raise CatalogError(f"{origin}: graphnav_adapters() does not return a list", "return [MyAdapter()]")
+            yield from ((origin, adapter) for adapter in given)
 
     def _hint_without_family(self, word: str) -> str:
         if word in self.families():

@@ -105,6 +105,11 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"did you mean '{near[0]}'?" if near else ""
 
 
+def one_line(error: BaseException) -> str:
+    """Return an exception's type and text in one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+
+
 def shown_path(path: Path) -> str:
     """Return a path as errors name it: from the working folder where it lies below."""
     try:

@@ -4,7 +4,7 @@ from graphnav.codec.compiled import Codec, codec_of
 from graphnav.codec.definition import lcm_text_of
 from graphnav.codec.envelope import decode, encode
 from graphnav.codec.errors import DecodeError, EncodeError
-from graphnav.codec.known import message_class_of, type_named, type_of
+from graphnav.codec.known import message_class_of, message_types, type_named, type_of
 from graphnav.codec.layout import fields_of, fingerprint, lcm_name
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "lcm_name",
     "lcm_text_of",
     "message_class_of",
+    "message_types",
     "type_named",
     "type_of",
 ]

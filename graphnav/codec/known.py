@@ -31,6 +31,11 @@ def message_class_of(lcm_class: type) -> type[Message] | None:
     return next((found for found in message_classes() if found.lcm_class is lcm_class), None)
 
 
+def message_types() -> dict[str, type[Message]]:
+    """Return the message classes that have been imported by the name of the LCM type that each wraps."""
+    return {lcm_name(found.lcm_class): found for found in reversed(list(message_classes()))}
+
+
 def type_named(name: str) -> type | None:
     """Return the lcm-gen class of ``package.type_t``, or None where it is not installed."""
     for found in message_classes():

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Problem, did_you_mean
 from graphnav.graph.channels import channels_of
 from graphnav.graph.graph import Graph
+from graphnav.graph.inputs import inputs_of
 from graphnav.graph.node import Channel, Input, Node
 from graphnav.graph.order import firing_order
+from graphnav.graph.outputs import outputs_of
+from graphnav.graph.outside_names import check_outside_names
 from graphnav.graph.settings import run_options, settings_of
+from graphnav.graph.stamps import check_stamps
 from graphnav.graph.wires import Wires
-from graphnav.spec import Spec
-from graphnav.stage import Stage, ports_of
+from graphnav.spec import Spec, StageSpec
+from graphnav.stage import Source, Stage, ports_of
 
 _NOT_USED = {
-    "deploy": "'deploy' is not used: in lockstep all stages run in one process",
-    "inputs": "'inputs' is not used: in lockstep every complete set of inputs fires",
+    "deploy": "'deploy' is not used: all stages run in one process",
+    "queues": "'queues' is not used in lockstep: there every complete set of inputs fires",
+    "outputs": "'outputs' is not used in lockstep: there nothing leaves the run",
 }
 
 
@@ -37,23 +43,32 @@ def classes_of(spec: Spec, catalog: Catalog, problems: list[Problem]) -> dict[st
 def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], notices: list[str]) -> Graph:
     """Return the graph of a spec, which can be used only if nothing was added to ``problems``."""
     classes = classes_of(spec, catalog, problems)
-    channels = channels_of(spec, classes, problems)
+    consumed, inputs = inputs_of(spec, catalog, path.parent, problems)
+    channels = channels_of(spec, classes, consumed, problems)
     wires = Wires(spec, classes, channels, problems)
     nodes = []
     for name, cls in classes.items():
         stage = spec.stages[name]
         settings = settings_of(stage, cls, path.parent, problems)
         outputs = {port.name: channels[f"{name}.{port.name}"] for port in ports_of(cls).outputs}
-        inputs = wires.inputs_of(stage)
-        nodes.append(Node(name, stage.use, cls, settings, inputs, outputs, stage.place, use_note=stage.use_note))
-    if spec.stages and len(classes) == len(spec.stages) and not any(node.is_source for node in nodes):
+        reads, times = wires.inputs_of(stage), _times_of(stage, cls, problems)
+        nodes.append(
+            Node(name, stage.use, cls, settings, reads, outputs, stage.place, **times, use_note=stage.use_note)
+        )
+    is_known = bool(spec.stages) and len(classes) == len(spec.stages)
+    if is_known and not spec.inputs and not any(node.is_source for node in nodes):
         what = "the graph has no source: nothing would ever fire"
         problems.append(Problem(spec.stages_place, what, "add a world, a video or another Source"))
     order = _order(spec, nodes, problems)
     run = run_options(spec.run, problems)
     _check_deploy(spec, problems)
-    _check_inputs(spec, nodes, problems)
-    notices += [text for key, text in _NOT_USED.items() if getattr(spec, key)]
+    _check_queues(spec, nodes, problems)
+    written = {ref: channel for ref, channel in channels.items() if ref not in spec.inputs}
+    sent = outputs_of(spec, classes, written, catalog, problems)
+    check_outside_names(spec, channels, inputs, sent, problems)
+    if inputs:
+        check_stamps([node for node in nodes if node.is_source] + order, inputs, problems, notices)
+    notices += [text for key, text in _NOT_USED.items() if getattr(spec, key) and (key == "deploy" or not spec.inputs)]
     return Graph(
         path=path,
         about=spec.about,
@@ -63,7 +78,9 @@ def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], not
         run=run,
         notices=tuple(notices),
         deploy={name: entry.value.plain() for name, entry in spec.deploy.items()},
-        queues={name: entry.value.plain() for name, entry in spec.inputs.items()},
+        inputs=inputs,
+        outputs=sent,
+        queues={ref: queue.keep for ref, queue in spec.queues.items()},
     )
 
 
@@ -102,9 +119,19 @@ def _check_deploy(spec: Spec, problems: list[Problem]) -> None:
             placed.setdefault(name, process)
 
 
-def _check_inputs(spec: Spec, nodes: list[Node], problems: list[Problem]) -> None:
-    known = {f"{node.name}.{port.name}" for node in nodes for port in ports_of(node.stage_class).inputs}
+def _times_of(stage: StageSpec, cls: type[Stage], problems: list[Problem]) -> dict[str, Any]:
+    if "every_ms" in stage.times and issubclass(cls, Source):
+        what = f"stage '{stage.name}' ({stage.use}) is a source: 'every_ms' is for stages that messages fire"
+        problems.append(Problem(stage.times["every_ms"].place, what, "write with: {rate_hz: ...}"))
+    return {key: entry.value.data for key, entry in stage.times.items()}
+
+
+def _check_queues(spec: Spec, nodes: list[Node], problems: list[Problem]) -> None:
+    known = {f"{node.name}.{port.name}": port for node in nodes for port in ports_of(node.stage_class).inputs}
     unclear = set(spec.stages) - {node.name for node in nodes}
-    for ref, entry in spec.inputs.items():
-        if ref not in known and ref.partition(".")[0] not in unclear:
-            problems.append(Problem(entry.place, f"there is no input '{ref}'", did_you_mean(ref, known)))
+    for ref, queue in spec.queues.items():
+        if ref in known and not known[ref].is_plain:
+            what = f"'{ref}' is read as {known[ref].reading.title()}: only an input that fires its stage has a queue"
+            problems.append(Problem(queue.place, what, "remove it"))
+        elif ref not in known and ref.partition(".")[0] not in unclear:
+            problems.append(Problem(queue.place, f"no stage has an input '{ref}'", did_you_mean(ref, known)))

@@ -17,7 +17,7 @@ from graphnav.stage import Port, Source, Stage
 
 @dataclass(frozen=True)
 class Channel:
-    """The LCM channel of one output port."""
+    """The LCM channel of one output port, or of an input that another program writes."""
 
     ref: str
     """``stage.port``, as graphs refer to it."""
@@ -27,12 +27,12 @@ class Channel:
 
     @property
     def stage(self) -> str:
-        """The stage that writes it."""
+        """The stage that writes it, the stem of an input."""
         return self.ref.rpartition(".")[0]
 
     @property
     def port(self) -> str:
-        """The output port that writes it."""
+        """The output port that writes it, the port of an input."""
         return self.ref.rpartition(".")[2]
 
 
@@ -65,6 +65,15 @@ class InputChannel:
     log: Path | None
     """The log that is played, None for a channel that is listened to."""
     place: Place
+    log_written: Path | None = None
+    """The same as the graph gives it."""
+    log_anywhere: Path | None = None
+    """The same so that it holds in any folder."""
+
+    @property
+    def sender(self) -> str:
+        """Who stamps its messages: inputs of one sender may have equal stamps, those of two never do."""
+        return self.channel.stage if self.log is None else str(self.log)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from graphnav.spec import Entry, Spec, Value
 from graphnav.stage import Source, Stage, ports_of
@@ -13,7 +14,8 @@ def prune(
 ) -> None:
     """Remove the stages that had readers and have none now, and what the graph says of them.
 
-    Sinks and the last source stay. ``read_before``: the stages that somebody read before the swap.
+    Sinks and what leaves stay, without inputs the last source too. ``read_before``: the stages that somebody read
+    before the swap.
     """
     while unread := _unread(spec, read_before, classes):
         del spec.stages[unread]
@@ -25,21 +27,28 @@ def prune(
     notices += [
         f"channels: '{ref}' is gone, and its name {spec.channels.pop(ref).value.plain()} with it" for ref in dead
     ]
-    spec.inputs = {
-        ref: entry for ref, entry in spec.inputs.items() if ref in inputs or ref.partition(".")[0] not in gone
-    }
+    _forget(spec.outputs, channels, gone, notices, "outputs: '{}' is gone: nothing leaves in its place")
+    _forget(spec.queues, inputs, gone, notices, "queues: '{}' is gone, and what it holds")
     pruned = {name for name in gone if name not in spec.stages}
     if pruned:
         spec.deploy = {name: left for name, entry in spec.deploy.items() if (left := _without(entry, pruned))}
 
 
+def _forget(section: dict[str, Any], left: set[str], gone: set[str], notices: list[str], notice: str) -> None:
+    """Remove what is said of ports that went with their stage."""
+    for ref in [ref for ref in section if ref.partition(".")[0] in gone and ref not in left]:
+        del section[ref]
+        notices.append(notice.format(ref))
+
+
 def _unread(spec: Spec, read_before: set[str], classes: Mapping[str, type[Stage]]) -> str | None:
     """Return a stage that has outputs, but lost its last reader."""
     read = {str(e.value.data).partition(".")[0] for stage in spec.stages.values() for e in stage.wires.values()}
+    read |= {ref.partition(".")[0] for ref in spec.outputs}
     sources = [name for name in spec.stages if name in classes and issubclass(classes[name], Source)]
     for name in spec.stages:
         lost = name in read_before and name not in read and name in classes
-        if lost and ports_of(classes[name]).outputs and sources != [name]:
+        if lost and ports_of(classes[name]).outputs and (sources != [name] or spec.inputs):
             return name
     return None
 

@@ -9,7 +9,7 @@ from typing import Any
 from graphnav.errors import ParamError, Place, Problem, did_you_mean
 from graphnav.graph.node import Setting
 from graphnav.graph.paths import has_path, resolve_paths
-from graphnav.spec import Entry, RunOptions, StageSpec
+from graphnav.spec import Entry, RunOptions, StageSpec, check_url
 from graphnav.stage import Param, Stage, params_of
 
 SET = "--set"
@@ -64,6 +64,8 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
         if name in declared:
             try:
                 given[name] = declared[name].parse(entry.value.plain())
+                if name == "url" and given[name] is not None:
+                    check_url(given[name])
             except ParamError as error:
                 problems.append(Problem(entry.value.place, f"run: {error.what}", error.hint))
     return RunOptions(**given)

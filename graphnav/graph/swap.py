@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Problem, UserError
 from graphnav.graph.assignment import Assignment, parse_sets
+from graphnav.graph.inputs import input_messages
 from graphnav.graph.paths import has_path
 from graphnav.graph.prune import prune
 from graphnav.messages import Message
@@ -66,7 +67,8 @@ class _Swap:
         for given in self._given.values():
             self._spec.stages[given.stage].wires[given.key] = given.entry
         after = self._classes()
-        channels = {f"{stage}.{p.name}": p.message for stage, cls in after.items() for p in ports_of(cls).outputs}
+        channels = input_messages(self._spec, self._catalog)
+        channels |= {f"{stage}.{p.name}": p.message for stage, cls in after.items() for p in ports_of(cls).outputs}
         self._close_broken(swapped, after, channels)
         for stage in swapped:
             if stage in after:

@@ -51,10 +51,9 @@ class Wires:
         if channel is None:
             return None
         if channel.message is not port.message:
-            writer = self._spec.stages[channel.stage]
             what = (
                 f"'{port.name}' of stage '{stage.name}' ({stage.use}) takes {port.message.__name__}, but "
-                f"'{channel.port}' of stage '{writer.name}' ({writer.use}) is {channel.message.__name__}"
+                f"{self._writer(channel)} is {channel.message.__name__}"
             )
             candidates = self._of_type(port, stage.name) or ["another stage"]
             hint = f"wire it to {' or '.join(candidates)}{self._nobody_writes(port)}"
@@ -62,14 +61,23 @@ class Wires:
             return None
         return Input(port, channel, stage.wire_notes.get(port.name, ""))
 
+    def _writer(self, channel: Channel) -> str:
+        """Return what writes a channel, as errors name it."""
+        if channel.ref in self._spec.inputs:
+            return f"the input '{channel.ref}'"
+        return f"'{channel.port}' of stage '{channel.stage}' ({self._spec.stages[channel.stage].use})"
+
     def _channel(self, ref: str, place: Place) -> Channel | None:
-        """Return what a reference means; ``stage`` alone is its one output."""
+        """Return what a reference means; ``stage`` alone is its one output, the stem of an input its one port."""
         stage, dot, port = ref.partition(".")
         if ref in self._channels:
             return self._channels[ref]
         if not stage:
             self._problems.append(Problem(place, "this names no stage", "write stage.port"))
             return None
+        inputs = [other for other in self._spec.inputs if other.partition(".")[0] == stage]
+        if inputs and stage not in self._spec.stages:
+            return self._input_channel(ref, inputs, place)
         if stage not in self._spec.stages:
             hint = did_you_mean(ref, self._channels) or did_you_mean(stage, self._spec.stages)
             renamed = next((c.ref for c in self._channels.values() if c.name == ref), "")
@@ -81,6 +89,18 @@ class Wires:
             outputs = self._outputs(stage)
             if not dot and len(outputs) == 1:
                 return self._channels[outputs[0]]
+        return None
+
+    def _input_channel(self, ref: str, inputs: list[str], place: Place) -> Channel | None:
+        """Return what a reference to a stem of inputs means; what is wrong with an input itself is told there."""
+        if "." not in ref and len(inputs) == 1:
+            return self._channels.get(inputs[0])
+        if "." not in ref:
+            what = f"there are {len(inputs)} inputs of '{ref}'"
+            self._problems.append(Problem(place, what, f"write one of {', '.join(inputs)}"))
+        elif ref not in inputs:
+            hint = did_you_mean(ref, inputs) or f"inputs are {', '.join(inputs)}"
+            self._problems.append(Problem(place, f"there is no input '{ref}'", hint))
         return None
 
     def _no_port(self, stage: str, port: str, dot: str, place: Place) -> None:

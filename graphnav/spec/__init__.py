@@ -1,6 +1,7 @@
 """What a graph's YAML says, every value with its place."""
 
-from graphnav.spec.run import RunOptions
+from graphnav.spec.outside import InputSpec, OutputSpec, QueueSpec
+from graphnav.spec.run import RunOptions, check_url
 from graphnav.spec.scalar import Scalar, parse_scalar
 from graphnav.spec.spec import Spec, StageSpec, parse_spec
 from graphnav.spec.value import Entry, Value
@@ -10,11 +11,15 @@ from graphnav.spec.yaml import MAX_BYTES, parse_yaml
 __all__ = [
     "MAX_BYTES",
     "Entry",
+    "InputSpec",
+    "OutputSpec",
+    "QueueSpec",
     "RunOptions",
     "Scalar",
     "Spec",
     "StageSpec",
     "Value",
+    "check_url",
     "parse_scalar",
     "parse_spec",
     "parse_yaml",

@@ -5,7 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from graphnav.errors import ParamError
 from graphnav.stage import param
+
+URL_SCHEMES = ("udpm://", "memq://")
+"""Between processes, and inside one."""
+
+
+def check_url(url: str) -> None:
+    """Refuse a URL of the channels that leave and come in that is not of `URL_SCHEMES`.
+
+    Raises
+    ------
+    ParamError
+        It is of ``url``.
+    """
+    if not url.startswith(URL_SCHEMES):
+        raise ParamError(
+            "url", f"'url' must begin with udpm://, not be '{url}'", "write udpm://239.255.76.67:7667?ttl=0"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from graphnav.errors import Place, Problem, did_you_mean
+from graphnav.errors import Place, Problem
+from graphnav.spec.outside import InputSpec, OutputSpec, OutsideWords, QueueSpec
 from graphnav.spec.value import Entry, Value
 
-GRAPH_KEYS = ("about", "run", "stages", "channels", "deploy", "inputs")
-STAGE_KEYS = ("use", "with", "in")
+GRAPH_KEYS = ("about", "run", "stages", "channels", "deploy", "inputs", "outputs", "queues")
+STAGE_KEYS = ("use", "with", "in", "every_ms", "deadline_ms")
 DEPLOY_KEYS = ("stages", "host", "restart")
 RESTARTS = ("never", "on_failure", "always")
-INPUT_KEYS = ("keep",)
 STAGE_NAME = re.compile(r"[a-z][a-z0-9_]*")
 RESERVED_STAGES = ("run",)
 """No stage is called so: ``--set run.seed=1`` means the option."""
@@ -29,6 +29,8 @@ class StageSpec:
     params: dict[str, Entry] = field(default_factory=dict)
     wires: dict[str, Entry] = field(default_factory=dict)
     """By input port; the value is a text, the reference."""
+    times: dict[str, Entry] = field(default_factory=dict)
+    """``every_ms`` and ``deadline_ms`` where they are given; the value is a number."""
     use_note: str = ""
     """The ``--set`` that swapped it, empty if the graph says so."""
     wire_notes: dict[str, str] = field(default_factory=dict)
@@ -50,7 +52,9 @@ class Spec:
     channels: dict[str, Entry] = field(default_factory=dict)
     """By reference; the value is a text, the channel's name."""
     deploy: dict[str, Entry] = field(default_factory=dict)
-    inputs: dict[str, Entry] = field(default_factory=dict)
+    inputs: dict[str, InputSpec] = field(default_factory=dict)
+    outputs: dict[str, OutputSpec] = field(default_factory=dict)
+    queues: dict[str, QueueSpec] = field(default_factory=dict)
 
 
 def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
@@ -59,10 +63,7 @@ def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
     return parser.graph(value), parser.problems
 
 
-class _Parser:
-    def __init__(self) -> None:
-        self.problems: list[Problem] = []
-
+class _Parser(OutsideWords):
     def graph(self, value: Value) -> Spec:
         spec = Spec()
         if value.data is None:
@@ -84,9 +85,7 @@ class _Parser:
         spec.deploy = self._section(words, "deploy")
         for name, entry in spec.deploy.items():
             self._process(name, entry)
-        spec.inputs = self._section(words, "inputs")
-        for ref, entry in spec.inputs.items():
-            self._input(ref, entry)
+        spec.inputs, spec.outputs, spec.queues = self._inputs(words), self._outputs(words), self._queues(words)
         return spec
 
     def _stages(self, entry: Entry) -> dict[str, StageSpec]:
@@ -131,8 +130,9 @@ class _Parser:
             params=self._section(words, "with", f"'with' of stage '{name}'"),
             wires={port: wire for port, wire in wires.items() if isinstance(wire.value.data, str)},
             unwired={port for port, wire in wires.items() if not isinstance(wire.value.data, str)},
+            times=self._times(words, f"stage '{name}'"),
             unclear=unclear
-            or any(not isinstance(e.value.data, dict | None) for e in words.values() if e is not use_entry),
+            or any(not isinstance(words[word].value.data, dict | None) for word in ("with", "in") if word in words),
         )
 
     def _process(self, name: str, entry: Entry) -> None:
@@ -150,41 +150,6 @@ class _Parser:
         if "restart" in words and words["restart"].value.data not in RESTARTS:
             value = words["restart"].value
             self._problem(value.place, f"'restart' of {who} must be {_any_of(RESTARTS)}, not {value.kind}")
-
-    def _input(self, ref: str, entry: Entry) -> None:
-        who = f"'{ref}' of 'inputs'"
-        words = self._mapping(entry.value, who)
-        self._known(words, INPUT_KEYS, who)
-        if "keep" in words:
-            value = words["keep"].value
-            if value.data != "all" and not (type(value.data) is int and value.data >= 1):
-                self._problem(value.place, f"'keep' of {who} must be all or a number from 1, not {value.kind}")
-
-    def _section(self, words: dict[str, Entry], key: str, who: str = "") -> dict[str, Entry]:
-        return self._mapping(words[key].value, who or f"'{key}'") if key in words else {}
-
-    def _mapping(self, value: Value, who: str) -> dict[str, Entry]:
-        if isinstance(value.data, dict):
-            return dict(value.data)
-        if value.data is not None:
-            self._problem(value.place, f"{who} must be a mapping, not {value.kind}")
-        return {}
-
-    def _text(self, value: Value, who: str, hint: str = "put it in quotes if it is meant") -> str:
-        if isinstance(value.data, str):
-            return value.data
-        self._problem(value.place, f"{who} must be a text, not {value.kind}", hint)
-        return ""
-
-    def _known(self, words: dict[str, Entry], keys: tuple[str, ...], who: str) -> bool:
-        for word, entry in words.items():
-            if word not in keys:
-                hint = did_you_mean(word, keys) or f"keys are {', '.join(keys)}"
-                self._problem(entry.place, f"{who} has no key '{word}'", hint)
-        return all(word in keys for word in words)
-
-    def _problem(self, place: Place, what: str, hint: str = "") -> None:
-        self.problems.append(Problem(place, what, hint))
 
 
 def _any_of(words: tuple[str, ...]) -> str:

@@ -1,0 +1,181 @@
+"""The words for what comes in from other programs, what leaves, and what waits in between."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from graphnav.errors import Place
+from graphnav.spec.shape import Shapes
+from graphnav.spec.value import Entry, Value
+
+INPUT_KEYS = ("channel", "log", "type", "max_age_s")
+OUTPUT_KEYS = ("channel", "type", "motor", "max_age_s", "stop")
+QUEUE_KEYS = ("keep",)
+INPUT_NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
+MAX_EVERY_MS = 60_000
+STOP_AFTER_S = 0.5
+"""Silence of a motor channel that is answered by stops, where the graph says nothing else."""
+
+
+@dataclass
+class InputSpec:
+    """What is written under one of ``inputs``; without what is wrong."""
+
+    place: Place
+    type: Entry | None = None
+    """The value is a text."""
+    channel: Entry | None = None
+    """The value is a text; None: the reference, in a log."""
+    log: Entry | None = None
+    """The value is a text."""
+    max_age_s: float | None = None
+
+
+@dataclass
+class OutputSpec:
+    """What is written under one of ``outputs``; without what is wrong."""
+
+    place: Place
+    channel: Entry | None = None
+    """The value is a text."""
+    type: Entry | None = None
+    """The value is a text; None: the type of the message itself."""
+    motor: bool = False
+    max_age_s: float = STOP_AFTER_S
+    stop: Entry | None = None
+    """The value is a mapping."""
+    unclear: bool = False
+    """Whether something is wrong with it, so that what seems missing may stand there."""
+
+
+@dataclass(frozen=True)
+class QueueSpec:
+    """What is written under one of ``queues``."""
+
+    place: Place
+    keep: int | None
+    """None: as many as memory allows."""
+
+
+class OutsideWords(Shapes):
+    """Parses ``inputs``, ``outputs``, ``queues`` and the times of a stage."""
+
+    def _inputs(self, words: dict[str, Entry]) -> dict[str, InputSpec]:
+        found = {ref: self._input(ref, entry) for ref, entry in self._section(words, "inputs").items()}
+        return {ref: spec for ref, spec in found.items() if spec is not None}
+
+    def _input(self, ref: str, entry: Entry) -> InputSpec | None:
+        who = f"the input '{ref}'"
+        words = self._mapping(entry.value, who)
+        if "keep" in words and not {"channel", "log", "type"} & words.keys():
+            what = f"'inputs' names channels that other programs write, but '{ref}' says how many messages wait"
+            keep = words["keep"].value.data
+            keep = keep if isinstance(keep, int | str) else "all"
+            self._problem(entry.place, what, f"write queues: {{{ref}: {{keep: {keep}}}}}")
+            return None
+        spec = InputSpec(entry.place)
+        if not INPUT_NAME.fullmatch(ref):
+            hint = "write stem.port in small letters, digits and _, as in camera.image"
+            self._problem(entry.place, f"'{ref}' cannot be the name of an input", hint)
+            return spec
+        if not isinstance(entry.value.data, dict | None):
+            return spec
+        is_known = self._known(words, INPUT_KEYS, who)
+        spec.type = self._text_entry(words, "type", who)
+        spec.channel, spec.log = self._text_entry(words, "channel", who), self._text_entry(words, "log", who)
+        if is_known and not {"channel", "log"} & words.keys():
+            hint = f"write {ref}: {{channel: NAME, type: package.type_t}}, or log: FILE in place of the channel"
+            self._problem(entry.place, f"{who} does not say where it comes from", hint)
+        elif is_known and "type" not in words:
+            self._problem(entry.place, f"{who} does not say what it carries", "write type: package.type_t")
+        if "max_age_s" in words:
+            spec.max_age_s = self._age(words["max_age_s"].value, who)
+        return spec
+
+    def _outputs(self, words: dict[str, Entry]) -> dict[str, OutputSpec]:
+        return {ref: self._output(ref, entry) for ref, entry in self._section(words, "outputs").items()}
+
+    def _output(self, ref: str, entry: Entry) -> OutputSpec:
+        who = f"the output '{ref}'"
+        before = len(self.problems)
+        words = self._mapping(entry.value, who)
+        spec = OutputSpec(entry.place)
+        if isinstance(entry.value.data, dict | None):
+            is_known = self._known(words, OUTPUT_KEYS, who)
+            if is_known and "channel" not in words:
+                what = f"{who} does not say on which channel it leaves"
+                self._problem(entry.place, what, f"write {ref}: {{channel: NAME}}")
+            spec.channel, spec.type = self._text_entry(words, "channel", who), self._text_entry(words, "type", who)
+            if "motor" in words:
+                spec.motor = self._switch(words["motor"].value, f"'motor' of {who}")
+            if "max_age_s" in words:
+                spec.max_age_s = self._age(words["max_age_s"].value, who) or STOP_AFTER_S
+            if "stop" in words:
+                spec.stop = self._stop(words["stop"], who)
+                if not spec.motor and ("motor" not in words or words["motor"].value.data is False):
+                    what = f"{who} has a 'stop', but is not a motor output"
+                    self._problem(words["stop"].place, what, "write motor: true, or remove the stop")
+        spec.unclear = len(self.problems) > before
+        return spec
+
+    def _stop(self, entry: Entry, who: str) -> Entry | None:
+        if isinstance(entry.value.data, dict) and entry.value.data:
+            return entry
+        what = f"'stop' of {who} must be a mapping of LCM fields, not {entry.value.kind}"
+        self._problem(entry.value.place, what, "write stop: {field: value}")
+        return None
+
+    def _queues(self, words: dict[str, Entry]) -> dict[str, QueueSpec]:
+        found = {ref: self._queue(ref, entry) for ref, entry in self._section(words, "queues").items()}
+        return {ref: spec for ref, spec in found.items() if spec is not None}
+
+    def _queue(self, ref: str, entry: Entry) -> QueueSpec | None:
+        who = f"the queue of '{ref}'"
+        words = self._mapping(entry.value, who)
+        if not isinstance(entry.value.data, dict | None):
+            return QueueSpec(entry.place, None)
+        is_known = self._known(words, QUEUE_KEYS, who)
+        if "keep" not in words:
+            if is_known:
+                self._problem(entry.place, f"{who} does not say how much it holds", "write keep: all, or a number")
+            return QueueSpec(entry.place, None)
+        value = words["keep"].value
+        if value.data == "all" and isinstance(value.data, str):
+            return QueueSpec(entry.place, None)
+        if isinstance(value.data, int) and not isinstance(value.data, bool) and value.data >= 1:
+            return QueueSpec(entry.place, value.data)
+        self._problem(value.place, f"'keep' of {who} must be all or an integer from 1, not {value.kind}")
+        return QueueSpec(entry.place, None)
+
+    def _times(self, words: dict[str, Entry], who: str) -> dict[str, Entry]:
+        """Return the times of a stage that are right, by key."""
+        limits = {
+            "every_ms": (f"a number above 0, at most {MAX_EVERY_MS}", lambda ms: 0 < ms <= MAX_EVERY_MS),
+            "deadline_ms": ("a number above 0", lambda ms: ms > 0),
+        }
+        return {
+            key: words[key]
+            for key, (wanted, fits) in limits.items()
+            if key in words and self._number(words[key].value, f"'{key}' of {who}", wanted, fits) is not None
+        }
+
+    def _text_entry(self, words: dict[str, Entry], key: str, who: str) -> Entry | None:
+        if key not in words:
+            return None
+        entry = words[key]
+        hint = "write package.type_t" if key == "type" else "put it in quotes if it is meant"
+        if self._text(entry.value, f"'{key}' of {who}", hint):
+            return entry
+        if entry.value.data == "":
+            self._problem(entry.value.place, f"'{key}' of {who} is empty", "write a name")
+        return None
+
+    def _age(self, value: Value, who: str) -> float | None:
+        return self._number(value, f"'max_age_s' of {who}", "a number of seconds above 0", lambda seconds: seconds > 0)
+
+    def _switch(self, value: Value, who: str) -> bool:
+        if isinstance(value.data, bool):
+            return value.data
+        self._problem(value.place, f"{who} must be true or false, not {value.kind}")
+        return False
