@@ -15,7 +15,7 @@ from graphnav.errors import ParamError
 from graphnav.graph.find import shipped_folder
 from graphnav.graph.paths import resolve_paths
 from graphnav.messages import Message
-from graphnav.stage import Latest, Source, Stage, params_of, ports_of
+from graphnav.stage import Latest, Source, Stage, Stamped, params_of, ports_of
 
 __all__ = ["check_stage"]
 
@@ -130,19 +130,20 @@ def _step(stage: Stage, given: Mapping[str, Any]) -> dict[str, bytes | None]:
     else:
         values = [result]
     published = {}
-    for port, value in zip(ports.outputs, values, strict=True):
+    for port, returned in zip(ports.outputs, values, strict=True):
+        stamp, value = (returned.utime, returned.message) if isinstance(returned, Stamped) else (0, returned)
         if value is not None:
             _require(isinstance(value, port.message), cls, f"output '{port.name}' is {type(value).__name__}")
             bad = value.not_finite()
             _require(bad is None, cls, f"'{bad}' of output '{port.name}' is not finite")
-        published[port.name] = _bytes(value)
+        published[port.name] = _bytes(value, stamp)
     return published
 
 
-def _bytes(value: Any) -> bytes | None:
+def _bytes(value: Any, utime: int = 0) -> bytes | None:
     if isinstance(value, Latest):
         return _bytes(value.value)
-    return encode(value, 0, 0) if isinstance(value, Message) else None
+    return encode(value, utime, 0) if isinstance(value, Message) else None
 
 
 def _freeze(value: Any) -> None:

@@ -57,7 +57,8 @@ class Since(Generic[M]):
 class Stamped(Generic[M]):
     """An output with a stamp of its own, as of a sensor that keeps another time than the stage's firings.
 
-    Its channel may feed `Latest` and `Since` inputs, inputs of other programs and logs, but no plain input.
+    The field of the NamedTuple that ``step`` returns is annotated ``Stamped[T]``, or ``Stamped[T] | None``. Its channel
+    may feed `Latest` and `Since` inputs, inputs of other programs and logs, but no plain input.
     """
 
     message: M
@@ -169,6 +170,8 @@ def _outputs(cls: type, hint: Any) -> tuple[tuple[Port, ...], type | None]:
         ports = []
         for name, field_hint in get_type_hints(hint).items():
             message = _without_none(field_hint)
+            if get_origin(message) is Stamped:
+                message = get_args(message)[0]
             if not _is_message(message):
                 raise DeclarationError(
                     f"output '{name}' of {cls.__qualname__} is {_written(message)}: use a Message type"

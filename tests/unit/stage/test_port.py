@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from graphnav import DeclarationError, Flow, Image, Latest, PlanarModel, Stage, Stamp, Twist
+from graphnav import DeclarationError, Flow, Image, Latest, PlanarModel, Stage, Stamp, Stamped, Twist
 from graphnav.messages import Message
 from graphnav.stage import Port, ports_of
 
@@ -18,6 +18,18 @@ class Full(Stage):
     """Everything that a step may take and give."""
 
     def step(self, now: Stamp, image: Image, command: Latest[Twist]) -> Pair | None:
+        return None
+
+
+class Own(NamedTuple):
+    flow: Stamped[Flow]
+    model: Stamped[PlanarModel] | None
+
+
+class Sensor(Stage):
+    """Its outputs have stamps of their own."""
+
+    def step(self, image: Image) -> Own | None:
         return None
 
 
@@ -41,6 +53,10 @@ def test_inputs_outputs_and_stamps() -> None:
     assert ports.outputs == (Port("flow", Flow), Port("model", PlanarModel))
     assert ports.stamps == ("now",)
     assert ports.result is Pair
+
+
+def test_an_output_with_a_stamp_of_its_own_is_of_its_message() -> None:
+    assert ports_of(Sensor).outputs == (Port("flow", Flow), Port("model", PlanarModel))
 
 
 def test_a_single_output_has_the_name_of_its_type() -> None:

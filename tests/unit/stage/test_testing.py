@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import pytest
 
-from graphnav import Image, Latest, ParamError, Source, Stage, param
+from graphnav import Image, Latest, ParamError, Source, Stage, Stamped, param
 from graphnav.testing import check_stage
 
 
@@ -114,6 +114,25 @@ class NeedsFile(Source):
 
     def step(self) -> Image:
         return picture()
+
+
+class Sensed(NamedTuple):
+    image: Stamped[Image] | None
+
+
+class Sensor(Stage):
+    """Its output has a stamp of its own, which has to repeat as well."""
+
+    drift_us: ClassVar[int] = 0
+
+    def step(self, image: Image) -> Sensed:
+        Sensor.drift_us += 1
+        return Sensed(Stamped(image, Sensor.drift_us))
+
+
+def test_stamps_of_an_output_have_to_repeat() -> None:
+    with pytest.raises(AssertionError, match="the same seed gave another output in step 1"):
+        check_stage(Sensor, {"image": picture()})
 
 
 def test_a_good_stage_passes() -> None:

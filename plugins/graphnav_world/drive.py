@@ -1,0 +1,76 @@
+"""A vehicle that is driven by commands of limited life, and where it was during the last step."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from dataclasses import replace
+
+from graphnav import Latest, Twist
+from graphnav_world.vehicle import SUBSTEP_S, Pose, Vehicle
+
+STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
+_SUBSTEP_US = round(SUBSTEP_S * 1e6)
+
+
+class Drive:
+    """Drives a vehicle by the last command heard, until that is older than ``timeout_s``; then it brakes.
+
+    Times are microseconds since the beginning.
+    """
+
+    def __init__(self, vehicle: Vehicle, timeout_s: float) -> None:
+        self._vehicle, self._timeout_s = vehicle, timeout_s
+        self._twist, self._expires_us = STANDSTILL, 0
+        self._times_us = [0]
+        self._poses = [vehicle.pose]
+
+    def hear(self, command: Latest[Twist], now_us: int) -> None:
+        """Take the newest command; it acts from now on, for what its age leaves of ``timeout_s``."""
+        if command.value is None or command.age_s > self._timeout_s:
+            self._twist = STANDSTILL
+            return
+        self._twist = command.value
+        self._expires_us = now_us + round(1e6 * (self._timeout_s - command.age_s))
+
+    def advance(self, until_us: int) -> Pose:
+        """Drive until a time; return the pose then. Its clearance is the least since the last call."""
+        begin_us, begin = self._times_us[-1], self._poses[-1]
+        self._times_us, self._poses = [begin_us], [begin]
+        clearances_m = []
+        while (now_us := self._times_us[-1]) < until_us:
+            alive = now_us < self._expires_us
+            twist = self._twist if alive else STANDSTILL
+            end_us = min(until_us, self._expires_us) if alive else until_us
+            pose = self._substep(twist, min(now_us + _SUBSTEP_US, end_us))
+            clearances_m.append(pose.clearance_m)
+        return replace(self._poses[-1], clearance_m=min(clearances_m, default=begin.clearance_m))
+
+    def pose_at(self, time_us: int) -> Pose:
+        """Return the pose at a time of the last `advance`, interpolated between steps of at most 10 ms."""
+        k = bisect_left(self._times_us, time_us)
+        if self._times_us[k] == time_us:
+            return self._poses[k]
+        then_us, end_us = self._times_us[k - 1 : k + 1]
+        return _between(self._poses[k - 1], self._poses[k], (time_us - then_us) / (end_us - then_us))
+
+    def _substep(self, twist: Twist, until_us: int) -> Pose:
+        pose = self._vehicle.advance(twist.v_mps, twist.omega_radps, until_us / 1e6)
+        if pose.contact:
+            pose = replace(pose, v_mps=0.0, omega_radps=0.0)
+        self._times_us.append(until_us)
+        self._poses.append(pose)
+        return pose
+
+
+def _between(then: Pose, now: Pose, share: float) -> Pose:
+    """Return the pose at this share of the way from one to the other."""
+    turn = math.remainder(now.yaw_rad - then.yaw_rad, 2 * math.pi)
+    return replace(
+        now,
+        x_m=then.x_m + share * (now.x_m - then.x_m),
+        y_m=then.y_m + share * (now.y_m - then.y_m),
+        yaw_rad=math.remainder(then.yaw_rad + share * turn, 2 * math.pi),
+        v_mps=then.v_mps + share * (now.v_mps - then.v_mps),
+        omega_radps=then.omega_radps + share * (now.omega_radps - then.omega_radps),
+    )

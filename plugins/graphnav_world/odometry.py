@@ -1,0 +1,57 @@
+"""What odometry makes of the robot's true motion: scale errors, noise, and a pose that drifts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Odometry
+from graphnav_world.vehicle import Pose
+
+Doubles = npt.NDArray[np.float64]
+
+
+def displacement(then: Pose, now: Pose) -> Doubles:
+    """Return (forward m, left m, turn rad) from one pose to another, in the robot's frame of then, (3,)."""
+    c, s = math.cos(then.yaw_rad), math.sin(then.yaw_rad)
+    x, y = now.x_m - then.x_m, now.y_m - then.y_m
+    turn = math.remainder(now.yaw_rad - then.yaw_rad, 2 * math.pi)
+    return np.array([c * x + s * y, c * y - s * x, turn])
+
+
+class OdometryErrors:
+    """One run's errors: a scale for each axis (forward, left, turn) that stays, and fresh noise for every reading.
+
+    ``scale_ratio``: by how much the scales differ from 1; ``rng`` draws the signs. ``noise_ratio``: standard deviation
+    of the noise, as a share of what is read.
+    """
+
+    def __init__(self, rng: np.random.Generator, scale_ratio: float, noise_ratio: float) -> None:
+        self._rng, self._noise_ratio = rng, noise_ratio
+        self._scale = 1 + scale_ratio * rng.choice([-1.0, 1.0], size=3)
+
+    def read(self, true: Doubles) -> Doubles:
+        """Return one reading of true values along the axes, (..., 3): all of its rows have the same errors."""
+        reading: Doubles = true * self._scale * (1 + self._noise_ratio * self._rng.standard_normal(3))
+        return reading
+
+
+class DeadReckoning:
+    """Adds up displacements as a robot's odometry does, from (0, 0, 0) where it begins."""
+
+    def __init__(self, start: Pose, errors: OdometryErrors) -> None:
+        self._then, self._errors = start, errors
+        self._x_m = self._y_m = self._yaw_rad = 0.0
+
+    def read(self, now: Pose) -> Odometry:
+        """Return the pose and the speeds as odometry sees them; ``now`` is where the robot really is."""
+        true = np.array([displacement(self._then, now), [now.v_mps, 0.0, now.omega_radps]])
+        (forward_m, left_m, turn_rad), (v_mps, _, omega_radps) = self._errors.read(true).tolist()
+        c, s = math.cos(self._yaw_rad), math.sin(self._yaw_rad)
+        self._x_m += c * forward_m - s * left_m
+        self._y_m += s * forward_m + c * left_m
+        self._yaw_rad = math.remainder(self._yaw_rad + turn_rad, 2 * math.pi)
+        self._then = now
+        return Odometry(x_m=self._x_m, y_m=self._y_m, yaw_rad=self._yaw_rad, v_mps=v_mps, omega_radps=omega_radps)

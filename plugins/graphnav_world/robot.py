@@ -1,0 +1,154 @@
+"""The simulated world as a robot on a bus: sensors of their own rates, commands that act until they are too old."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import replace
+from typing import NamedTuple
+
+from graphnav import (
+    Finished,
+    Goal,
+    Image,
+    Latest,
+    Map,
+    Odometry,
+    ParamError,
+    Stamp,
+    Stamped,
+    State,
+    Truth,
+    Twist,
+    param,
+)
+from graphnav_world.drive import Drive
+from graphnav_world.odometry import DeadReckoning
+from graphnav_world.schedule import Schedule
+from graphnav_world.simulation import Simulation
+from graphnav_world.vehicle import Pose
+
+MAP_HZ = 0.5
+"""The map is repeated for those who join late."""
+
+_MAX_PENDING = 2
+"""Odometry samples that wait for a step to publish them; a late step loses older ones, as a driver's buffer does."""
+
+
+class RobotOutputs(NamedTuple):
+    """What the robot publishes at a step; None for what is not due."""
+
+    image: Image | None
+    odometry: Stamped[Odometry] | None
+    state: State | None
+    truth: Truth | None
+    goal: Goal | None
+    map: Map | None
+
+
+class Robot(Simulation):
+    """The world of `world.pymunk` as a robot on a bus: it is driven, and its sensors report, at their own rates.
+
+    Each firing is a step of the physics, over all the time since the last one, in steps of at most 10 ms. A command
+    acts from the step after its arrival until it is older than ``command_timeout_s``; then, or before the first
+    command, the drive is commanded to stand and brakes within its limits.
+
+    Images, truth (with the image; its flow since the last image), state, beacon and map (every 2 s) have the stamp of
+    the first step at which they are due. Odometry has stamps of its own: it samples the pose exactly at its jittered
+    times, and is published at the first step at or after each. Its frame begins at the start pose; errors add up.
+
+    It ends the run with ``goal`` when the robot's centre is in the map's goal region, and with ``contact`` at the first
+    touch. ``ends: false``: the run goes on, and the robot stands.
+    """
+
+    rate_hz: float = param(100.0, gt=0.0, le=10_000.0, doc="steps of the physics per second")
+    image_hz: float = param(10.0, gt=0.0, doc="images per second")
+    image_jitter_s: float = param(0.0, ge=0.0, doc="greatest time by which an image is early or late; seeded")
+    odometry_hz: float = param(50.0, gt=0.0, doc="odometry samples per second")
+    odometry_jitter_s: float = param(
+        0.004, ge=0.0, doc="greatest time by which an odometry sample is early or late; seeded"
+    )
+    state_hz: float = param(20.0, gt=0.0, doc="true states per second; as rate_hz to see every step")
+    goal_hz: float = param(5.0, gt=0.0, doc="readings of the goal's beacon per second")
+    truth: bool = param(True, doc="whether the truth behind each image is published")
+    command_timeout_s: float = param(0.5, gt=0.0, doc="age beyond which a command counts as Twist(0, 0)")
+    ends: bool = param(True, doc="whether the goal or a contact ends the run; else the robot stands from then on")
+
+    def check(self) -> None:
+        """Compare the rates and read the map.
+
+        Raises
+        ------
+        ParamError
+            A sensor is faster than the physics or its jitter reaches half of its period, or there is no such map.
+        UserError
+            The map is wrong; every problem with its place in the map's file.
+        """
+        for name in ("image_hz", "odometry_hz", "state_hz", "goal_hz"):
+            if (hz := getattr(self, name)) > self.rate_hz:
+                what = f"'{name}' is {hz:g}, but the physics steps only {self.rate_hz:g} times a second"
+                raise ParamError(name, what, f"set {name} to at most rate_hz")
+        for name, hz in (("image_jitter_s", self.image_hz), ("odometry_jitter_s", self.odometry_hz)):
+            if (jitter_s := getattr(self, name)) >= 0.5 / hz:
+                what = f"'{name}' is {jitter_s:g}, but must be less than half of the period of {1 / hz:g} s"
+                raise ParamError(name, what, "set a smaller jitter or a lower rate")
+        super().check()
+
+    def reset(self, seed: int) -> None:
+        """Draw the map, its textures, the errors and the jitter, and put the robot at the start."""
+        super().reset(seed)
+        self._images = Schedule(self.image_hz, self.image_jitter_s, (seed, 3))
+        self._samples = Schedule(self.odometry_hz, self.odometry_jitter_s, (seed, 4))
+        self._states, self._goals, self._maps = map(Schedule, (self.state_hz, self.goal_hz, MAP_HZ))
+        self._drive = Drive(self._vehicle, self.command_timeout_s)
+        self._reckoning = DeadReckoning(self._vehicle.pose, self._errors)
+        self._pending: deque[Stamped[Odometry]] = deque(maxlen=_MAX_PENDING)
+        self._begin_us: int | None = None
+        self._image_us = 0
+        self._clearance_m = math.inf
+        self._has_ended = False
+
+    def step(self, command: Latest[Twist], utime: Stamp) -> RobotOutputs:
+        """Drive until now, take the newest command, and publish what is due."""
+        if self._begin_us is None:
+            self._begin_us = utime
+        now_us = utime - self._begin_us
+        pose = self._drive.advance(now_us)
+        ends = not self._has_ended and (pose.contact or self._at_goal(pose))
+        self._has_ended |= ends
+        self._drive.hear(Latest() if self._has_ended else command, now_us)
+        image, truth = self._picture(pose, now_us)
+        outputs = RobotOutputs(
+            image=image,
+            odometry=self._odometry(now_us),
+            state=self._report(pose, now_us, is_last=ends),
+            truth=truth,
+            goal=self._beacon(pose) if self._goals.due(now_us) else None,
+            map=self._map() if self._maps.due(now_us) else None,
+        )
+        if ends and self.ends:
+            raise Finished("contact" if pose.contact else "goal", outputs)
+        return outputs
+
+    def _picture(self, pose: Pose, now_us: int) -> tuple[Image | None, Truth | None]:
+        if not self._images.due(now_us):
+            return None, None
+        interval_us, self._image_us = now_us - self._image_us, now_us
+        return self._look(pose, now_us / 1e6, interval_us, with_truth=self.truth)
+
+    def _odometry(self, now_us: int) -> Stamped[Odometry] | None:
+        """Take the samples that are due; return the oldest that waits."""
+        assert self._begin_us is not None
+        for time_us in self._samples.due(now_us):
+            reading = self._reckoning.read(self._drive.pose_at(time_us))
+            self._pending.append(Stamped(reading, self._begin_us + time_us))
+        return self._pending.popleft() if self._pending else None
+
+    def _report(self, pose: Pose, now_us: int, *, is_last: bool) -> State | None:
+        """Return the state where it is due, with the least clearance since the last one."""
+        self._clearance_m = min(self._clearance_m, pose.clearance_m)
+        if not self._states.due(now_us) and not is_last:
+            return None
+        state = self._state(replace(pose, clearance_m=self._clearance_m), now_us / 1e6)
+        self._clearance_m = math.inf
+        return state

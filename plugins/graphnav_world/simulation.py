@@ -1,0 +1,173 @@
+"""What every simulated robot shares: its parameters, the drawn world, and what can be told of a pose in it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from graphnav import Goal, Image, Map, ParamError, Source, State, Truth, param
+from graphnav_world import outlines
+from graphnav_world.atlas import Atlas, floor_texels
+from graphnav_world.camera import Camera
+from graphnav_world.exposure import moments
+from graphnav_world.odometry import OdometryErrors
+from graphnav_world.placed import Placed
+from graphnav_world.render import Frame, Renderer, level_count
+from graphnav_world.scene import faces_of
+from graphnav_world.vehicle import Limits, Pose, Vehicle
+from graphnav_world.world_map import WorldMap, load_map
+
+MIN_FLOOR_M = 10.0
+BEYOND_BODIES_M = 2.0
+
+
+class Simulation(Source):
+    """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space."""
+
+    map: Path = param(doc="the map's YAML file")
+    size: tuple[int, int] = param((160, 120), ge=8, le=4096, doc="columns and rows of the image")
+    camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc="of the camera above the floor; higher sees farther")
+    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc="of the camera below the horizontal; 90 looks straight down")
+    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider")
+    noise_sigma: float = param(
+        2.0, ge=0.0, le=100.0, doc="standard deviation of the image noise, in gray levels, times the map's noise_ratio"
+    )
+    light_ratio: float = param(1.0, gt=0.0, le=10.0, doc="brightness, times the map's light_ratio")
+    light_swing_ratio: float = param(
+        0.0, ge=0.0, le=1.0, doc="share by which brightness rises and falls in time, as a sine; 0 is steady light"
+    )
+    light_period_s: float = param(2.0, gt=0.0, le=1000.0, doc="of the swing of the light; less changes it faster")
+    contrast_ratio: float = param(
+        1.0, ge=0.0, le=10.0, doc="contrast of all textures, times the map's; 0 leaves surfaces blank"
+    )
+    exposure_s: float = param(
+        0.0, ge=0.0, le=1.0, doc="time that the shutter is open, around the frame's stamp; more blurs motion"
+    )
+    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="of the robot's body")
+    max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="greatest speed of the drive, forwards and backwards")
+    max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="greatest turning rate of the drive, to either side")
+    speed_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the greatest speed; more is more sluggish")
+    turn_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the greatest turning rate")
+    odometry_scale_ratio: float = param(
+        0.02, ge=0.0, lt=1.0, doc="share by which odometry errs throughout a run; the seed draws the signs"
+    )
+    odometry_noise_ratio: float = param(
+        0.01, ge=0.0, lt=1.0, doc="standard deviation of odometry's random error, as a share of each displacement"
+    )
+
+    def check(self) -> None:
+        """Read the map.
+
+        Raises
+        ------
+        ParamError
+            There is no such map.
+        UserError
+            The map is wrong; every problem with its place in the map's file.
+        """
+        self._load(seed=0)
+
+    def reset(self, seed: int) -> None:
+        """Draw the map, its textures and the errors of the odometry, and put the robot at the start."""
+        loaded = self._load(seed)
+        draw = loaded.draw
+        paint, self._noise, errors = (np.random.default_rng([seed, part]) for part in range(3))
+        self._shortest_m = loaded.shortest_m
+        self._draw = draw
+        self._faces = faces_of(draw.bodies, paint)
+        self._camera = Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size)
+        self._renderer = self._make_renderer(paint)
+        limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
+        self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits)
+        self._errors = OdometryErrors(errors, self.odometry_scale_ratio, self.odometry_noise_ratio)
+        self._before: Placed | None = None
+
+    def _load(self, seed: int) -> WorldMap:
+        if not self.map.is_file():
+            raise ParamError("map", f"'map' names no file: {self.map}", "give the path of a map's YAML file")
+        return load_map(self.map, seed, self.robot_radius_m)
+
+    def _make_renderer(self, rng: np.random.Generator) -> Renderer:
+        """Return a renderer whose floor texture covers the map."""
+        draw = self._draw
+        standing = [body.outline for body in draw.bodies if body.patrol is None]
+        points = np.concatenate([[draw.start[:2]], draw.goal_m, *standing])
+        low, high = points.min(axis=0) - BEYOND_BODIES_M, points.max(axis=0) + BEYOND_BODIES_M
+        lack = np.maximum(MIN_FLOOR_M - (high - low), 0.0)
+        textures = [draw.textures[name] for name in ("floor", *self._faces.textures)]
+        textures = [replace(one, contrast=one.contrast * self.contrast_ratio) for one in textures]
+        atlas = Atlas(textures, floor_texels(high - low + lack), rng, level_count(self._camera))
+        return Renderer(self._camera, self._faces, atlas, low - lack / 2)
+
+    def _look(
+        self, pose: Pose, time_s: float, interval_us: int, *, with_truth: bool = True
+    ) -> tuple[Image, Truth | None]:
+        """Return the frame seen from a pose, and the truth behind it: None for the first frame.
+
+        ``interval_us``: since the last frame.
+        """
+        now = Placed.at(self._camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
+        swing = 1 + self.light_swing_ratio * math.sin(2 * math.pi * time_s / self.light_period_s)
+        meanwhile = [
+            Placed.at(self._camera, self._faces, x, y, yaw, time_s + after_s)
+            for after_s, (x, y, yaw) in moments(pose, self.exposure_s)
+        ]
+        frame = self._renderer.render(
+            now,
+            self._before if with_truth else None,
+            meanwhile=meanwhile,
+            light=self.light_ratio * self._draw.light_ratio * swing,
+            noise_sigma=self.noise_sigma * self._draw.noise_ratio,
+            rng=self._noise,
+        )
+        self._before = now
+        return Image(pixels=frame.pixels), _truth(frame, interval_us)
+
+    def _at_goal(self, pose: Pose) -> bool:
+        goal_m = self._draw.goal_m
+        return bool(len(goal_m)) and outlines.contains(goal_m, pose.x_m, pose.y_m)
+
+    def _state(self, pose: Pose, time_s: float) -> State:
+        moving = [[*patrol.at(time_s), 0.0] for patrol in self._faces.patrols]
+        return State(
+            x_m=pose.x_m,
+            y_m=pose.y_m,
+            yaw_rad=pose.yaw_rad,
+            v_mps=pose.v_mps,
+            omega_radps=pose.omega_radps,
+            clearance_m=pose.clearance_m,
+            contact=pose.contact,
+            at_goal=self._at_goal(pose),
+            moving=np.array(moving, np.float64).reshape(-1, 3),
+        )
+
+    def _beacon(self, pose: Pose) -> Goal | None:
+        if not len(self._draw.goal_m):
+            return None
+        x, y = self._draw.goal_m.mean(axis=0) - (pose.x_m, pose.y_m)
+        bearing = math.remainder(math.atan2(y, x) - pose.yaw_rad, 2 * math.pi)
+        return Goal(bearing_rad=bearing, distance_m=math.hypot(x, y))
+
+    def _map(self) -> Map:
+        bodies = self._draw.bodies
+        outlines_m = [body.outline for body in bodies]
+        return Map(
+            kind=np.array([body.kind for body in bodies], np.uint8),
+            height_m=np.array([body.height_m for body in bodies], np.float64),
+            vertices_m=np.concatenate([np.zeros((0, 2)), *outlines_m]),
+            body=np.repeat(np.arange(len(bodies)), [len(one) for one in outlines_m]).astype(np.int32),
+            start=np.array(self._draw.start, np.float64),
+            goal_m=self._draw.goal_m,
+            robot_radius_m=self.robot_radius_m,
+            shortest_m=self._shortest_m,
+            footprint_m=self._camera.footprint_m(),
+        )
+
+
+def _truth(frame: Frame, interval_us: int) -> Truth | None:
+    if frame.flow_px is None:
+        return None
+    return Truth(obstacle=frame.obstacle, depth_m=frame.depth_m, flow_px=frame.flow_px, interval_us=interval_us)
