@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Literal
 
@@ -60,6 +60,7 @@ class Tap:
         require_route(self.url)
         self._mode, self._run_id, self._notice = mode, run_id, notice
         self._about: About | None = None
+        self._shareable: frozenset[str] = frozenset()
         self._classes: dict[str, type[Message] | None] = {}
         self._steps: dict[tuple[str, int], int] = {}
         self._others: set[str] = set()
@@ -76,8 +77,12 @@ class Tap:
         self._thread = threading.Thread(target=self._serve, args=(bus,), name="graphnav-tap", daemon=True)
         self._thread.start()
 
-    def announce(self, about: About) -> None:
-        """Say on ``graphnav.about``, now and every second, what runs."""
+    def announce(self, about: About, shareable: Collection[str] = ()) -> None:
+        """Say on ``graphnav.about``, now and every second, what runs.
+
+        ``shareable``: channels that other runs may name too, as those that one writes and another one reads.
+        """
+        self._shareable = frozenset(shareable)
         types = zip(about.channels, map(type_named, about.types), strict=True)
         self._classes = {channel: lcm_class and message_class_of(lcm_class) for channel, lcm_class in types}
         self._about = replace(about, run_id=self._run_id)
@@ -164,16 +169,19 @@ class Tap:
         return data
 
     def _hear(self, _channel: str, data: bytes) -> None:
-        """Notice the other runs on this group."""
+        """Notice the other runs on this group that publish on the same channels."""
         try:
-            other = decode(About, data)[2].run_id
+            other = decode(About, data)[2]
         except GraphnavError:
             return
-        if other not in self._others | {self._run_id}:
-            self._others.add(other)
+        if other.run_id in self._others | {self._run_id} or self._about is None:
+            return
+        self._others.add(other.run_id)
+        shared = sorted(set(other.channels) & set(self._about.channels) - self._shareable)
+        if shared:
             self._notice(
-                f"run {self._run_id} shares {self.url} with run {other}: whoever watches sees both mixed\n"
-                "  give one of them --no-tap"
+                f"run {self._run_id} and run {other.run_id} both publish {', '.join(shared[:3])} on {self.url}: "
+                "a viewer sees both mixed\n  give one of them --no-tap"
             )
 
     def _drop(self) -> None:

@@ -6,6 +6,7 @@ from graphnav.graph.load import graph_of, load_graph
 from graphnav.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
 from graphnav.graph.resolved import resolved_yaml
 from graphnav.graph.schema import graph_schema
+from graphnav.graph.stop_message import stop_fields
 from graphnav.spec import RunOptions
 
 __all__ = [
@@ -24,4 +25,5 @@ __all__ = [
     "resolved_yaml",
     "shipped_folder",
     "shipped_graphs",
+    "stop_fields",
 ]

@@ -7,12 +7,13 @@ from collections.abc import Callable
 from typing import Protocol
 
 from graphnav.bus import Bus
-from graphnav.codec import EncodeError, codec_of, encode
+from graphnav.codec import EncodeError, codec_of
 from graphnav.errors import BusError
-from graphnav.graph import OutputChannel
+from graphnav.graph import OutputChannel, stop_fields
 from graphnav.live.clock import LiveClock
-from graphnav.messages import Message, Twist
-from graphnav.motors import MotorChannel, envelope_offsets
+from graphnav.messages import Message
+from graphnav.motors.channel import MotorChannel
+from graphnav.motors.offsets import offsets_of
 from graphnav.runner.durations import Durations
 
 
@@ -64,18 +65,11 @@ def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
         raise ValueError(f"{type(target.adapter).__name__}: {error}") from error
 
 
-def stop_bytes(target: OutputChannel) -> bytes:
-    """Return the encoded stop of a motor output."""
-    if target.stop is not None:
-        return codec_of(target.lcm_class).encode(target.stop)
-    stop = Twist(v_mps=0.0, omega_radps=0.0)
-    return adapted(target, stop, 0) if target.adapter is not None else encode(stop, 0, 0)
-
-
 def motor_channel(target: OutputChannel) -> MotorChannel:
     """Return what the process that sends a motor channel has to know."""
-    stamp_at, seq_at = envelope_offsets(target.lcm_class)
-    return MotorChannel(target.name, stop_bytes(target), stamp_at, seq_at, target.max_age_s)
+    stop = codec_of(target.lcm_class).encode(stop_fields(target, target.stop))
+    stamp_at, seq_at = offsets_of(target.lcm_class)
+    return MotorChannel(target.name, stop, stamp_at, seq_at, target.max_age_s)
 
 
 def bus_send(bus: Bus, notice: Callable[[str], None]) -> Send:

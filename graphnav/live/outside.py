@@ -11,7 +11,7 @@ from graphnav.graph import Graph
 from graphnav.live.live_runner import LiveRunner
 from graphnav.live.outlet import Outlet, bus_send, motor_channel
 from graphnav.live.receiver import Receiver
-from graphnav.motors import MotorSender
+from graphnav.motors.sender import MotorSender
 
 
 @contextmanager

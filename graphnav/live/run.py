@@ -21,7 +21,7 @@ from graphnav.live.outside import opened
 from graphnav.live.playback import Playback
 from graphnav.live.status import StatusReporter
 from graphnav.messages import Status
-from graphnav.motors import MotorSender
+from graphnav.motors.sender import MotorSender
 from graphnav.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
@@ -134,7 +134,8 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
     if tap is None:
         return []
     is_shared = same_group(tap.url, url)
-    tap.announce(live_about(graph, by_outside_names=is_shared))
+    outside = {STATUS, *(one.name for one in (*graph.inputs.values(), *graph.outputs.values()))}
+    tap.announce(live_about(graph, by_outside_names=is_shared), outside)
     return [
         ChannelsExcept(tap, {graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)} if is_shared else ())
     ]

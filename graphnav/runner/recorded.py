@@ -32,7 +32,7 @@ class LiveSink(Sink, Protocol):
     dropped: int
     url: str
 
-    def announce(self, about: About) -> None:
+    def announce(self, about: About, shareable: Collection[str] = ()) -> None:
         """Say on ``graphnav.about``, again and again, what runs."""
 
     def close(self) -> None:
