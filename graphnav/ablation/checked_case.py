@@ -34,7 +34,7 @@ class Checked:
     def identity(self) -> object:
         """What makes its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
         nodes = tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in self.graph.nodes)
-        return self.name, nodes, repr(self.graph.run)
+        return self.name, nodes, repr(self.graph.run), _outside(self.graph) if self.graph.is_live else ()
 
     @property
     def uses(self) -> dict[str, str]:
@@ -106,6 +106,14 @@ def _made_of(use: str, params: Mapping[str, object]) -> tuple[object, ...]:
 def _wires(node: Node) -> tuple[object, ...]:
     reads = ((i.port.name, i.channel.ref if i.channel else "") for i in node.inputs)
     return *reads, *(channel.name for channel in node.outputs.values())
+
+
+def _outside(graph: Graph) -> tuple[object, ...]:
+    """Return what a live run depends on beyond its stages and wires."""
+    inputs = ((ref, i.name, i.type_name, repr(i.log), i.max_age_s) for ref, i in graph.inputs.items())
+    outputs = ((ref, o.name, o.type_name, o.motor, o.max_age_s, repr(o.stop)) for ref, o in graph.outputs.items())
+    times = ((node.name, node.every_ms, node.deadline_ms) for node in graph.nodes)
+    return *inputs, *outputs, *graph.queues.items(), *times
 
 
 def stage_classes(cases: list[Checked]) -> dict[str, list[type[Stage]]]:

@@ -12,7 +12,7 @@ from graphnav.cli.status import OK
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from graphnav.graph import Graph, Node
+    from graphnav.graph import Channel, Graph, Node
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,12 +30,26 @@ def main(args: argparse.Namespace) -> int:
     for notice in graph.notices:
         console.print(notice, markup=False)
     console.print(_table(graph))
-    console.print(
-        f"{graph.path.name} is fine: {_count(graph.sources, 'source')}, {_count(graph.order, 'other stage')}, "
-        f"{_count(graph.channels, 'channel')}",
-        markup=False,
-    )
+    if graph.is_live:
+        console.print(f"it runs live: {_outside(graph)}", markup=False)
+    parts = [
+        _count(graph.inputs, "input") if graph.inputs else "",
+        _count(graph.sources, "source"),
+        _count(graph.order, "other stage"),
+        _count(graph.channels, "channel"),
+        _count(graph.outputs, "output") if graph.outputs else "",
+    ]
+    console.print(f"{graph.path.name} is fine: {', '.join(filter(None, parts))}", markup=False)
     return OK
+
+
+def _outside(graph: Graph) -> str:
+    """Return what a live graph has to do with other programs."""
+    heard = [given.name for given in graph.inputs.values() if given.log is None]
+    logs = dict.fromkeys(given.log.name for given in graph.inputs.values() if given.log is not None)
+    sent = [f"{output.name}{' (motor)' if output.motor else ''}" for output in graph.outputs.values()]
+    parts = (("it listens to", heard), ("it plays", logs), ("it sends", sent))
+    return ", ".join(f"{verb} {', '.join(names)}" for verb, names in parts if names)
 
 
 def _table(graph: Graph) -> Table:
@@ -46,17 +60,26 @@ def _table(graph: Graph) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("stage", "uses", "reads", "writes"):
         table.add_column(heading, overflow="fold")
+    for given in graph.inputs.values():
+        kind, where = ("log", f"{given.log.name}: {given.name}") if given.log else ("input", given.name)
+        cells = (given.channel.stage, kind, f"{where}: {given.type_name}", _message(given.channel))
+        table.add_row(*(Text(cell) for cell in cells))
     for node in (*graph.sources, *graph.order):
         reads = [f"{i.channel.ref}{f' ({i.port.reading})' if i.port.reading else ''}" for i in node.inputs if i.channel]
         cells = (node.name, node.use, "\n".join(reads), "\n".join(_writes(node)))
         table.add_row(*(Text(cell) for cell in cells))
+    for output in graph.outputs.values():
+        kind = "motor output" if output.motor else "output"
+        table.add_row(*(Text(cell) for cell in ("", kind, output.channel.ref, f"{output.name}: {output.type_name}")))
     return table
 
 
 def _writes(node: Node) -> list[str]:
-    return [
-        f"{c.ref}: {c.message.__name__}" + (f" as {c.name}" if c.name != c.ref else "") for c in node.outputs.values()
-    ]
+    return [_message(c) + (f" as {c.name}" if c.name != c.ref else "") for c in node.outputs.values()]
+
+
+def _message(channel: Channel) -> str:
+    return f"{channel.ref}: {channel.message.__name__}"
 
 
 def _count(things: Sized, noun: str) -> str:

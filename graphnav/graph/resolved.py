@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from graphnav.graph.graph import Graph
-from graphnav.graph.node import Node
+from graphnav.graph.node import InputChannel, Node, OutputChannel
 from graphnav.spec.write import write_value
 from graphnav.stage import params_of
 
@@ -34,10 +35,28 @@ def _lines(graph: Graph, *, portable_paths: bool) -> Iterator[str]:
     if renamed:
         yield "channels:"
         yield from (f"  {channel.ref}: {write_value(channel.name)}" for channel in renamed)
-    for key, section in (("deploy", graph.deploy), ("queues", graph.queues)):
+    sections: dict[str, Mapping[str, Any]] = {
+        "deploy": graph.deploy,
+        "inputs": {ref: _input_words(i, portable_paths=portable_paths) for ref, i in graph.inputs.items()},
+        "outputs": {ref: _output_words(output) for ref, output in graph.outputs.items()},
+        "queues": {ref: {"keep": "all" if keep is None else keep} for ref, keep in graph.queues.items()},
+    }
+    for key, section in sections.items():
         if section:
             yield f"{key}:"
             yield from (f"  {write_value(name)}: {write_value(words)}" for name, words in section.items())
+
+
+def _input_words(given: InputChannel, *, portable_paths: bool) -> dict[str, Any]:
+    words: dict[str, Any] = {"channel": given.name, "type": given.type_name}
+    if given.log is not None:
+        words = {"log": given.log_written if portable_paths else given.log_anywhere, **words}
+    return words if given.max_age_s is None else {**words, "max_age_s": given.max_age_s}
+
+
+def _output_words(given: OutputChannel) -> dict[str, Any]:
+    words = {"channel": given.name, "type": given.type_name, "motor": given.motor, "max_age_s": given.max_age_s}
+    return words if given.stop is None else {**words, "stop": given.stop}
 
 
 def _node_lines(node: Node, *, portable_paths: bool) -> Iterator[str]:
@@ -54,6 +73,8 @@ def _node_lines(node: Node, *, portable_paths: bool) -> Iterator[str]:
         yield "    in:"
     for port, ref, note in wired:
         yield f"      {port}: {ref}" + _comment(note)
+    times = (("every_ms", node.every_ms), ("deadline_ms", node.deadline_ms))
+    yield from (f"    {key}: {write_value(ms)}" for key, ms in times if ms is not None)
 
 
 def _comment(note: str) -> str:

@@ -8,15 +8,14 @@ from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin
 
 from graphnav.catalog import Catalog
+from graphnav.graph.outside_schema import inputs_schema, outputs_schema, queues_schema
+from graphnav.graph.schema_parts import CHANNEL, PORT, Schema, object_schema
 from graphnav.spec import RunOptions
+from graphnav.spec.outside import MAX_EVERY_MS
 from graphnav.spec.spec import RESERVED_STAGES, RESTARTS, STAGE_NAME
 from graphnav.stage import Param, Stage, params_of, plain_data, ports_of, summary_of
 
-Schema = dict[str, Any]
-
 _REF = rf"^{STAGE_NAME.pattern}(\.{STAGE_NAME.pattern})?$"
-_PORT = rf"^{STAGE_NAME.pattern}\.{STAGE_NAME.pattern}$"
-_CHANNEL = r"^(?!graphnav\.)[!-~]{1,63}$"
 _SCALARS: Mapping[Any, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
@@ -36,7 +35,7 @@ def graph_schema(catalog: Catalog) -> Schema:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A graph of graphnav",
-        **_object(
+        **object_schema(
             {
                 "about": {"type": "string", "description": "what the graph does, in a sentence"},
                 "run": _optional({name: _param(param) for name, param in params_of(RunOptions).items()}),
@@ -49,11 +48,13 @@ def graph_schema(catalog: Catalog) -> Schema:
                 "channels": {
                     "type": ["object", "null"],
                     "description": "LCM channels with another name than stage.port",
-                    "propertyNames": {"pattern": _PORT},
-                    "additionalProperties": {"type": "string", "pattern": _CHANNEL},
+                    "propertyNames": {"pattern": PORT},
+                    "additionalProperties": {"type": "string", "pattern": CHANNEL},
                 },
                 "deploy": _deploy(),
-                "inputs": _inputs(),
+                "inputs": inputs_schema(),
+                "outputs": outputs_schema(),
+                "queues": queues_schema(),
             },
             required=["stages"],
         ),
@@ -66,12 +67,23 @@ def _stage(uses: list[str]) -> Schema:
         "use": {"enum": uses, "description": "family.stage"},
         "with": {"type": ["object", "null"], "description": "parameters"},
         "in": {"type": ["object", "null"], "description": "what each input reads: stage.port"},
+        "every_ms": {
+            "type": "number",
+            "exclusiveMinimum": 0,
+            "maximum": MAX_EVERY_MS,
+            "description": "live, the stage also fires this often; lockstep does not use it",
+        },
+        "deadline_ms": {
+            "type": "number",
+            "exclusiveMinimum": 0,
+            "description": "live, a step that ends later than this after its newest input is counted as missed",
+        },
     }
     which = [
         {"if": {"properties": {"use": {"const": use}}, "required": ["use"]}, "then": {"$ref": f"#/$defs/{use}"}}
         for use in uses
     ]
-    return {**_object(words, required=["use"]), "allOf": which}
+    return {**object_schema(words, required=["use"]), "allOf": which}
 
 
 def _use(cls: type[Stage]) -> Schema:
@@ -128,7 +140,7 @@ def _type(kind: Any) -> Schema:
 
 
 def _deploy() -> Schema:
-    process = _object(
+    process = object_schema(
         {
             "stages": {"type": "array", "items": {"type": "string"}},
             "host": {"type": "string"},
@@ -143,22 +155,7 @@ def _deploy() -> Schema:
     }
 
 
-def _inputs() -> Schema:
-    keep = {"anyOf": [{"const": "all"}, {"type": "integer", "minimum": 1}]}
-    return {
-        "type": ["object", "null"],
-        "description": "how many messages an input would hold while it waits for others; lockstep does not use it",
-        "propertyNames": {"pattern": _PORT},
-        "additionalProperties": {**_object({"keep": keep}), "type": ["object", "null"]},
-    }
-
-
 def _optional(properties: Schema, required: list[str] | None = None) -> Schema:
     """Return the schema of a mapping that may be empty (null) if nothing in it is required."""
-    schema = _object(properties, required or [])
+    schema = object_schema(properties, required or [])
     return schema if required else {**schema, "type": ["object", "null"]}
-
-
-def _object(properties: Schema, required: list[str] | None = None) -> Schema:
-    schema: Schema = {"type": "object", "properties": properties, "additionalProperties": False}
-    return {**schema, "required": required} if required else schema

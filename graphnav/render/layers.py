@@ -1,4 +1,4 @@
-"""Put the stages of a graph into columns, so that wires run to the right and cross little."""
+"""Put the boxes of a graph into columns, so that wires run to the right and cross little."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from graphnav.graph import Graph
+from graphnav.render.boxes import Box, as_fired
 from graphnav.render.wires import Wire, wires_of
 
 _SWEEPS = 12
@@ -14,9 +15,9 @@ _SWEEPS = 12
 
 @dataclass
 class Spot:
-    """A stage's place in a column, or that of a wire that passes through it (``stage`` is empty)."""
+    """A box's place in a column, or that of a wire that passes through it (``box`` is empty)."""
 
-    stage: str
+    box: str
     column: int
     height: float
     top: float = 0.0
@@ -47,14 +48,14 @@ class Layers:
     routes: list[Route]
 
 
-def layers_of(graph: Graph, heights: dict[str, float], gap: float) -> Layers:
-    """Return stages in columns by how many others their data has passed, each column stacked from the top.
+def layers_of(graph: Graph, boxes: list[Box], heights: dict[str, float], gap: float) -> Layers:
+    """Return boxes in columns by how many others their data has passed, each column stacked from the top.
 
-    ``heights``: of each stage's box; ``gap``: between two in a column.
+    ``heights``: of each of the ``boxes``; ``gap``: between two in a column.
     """
-    wires = wires_of(graph)
-    depth = _depths(graph, wires)
-    spots = {node.name: Spot(node.name, depth[node.name], heights[node.name]) for node in graph.nodes}
+    wires = wires_of(boxes)
+    depth = _depths(as_fired(graph, boxes), wires)
+    spots = {box.key: Spot(box.key, depth[box.key], heights[box.key]) for box in boxes}
     columns: list[list[Spot]] = [[] for _ in range(max(depth.values()) + 1)]
     for spot in spots.values():
         columns[spot.column].append(spot)
@@ -73,11 +74,11 @@ def layers_of(graph: Graph, heights: dict[str, float], gap: float) -> Layers:
     return Layers(columns, spots, routes)
 
 
-def _depths(graph: Graph, wires: Sequence[Wire]) -> dict[str, int]:
-    depth = dict.fromkeys((node.name for node in graph.nodes), 0)
-    for node in graph.order:
-        plain = [depth[w.channel.stage] for w in wires if w.reader == node.name and not w.latest]
-        depth[node.name] = 1 + max(plain, default=0)
+def _depths(boxes: Sequence[Box], wires: Sequence[Wire]) -> dict[str, int]:
+    depth: dict[str, int] = {}
+    for box in boxes:
+        plain = [depth[w.channel.stage] for w in wires if w.reader == box.key and not w.latest]
+        depth[box.key] = 1 + max(plain, default=0) if box.kind in ("stage", "output") else 0
     return depth
 
 

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+from html import escape
+
 from graphnav.graph import Graph
+from graphnav.render.boxes import Box, boxes_of
 from graphnav.render.wires import wires_of
+
+_SHAPES = {"source": ("([", "])"), "stage": ("[", "]"), "input": ("[/", "/]"), "output": ("[/", "/]")}
 
 
 def mermaid_of(graph: Graph) -> str:
-    """Return the text of a Mermaid flow chart; sampled wires are dotted, sources are rounded."""
+    """Return a Mermaid flow chart; sampled wires are dotted, sources are rounded, inputs and outputs slanted."""
+    boxes = boxes_of(graph)
     lines = ["flowchart LR"]
-    for node in graph.nodes:
-        label = f'"<b>{node.name}</b><br/>{node.use}"'
-        lines.append(f"    {_id(node.name)}" + (f"([{label}])" if node.is_source else f"[{label}]"))
-    for wire in wires_of(graph):
+    for box in boxes:
+        left, right = _SHAPES[box.kind]
+        lines.append(f'    {_id(box.key)}{left}"{_label(box)}"{right}')
+    for wire in wires_of(boxes):
         arrow = "-.->" if wire.latest else "-->"
         label = f'|"{wire.channel.port}"|'
         lines.append(f"    {_id(wire.channel.stage)} {arrow}{label} {_id(wire.reader)}")
     return "\n".join(lines) + "\n"
 
 
-def _id(stage: str) -> str:
+def _label(box: Box) -> str:
+    aliases = ", ".join(port.alias for port in box.outputs) if box.kind == "input" else ""
+    name = escape(box.name) + (f" ({escape(aliases)})" if aliases else "")
+    return f"<b>{name}</b><br/>{box.use}"
+
+
+def _id(key: str) -> str:
     """Return an identifier that is no word of Mermaid's, such as ``end``."""
-    return f"s_{stage}"
+    return "s_" + key.replace(" ", "_").replace(".", "_")

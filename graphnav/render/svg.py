@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from graphnav.graph import Graph, Node
+from graphnav.graph import Graph
+from graphnav.render.boxes import Box, boxes_of
 from graphnav.render.layers import Layers, Route, Spot, layers_of
 
 _CHAR = 8.0
@@ -37,10 +38,10 @@ _STYLE = """
 
 
 @dataclass(frozen=True)
-class _Box:
-    """Where a stage's box is."""
+class _Place:
+    """Where a box is."""
 
-    node: Node
+    box: Box
     x: float
     y: float
     width: float
@@ -49,15 +50,16 @@ class _Box:
 
     def port_y(self, port: str, *, is_input: bool) -> float:
         """Return the height of a port's row."""
-        names = [i.port.name for i in self.node.inputs] if is_input else list(self.node.outputs)
+        names = [p.name for p in (self.box.inputs if is_input else self.box.outputs)]
         return self.y + _HEAD + (names.index(port) + 0.5) * _ROW
 
 
 def svg_of(graph: Graph, notes: Mapping[str, str] | None = None) -> str:
     """Return the text of an SVG picture; stages that ``notes`` names are marked, with their note above them."""
-    heights = {node.name: _HEAD + _ROW * max(len(node.inputs), len(node.outputs), 1) + _FOOT for node in graph.nodes}
-    layers = layers_of(graph, heights, _GAP_Y)
-    boxes = _boxes(graph, layers)
+    drawn = boxes_of(graph)
+    heights = {box.key: _HEAD + _ROW * max(len(box.inputs), len(box.outputs), 1) + _FOOT for box in drawn}
+    layers = layers_of(graph, drawn, heights, _GAP_Y)
+    boxes = _boxes(drawn, layers)
     bottom = max(box.y + box.height for box in boxes.values())
     right = max(box.x + box.width for box in boxes.values()) + _MARGIN + _LANE
     columns = _column_edges(layers, boxes)
@@ -75,39 +77,38 @@ def svg_of(graph: Graph, notes: Mapping[str, str] | None = None) -> str:
     return "\n".join([*parts, *(_box(box) for box in boxes.values()), *marks, "</svg>"]) + "\n"
 
 
-def _boxes(graph: Graph, layers: Layers) -> dict[str, _Box]:
-    families = list(dict.fromkeys(node.use.partition(".")[0] for node in graph.nodes))
-    colours = {family: _PALETTE[number % len(_PALETTE)] for number, family in enumerate(families)}
-    nodes = {node.name: node for node in graph.nodes}
+def _boxes(drawn: Sequence[Box], layers: Layers) -> dict[str, _Place]:
+    groups = list(dict.fromkeys(box.group for box in drawn))
+    colours = {group: _PALETTE[number % len(_PALETTE)] for number, group in enumerate(groups)}
+    by_key = {box.key: box for box in drawn}
     boxes, x = {}, _MARGIN + _LANE
     for column in layers.columns:
-        stages = [spot for spot in column if spot.stage]
-        width = max((_width(nodes[spot.stage]) for spot in stages), default=0.0)
-        for spot in stages:
-            node = nodes[spot.stage]
-            colour = colours[node.use.partition(".")[0]]
-            boxes[node.name] = _Box(node, x, _MARGIN + spot.top, width, spot.height, colour)
+        spots = [spot for spot in column if spot.box]
+        width = max((_width(by_key[spot.box]) for spot in spots), default=0.0)
+        for spot in spots:
+            box = by_key[spot.box]
+            boxes[box.key] = _Place(box, x, _MARGIN + spot.top, width, spot.height, colours[box.group])
         x += width + _GAP_X
     return boxes
 
 
-def _width(node: Node) -> float:
-    rows = max(len(node.inputs), len(node.outputs))
-    inputs = [len(i.port.name) for i in node.inputs] + [0] * rows
-    outputs = [len(port) + (len(c.name) + 1) * (c.name != c.ref) for port, c in node.outputs.items()] + [0] * rows
+def _width(box: Box) -> float:
+    rows = max(len(box.inputs), len(box.outputs))
+    inputs = [len(port.name) for port in box.inputs] + [0] * rows
+    outputs = [len(port.name) + (len(port.alias) + 1) * bool(port.alias) for port in box.outputs] + [0] * rows
     ports = max((a + b + 5 for a, b in zip(inputs[:rows], outputs[:rows], strict=True)), default=0)
-    return _CHAR * max(ports, len(node.name) + 3, len(node.use) + 3)
+    return _CHAR * max(ports, len(box.name) + 3, len(box.use) + 3)
 
 
-def _column_edges(layers: Layers, boxes: dict[str, _Box]) -> list[tuple[float, float]]:
+def _column_edges(layers: Layers, boxes: dict[str, _Place]) -> list[tuple[float, float]]:
     edges = []
     for column in layers.columns:
-        box = next(boxes[spot.stage] for spot in column if spot.stage)
+        box = next(boxes[spot.box] for spot in column if spot.box)
         edges.append((box.x, box.x + box.width))
     return edges
 
 
-def _wire(route: Route, boxes: dict[str, _Box], columns: list[tuple[float, float]], lane_y: float) -> str:
+def _wire(route: Route, boxes: dict[str, _Place], columns: list[tuple[float, float]], lane_y: float) -> str:
     wire = route.wire
     start, end = boxes[wire.channel.stage], boxes[wire.reader]
     x, y = start.x + start.width, start.port_y(wire.channel.port, is_input=False)
@@ -149,32 +150,32 @@ def _path_back(x: float, y: float, to_x: float, to_y: float, lane_y: float) -> s
     )
 
 
-def _box(box: _Box) -> str:
-    x, y, width = box.x, box.y, box.width
+def _box(place: _Place) -> str:
+    box, x, y, width = place.box, place.x, place.y, place.width
     head = _HEAD - 6
     band = f"M{x:.1f},{y + head:.1f}v{6 - head:.1f}q0,-6 6,-6h{width - 12:.1f}q6,0 6,6v{head - 6:.1f}z"
     parts = [
-        f'<g><rect class="box" x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{box.height:.1f}" rx="6"/>',
-        f'<path fill="{box.colour}" d="{band}"/>',
-        f'<text class="name" x="{x + 9:.1f}" y="{y + 15:.1f}">{escape(box.node.name)}</text>',
-        f'<text class="use" x="{x + 9:.1f}" y="{y + 30:.1f}">{escape(box.node.use)}</text>',
+        f'<g><rect class="box" x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{place.height:.1f}" rx="6"/>',
+        f'<path fill="{place.colour}" d="{band}"/>',
+        f'<text class="name" x="{x + 9:.1f}" y="{y + 15:.1f}">{escape(box.name)}</text>',
+        f'<text class="use" x="{x + 9:.1f}" y="{y + 30:.1f}">{escape(box.use)}</text>',
     ]
-    for i in box.node.inputs:
-        port_y = box.port_y(i.port.name, is_input=True)
-        parts.append(f'<text x="{x + 9:.1f}" y="{port_y + 4:.1f}">{escape(i.port.name)}</text>')
-        if i.channel is None:
+    for port in box.inputs:
+        port_y = place.port_y(port.name, is_input=True)
+        parts.append(f'<text x="{x + 9:.1f}" y="{port_y + 4:.1f}">{escape(port.name)}</text>')
+        if port.channel is None:
             parts.append(f'<circle cx="{x:.1f}" cy="{port_y:.1f}" r="3.5" fill="#ffffff" stroke="#9aa4b2"/>')
-    for port, channel in box.node.outputs.items():
-        renamed = f'<tspan class="renamed" dx="5">{escape(channel.name)}</tspan>' if channel.name != channel.ref else ""
-        port_y = box.port_y(port, is_input=False)
+    for out in box.outputs:
+        renamed = f'<tspan class="renamed" dx="5">{escape(out.alias)}</tspan>' if out.alias else ""
+        port_y = place.port_y(out.name, is_input=False)
         parts.append(
-            f'<text x="{x + width - 9:.1f}" y="{port_y + 4:.1f}" text-anchor="end">{escape(port)}{renamed}</text>'
-            f'<circle cx="{x + width:.1f}" cy="{port_y:.1f}" r="2.5" fill="{box.colour}"/>'
+            f'<text x="{x + width - 9:.1f}" y="{port_y + 4:.1f}" text-anchor="end">{escape(out.name)}{renamed}</text>'
+            f'<circle cx="{x + width:.1f}" cy="{port_y:.1f}" r="2.5" fill="{place.colour}"/>'
         )
     return "".join(parts) + "</g>"
 
 
-def _mark(box: _Box, note: str) -> str:
-    frame = f'x="{box.x - 4:.1f}" y="{box.y - 4:.1f}" width="{box.width + 8:.1f}" height="{box.height + 8:.1f}"'
-    text = f'<text class="note" x="{box.x:.1f}" y="{box.y - 9:.1f}">{escape(note)}</text>'
+def _mark(place: _Place, note: str) -> str:
+    frame = f'x="{place.x - 4:.1f}" y="{place.y - 4:.1f}" width="{place.width + 8:.1f}" height="{place.height + 8:.1f}"'
+    text = f'<text class="note" x="{place.x:.1f}" y="{place.y - 9:.1f}">{escape(note)}</text>'
     return f'<rect class="mark" {frame} rx="9"/>{text}'

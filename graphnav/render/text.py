@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from graphnav.graph import Graph, Node
+from graphnav.graph import Graph
+from graphnav.render.boxes import Box, as_fired, boxes_of
 from graphnav.render.wires import Wire, wires_of
 
 _LINES = {
@@ -44,39 +45,35 @@ class _Rail:
 
 
 def text_of(graph: Graph) -> TextDrawing:
-    """Return the drawing; sources first, then the other stages as they fire.
+    """Return the drawing; inputs and sources first, then the other stages as they fire, then outputs.
 
     A rail leaves its box at the port that writes it and enters others at an arrow head; a broken line is sampled.
     """
-    boxes: list[str] = []
+    boxes = boxes_of(graph)
+    lines: list[str] = []
     rows: dict[str, int] = {}
-    width = max(len(line) for node in graph.nodes for line in _content(node, 0))
-    for node in (*graph.sources, *graph.order):
-        content = _content(node, width)
-        boxes.append(f"┌{'─' * (width + 2)}┐")
-        for number, port in enumerate([*(f"{node.name}<{i.port.name}" for i in node.inputs), *_outputs(node)], start=1):
-            rows[port] = len(boxes) + number
-        boxes += [f"│ {line.ljust(width)} │" for line in content]
-        boxes.append(f"└{'─' * (width + 2)}┘")
-    rails = _rails(wires_of(graph), rows)
+    width = max(len(line) for box in boxes for line in _content(box, 0))
+    for box in as_fired(graph, boxes):
+        ports = [*(f"{box.key}<{port.name}" for port in box.inputs), *(port.channel.ref for port in box.outputs)]
+        lines.append(f"┌{'─' * (width + 2)}┐")
+        rows |= {port: len(lines) + number for number, port in enumerate(ports, start=1)}
+        lines += [f"│ {line.ljust(width)} │" for line in _content(box, width)]
+        lines.append(f"└{'─' * (width + 2)}┘")
+    rails = _rails(wires_of(boxes), rows)
     _place(rails)
-    return _draw(boxes, rails)
+    return _draw(lines, rails)
 
 
-def _outputs(node: Node) -> list[str]:
-    return [channel.ref for channel in node.outputs.values()]
-
-
-def _content(node: Node, width: int) -> list[str]:
-    gap = max(2, width - len(node.name) - len(node.use))
-    lines = [f"{node.name}{' ' * gap}{node.use}"]
+def _content(box: Box, width: int) -> list[str]:
+    gap = max(2, width - len(box.name) - len(box.use))
+    lines = [f"{box.name}{' ' * gap}{box.use}"]
     lines += [
-        f"  ◂ {i.port.name}" + (f" ({i.port.reading})" if i.port.reading else "") + ("" if i.channel else ", open")
-        for i in node.inputs
+        f"  ◂ {port.name}" + (f" ({port.reading})" if port.reading else "") + ("" if port.channel else ", open")
+        for port in box.inputs
     ]
-    for channel in node.outputs.values():
-        renamed = f" as {channel.name}" if channel.name != channel.ref else ""
-        lines.append(f"  ▸ {channel.port}: {channel.message.__name__}{renamed}")
+    for port in box.outputs:
+        alias = f" {'from' if box.kind == 'input' else 'as'} {port.alias}" if port.alias else ""
+        lines.append(f"  ▸ {port.name}: {port.channel.message.__name__}{alias}")
     return lines
 
 

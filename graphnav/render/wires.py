@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from graphnav.graph import Channel, Graph
+from graphnav.graph import Channel
+from graphnav.render.boxes import Box
 
 
 @dataclass(frozen=True)
 class Wire:
-    """A channel and one of its readers."""
+    """A channel and one of its readers, the key of a box."""
 
     channel: Channel
     reader: str
@@ -17,11 +19,11 @@ class Wire:
     latest: bool
 
 
-def wires_of(graph: Graph) -> list[Wire]:
-    """Return every wire, readers in the file's order."""
+def wires_of(boxes: Iterable[Box]) -> list[Wire]:
+    """Return every wire, in the order of the readers."""
     return [
-        Wire(i.channel, node.name, i.port.name, not i.port.is_plain)
-        for node in graph.nodes
-        for i in node.inputs
-        if i.channel is not None
+        Wire(port.channel, box.key, port.name, port.is_sampled)
+        for box in boxes
+        for port in box.inputs
+        if port.channel is not None
     ]
