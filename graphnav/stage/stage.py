@@ -33,6 +33,8 @@ class Stage:
     """What tables mark it as."""
     less_is_better: ClassVar[frozenset[str]] = frozenset()
     """Figures of `summary` of which less is better."""
+    is_guard: ClassVar[bool] = False
+    """Whether it stops the robot when its inputs are late, lost or blind: only a guard may write a motor channel."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Make the annotated fields of ``cls`` parameters of its constructor."""
