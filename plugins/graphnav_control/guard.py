@@ -1,0 +1,173 @@
+"""The last stage before the motors: it stops when something is stale, blind or late, and says why."""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from graphnav import Age, GuardState, Image, Latest, Plane, Stage, Stamp, Stop, Twist, param
+from graphnav_control.causes import Cause, contrast, judged_ratio, lost
+from graphnav_control.limits import limited
+
+STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
+
+
+class GuardOutputs(NamedTuple):
+    """What `Guard` publishes at every firing."""
+
+    twist: Twist
+    state: GuardState
+
+
+class Guard(Stage):
+    """Lets a command through to the motors while the robot sees, and stops it otherwise.
+
+    The robot stands while a wired input among ``command``, ``plane`` and ``image`` has not come yet ("waiting"), is
+    older than ``max_age_s`` ("stale"), or has implausible stamps or values that are not finite ("fault"). It also
+    stands while too little of the plane could be judged or the image shows nothing ("blind"): unknown is not free.
+    While nearly all that was judged is obstacle ("obstacle") it may turn and drive backward, but not forward.
+
+    A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
+    published. When it ends, the command drives again. An override with implausible stamps stops the robot.
+
+    A ``stop`` message that is engaged stops the robot, whatever else comes, until a fresh message that is not engaged
+    arms the guard again. An engaged message is obeyed however old it is.
+
+    To stop is to publish ``Twist(0, 0)`` at once: limits of acceleration hold where the robot speeds up, never where it
+    slows down. Without limits a command that may pass leaves as it came, bit for bit. In a live graph give the stage a
+    timer (``every_ms``), or it does not notice that commands cease.
+    """
+
+    is_guard: ClassVar[bool] = True
+
+    max_age_s: float = param(
+        0.5, gt=0.0, doc="age beyond which command, plane or image stops the robot: a few of their periods"
+    )
+    min_judged_ratio: float = param(
+        0.5,
+        ge=0.0,
+        le=1.0,
+        doc="share of the plane's cells that must have been judged for the robot to move; flow is never valid at the "
+        "border of the picture, which leaves 0.77 and more in the drives of the shipped graphs; 0 moves blind",
+    )
+    max_obstacle_ratio: float = param(
+        0.9,
+        ge=0.0,
+        le=1.0,
+        doc="share of obstacle among the judged cells above which the robot may not go forward: there is no ground left "
+        "to drive on; the shipped graphs drive forward at 0.2 and less; 1 is no limit",
+    )
+    min_contrast: float = param(
+        3.0,
+        ge=0.0,
+        doc="standard deviation of the image's gray levels, averaged over blocks, below which it shows nothing (a "
+        "covered lens, a white picture), whatever a detector judges; worlds that ship have 18 and more; 0 is no limit",
+    )
+    override_max_age_s: float = param(0.3, gt=0.0, doc="age beyond which an override has ended")
+    max_speed_mps: float | None = param(None, ge=0.0, doc="greatest speed, forward and backward; null for none")
+    max_turn_radps: float | None = param(None, ge=0.0, doc="greatest turning rate; null for none")
+    max_accel_mps2: float | None = param(None, gt=0.0, doc="how fast the speed may grow; null for at once")
+    max_turn_accel_radps2: float | None = param(
+        None, gt=0.0, doc="how fast the turning rate may grow; null for at once"
+    )
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
+        """Stand, armed."""
+        self._is_stopped = False
+        self._last = STANDSTILL
+        self._begin: int | None = None
+        self._before = 0
+
+    def step(
+        self,
+        command: Twist | None,
+        plane: Latest[Plane],
+        image: Latest[Image],
+        override: Latest[Twist],
+        stop: Latest[Stop],
+        utime: Stamp,
+        command_age_s: Age,
+    ) -> GuardOutputs:
+        """Return what may leave for the motors, and why no more may."""
+        if self._begin is None:
+            self._begin = self._before = utime
+        waited_s = (utime - self._begin) * 1e-6
+        causes = [
+            *lost("command", Latest(command, command_age_s), self.max_age_s, waited_s),
+            *self._of_plane(plane, waited_s),
+            *self._of_image(image, waited_s),
+        ]
+        driver, stops = self._driver(override)
+        stops += self._of_stop(stop)
+        forbidding = set() if driver is not None else {cause.name for cause in causes}
+        may_move = not stops and forbidding <= {"obstacle"}
+        may_advance = may_move and not forbidding
+        wanted = command if driver is None else driver
+        if wanted is None or not may_move:
+            wanted = STANDSTILL
+        elif not may_advance:
+            wanted = Twist(v_mps=min(wanted.v_mps, 0.0), omega_radps=wanted.omega_radps)
+        self._last = self._limited(wanted, min(max(utime - self._before, 0) * 1e-6, self.max_age_s))
+        self._before = utime
+        causes = stops + causes
+        return GuardOutputs(
+            self._last,
+            GuardState(
+                may_move=may_move,
+                may_advance=may_advance,
+                overridden=driver is not None and not stops,
+                stopped=self._is_stopped,
+                causes=tuple(cause.name for cause in causes),
+                ports=tuple(cause.port for cause in causes),
+                values=np.array([cause.value for cause in causes]),
+                limits=np.array([cause.limit for cause in causes]),
+            ),
+        )
+
+    def _of_plane(self, plane: Latest[Plane], waited_s: float) -> list[Cause]:
+        causes = lost("plane", plane, self.max_age_s, waited_s)
+        if causes or plane.value is None:
+            return causes
+        judged = judged_ratio(plane.value)
+        if judged < self.min_judged_ratio:
+            causes.append(Cause("blind", "plane", judged, self.min_judged_ratio))
+        if plane.value.obstacle_ratio > self.max_obstacle_ratio:
+            causes.append(Cause("obstacle", "plane", plane.value.obstacle_ratio, self.max_obstacle_ratio))
+        return causes
+
+    def _of_image(self, image: Latest[Image], waited_s: float) -> list[Cause]:
+        causes = lost("image", image, self.max_age_s, waited_s)
+        if causes or image.value is None:
+            return causes
+        seen = contrast(image.value)
+        return [Cause("blind", "image", seen, self.min_contrast)] if seen < self.min_contrast else []
+
+    def _of_stop(self, stop: Latest[Stop]) -> list[Cause]:
+        """Hear what was asked for last; return the cause while it holds."""
+        if stop.value is not None:
+            if stop.value.engaged:
+                self._is_stopped = True
+            elif stop.age_s <= self.max_age_s and not stop.fault:
+                self._is_stopped = False
+        return [Cause("stop", "stop")] if self._is_stopped else []
+
+    def _driver(self, override: Latest[Twist]) -> tuple[Twist | None, list[Cause]]:
+        """Return the override that drives now, if one does, and why a fresh one may not."""
+        if override.value is None or override.age_s > self.override_max_age_s:
+            return None, []
+        if override.fault or override.value.not_finite():
+            return None, [Cause("fault", "override")]
+        return override.value, []
+
+    def _limited(self, wanted: Twist, elapsed_s: float) -> Twist:
+        return Twist(
+            v_mps=limited(wanted.v_mps, self._last.v_mps, self.max_speed_mps, self.max_accel_mps2, elapsed_s),
+            omega_radps=limited(
+                wanted.omega_radps,
+                self._last.omega_radps,
+                self.max_turn_radps,
+                self.max_turn_accel_radps2,
+                elapsed_s,
+            ),
+        )
