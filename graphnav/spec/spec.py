@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from graphnav.errors import Place, Problem, did_you_mean
 from graphnav.spec.value import Entry, Value
 
-GRAPH_KEYS = ("about", "run", "stages", "channels", "deploy", "inputs")
+GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "deploy", "inputs")
 STAGE_KEYS = ("use", "with", "in")
 DEPLOY_KEYS = ("stages", "host", "restart")
 RESTARTS = ("never", "on_failure", "always")
@@ -51,6 +52,8 @@ class Spec:
     """By reference; the value is a text, the channel's name."""
     deploy: dict[str, Entry] = field(default_factory=dict)
     inputs: dict[str, Entry] = field(default_factory=dict)
+    folders: dict[str, Path] = field(default_factory=dict)
+    """The folder of each file of the graph, by the file's name in places: paths are relative to it."""
 
 
 def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
