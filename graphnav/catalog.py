@@ -139,13 +139,16 @@ class Catalog:
     def add_file(self, path: Path) -> str:
         """Add the stages of a one-file plugin; return its family: its constant ``FAMILY``, else the file's stem.
 
+        A file that is added again, by whatever path, is added once.
+
         Raises
         ------
         CatalogError
             It cannot be read, imported or used.
         """
+        file = _real_file(path)
         for known, files in self._files.items():
-            if str(path) in files:
+            if file in files:
                 return known
         module = _import_file(path)
         family = getattr(module, "FAMILY", path.stem)
@@ -160,7 +163,7 @@ class Catalog:
         if not self._plugins.get_hookcallers(module):
             hint = "write @hookimpl above def graphnav_stages() -> list[type[Stage]]"
             raise CatalogError(f"plugin {path}: it has no hook", hint)
-        self._files.setdefault(family, []).append(str(path))
+        self._files.setdefault(family, []).append(file)
         self._loaded.add(family)
         return family
 
@@ -246,10 +249,18 @@ def _check_declaration(cls: type[Stage], origin: str) -> None:
         )
 
 
-def _import_file(path: Path) -> ModuleType:
-    if not path.is_file():
+def _real_file(path: Path) -> str:
+    """Return the one name of an existing file, by whatever path it is reached."""
+    try:
+        if path.is_file():
+            return str(path.resolve())
         near = did_you_mean(path.name, (p.name for p in path.parent.glob("*.py")))
-        raise CatalogError(f"plugin {path}: there is no such file", near)
+    except (OSError, ValueError):  # a name too long, or with a null character
+        near = ""
+    raise CatalogError(f"plugin {path}: there is no such file", near)
+
+
+def _import_file(path: Path) -> ModuleType:
     name = f"graphnav_plugin_{path.stem}_{len(sys.modules)}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:

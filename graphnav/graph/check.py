@@ -49,7 +49,7 @@ def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], not
     nodes = []
     for name, cls in classes.items():
         stage = spec.stages[name]
-        settings = settings_of(stage, cls, path.parent, problems)
+        settings = settings_of(stage, cls, path.parent, problems, spec.folders)
         outputs = {port.name: channels[f"{name}.{port.name}"] for port in ports_of(cls).outputs}
         reads, times = wires.inputs_of(stage), _times_of(stage, cls, problems)
         nodes.append(

@@ -23,15 +23,15 @@ def shipped_graphs() -> dict[str, Path]:
     return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml"))}
 
 
-def find_graph(name: str | Path) -> Path:
-    """Return the file of a graph.
+def find_graph(name: str | Path, folder: Path = Path()) -> Path:
+    """Return the file of a graph; ``folder`` is what a relative path begins at.
 
     Raises
     ------
     UserError
         There is none.
     """
-    path, shipped = Path(name), shipped_graphs()
+    path, shipped = folder / name, shipped_graphs()
     candidates = [path] if path.suffix in _SUFFIXES else [path, *(Path(f"{path}{suffix}") for suffix in _SUFFIXES)]
     for candidate in candidates:
         if _exists(candidate) and not candidate.is_dir():
@@ -43,9 +43,14 @@ def find_graph(name: str | Path) -> Path:
         hint = f"name a file in it: {', '.join(near[:5])}" if near else "name a YAML file"
         raise UserError.of("it is a folder, not a graph", hint, Place(str(name)))
     beside = path.parent if _exists(path.parent) else Path()
-    known = {*shipped, *(str(p) for suffix in _SUFFIXES for p in beside.glob(f"*{suffix}"))}
+    known = {*shipped, *(_from(folder, p) for suffix in _SUFFIXES for p in beside.glob(f"*{suffix}"))}
     hint = did_you_mean(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
     raise UserError.of("there is no such graph", hint, Place(str(name)))
+
+
+def _from(folder: Path, path: Path) -> str:
+    """Return a path as it is written in ``folder``."""
+    return str(path.relative_to(folder) if path.is_relative_to(folder) else path)
 
 
 def _exists(path: Path) -> bool:

@@ -38,7 +38,9 @@ class Graph:
     """How many messages a plain input holds live, by ``stage.port``: each complete set of them fires, in order. None
     is as many as memory allows. Without an entry the newest complete set fires and older ones are overtaken."""
     plugins: tuple[Path, ...] = ()
-    """One-file plugins that the graph names."""
+    """One-file plugins that it needs, absolute: those that the graph names, and those of ``--plugin``."""
+    written_plugins: tuple[str, ...] = ()
+    """Those that the graph names, as it names them."""
 
     @property
     def is_live(self) -> bool:

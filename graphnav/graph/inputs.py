@@ -25,7 +25,7 @@ def inputs_of(
 ) -> tuple[dict[str, Channel], dict[str, InputChannel]]:
     """Return what stages can be wired to and where it comes from, each by reference; what is wrong is added.
 
-    ``folder`` is the graph's own: logs resolve against it. An input whose type is known has a channel, also where
+    Logs resolve against the folder of the file that names them, by default ``folder``. An input whose type is known has a channel, also where
     something else is wrong with it.
     """
     channels: dict[str, Channel] = {}
@@ -38,7 +38,8 @@ def inputs_of(
             channels[ref], name, wire.lcm_class, wire.name, wire.adapter, given.max_age_s, None, given.place
         )
         if given.log is not None:
-            found = _with_log(found, given, folder, problems)
+            base = spec.folders.get(given.log.value.place.file, folder)
+            found = _with_log(found, given, base, problems)
         inputs[ref] = found
     for ref, given in spec.inputs.items():
         stem = ref.partition(".")[0]

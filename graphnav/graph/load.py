@@ -1,17 +1,21 @@
-"""Load a graph: find it, read it, swap parts, check everything."""
+"""Load a graph: find it, read it and what it extends, load its plugins, swap parts, check everything."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph.check import check
+from graphnav.graph.extend import merge_files, rewire_merged
+from graphnav.graph.files import read_bytes, read_files
 from graphnav.graph.find import find_graph
 from graphnav.graph.graph import Graph
+from graphnav.graph.plugin_files import load_plugins
 from graphnav.graph.swap import apply_sets
-from graphnav.spec import MAX_BYTES, parse_spec, parse_yaml
+from graphnav.spec import parse_spec
 
 
 def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] = ()) -> Graph:
@@ -27,12 +31,7 @@ def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] =
     """
     path = find_graph(path_or_name)
     source = shown_path(path)
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise UserError.of(f"it cannot be read: {error.strerror}", place=Place(source)) from error
-    return graph_of(data, path, catalog, sets, source)
+    return graph_of(read_bytes(path, Place(source)), path, catalog, sets, source)
 
 
 def graph_of(data: bytes, path: Path, catalog: Catalog, sets: Sequence[str] = (), source: str = "") -> Graph:
@@ -43,15 +42,24 @@ def graph_of(data: bytes, path: Path, catalog: Catalog, sets: Sequence[str] = ()
     UserError
         Everything that is wrong with it.
     """
-    value, problems = parse_yaml(data, source or str(path))
-    spec, more = parse_spec(value)
-    problems += more
+    problems: list[Problem] = []
     notices: list[str] = []
+    files = read_files(data, path, source or str(path), problems)
+    unusable: list[Problem] = []
+    plugins = load_plugins(files, catalog, unusable)
+    merged = merge_files(files, catalog, problems, notices)
+    spec, more = parse_spec(merged.value)
+    problems += more + unusable
+    if unusable:
+        raise UserError(_without_repetitions(problems))  # what their stages lack is not worth telling
+    spec.folders = {file.source: file.path.parent for file in files}
+    rewire_merged(spec, merged, catalog, problems, notices)
     spec = apply_sets(spec, sets, catalog, problems, notices)
     graph = check(spec, catalog, path, problems, notices)
     if problems:
         raise UserError(_without_repetitions(problems))
-    return graph
+    paths, written = tuple(plugin.path for plugin in plugins), tuple(plugin.written for plugin in plugins)
+    return replace(graph, plugins=paths, written_plugins=written)
 
 
 def _without_repetitions(problems: list[Problem]) -> list[Problem]:

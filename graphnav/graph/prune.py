@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from graphnav.spec import Entry, Spec, Value
@@ -20,9 +20,13 @@ def prune(
     while unread := _unread(spec, read_before, classes):
         del spec.stages[unread]
         notices.append(f"{unread}: pruned, nobody reads it any more")
+    forget(spec, {name for name in classes if name in swapped or name not in spec.stages}, classes, notices)
+
+
+def forget(spec: Spec, gone: Collection[str], classes: Mapping[str, type[Stage]], notices: list[str]) -> None:
+    """Remove what the graph says of channels and inputs that stages which are ``gone`` or swapped do not have now."""
     channels = {f"{s}.{p.name}" for s, cls in classes.items() if s in spec.stages for p in ports_of(cls).outputs}
     inputs = {f"{s}.{p.name}" for s, cls in classes.items() if s in spec.stages for p in ports_of(cls).inputs}
-    gone = {name for name in classes if name in swapped or name not in spec.stages}
     dead = [ref for ref in spec.channels if ref.partition(".")[0] in gone and ref not in channels]
     notices += [
         f"channels: '{ref}' is gone, and its name {spec.channels.pop(ref).value.plain()} with it" for ref in dead

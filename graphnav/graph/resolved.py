@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from graphnav.graph.graph import Graph
@@ -11,20 +11,25 @@ from graphnav.spec.write import write_value
 from graphnav.stage import params_of
 
 
-def resolved_yaml(graph: Graph, *, portable_paths: bool = True) -> str:
+def resolved_yaml(graph: Graph, *, portable_paths: bool = True, plugins: Sequence[str] | None = None) -> str:
     """Return a graph as YAML with every parameter's value; it loads again.
 
     The text is the same on every machine: paths stand as they were written. Without ``portable_paths`` those that were
-    found beside the graph or in the working folder are made absolute, so that the text loads from any folder.
+    found beside the graph or in the working folder are made absolute, and the plugins of ``--plugin`` are named too, so
+    that the text loads from any folder. ``plugins``: the plugin files to name in place of those.
     """
-    return "\n".join(_lines(graph, portable_paths=portable_paths)) + "\n"
+    if plugins is None:
+        plugins = graph.written_plugins if portable_paths else [str(path) for path in graph.plugins]
+    return "\n".join(_lines(graph, plugins, portable_paths=portable_paths)) + "\n"
 
 
-def _lines(graph: Graph, *, portable_paths: bool) -> Iterator[str]:
+def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Iterator[str]:
     yield "# The graph as it ran: every parameter with its value."
     yield from (f"# {notice if notice.isprintable() else ascii(notice)}" for notice in graph.notices)
     if graph.about:
         yield f"about: {write_value(graph.about)}"
+    if plugins:
+        yield f"plugins: {write_value(plugins)}"
     yield "run:"
     for name in params_of(type(graph.run)):
         yield f"  {name}: {write_value(getattr(graph.run, name))}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from graphnav.errors import ParamError, Place, Problem, did_you_mean
@@ -21,10 +22,17 @@ def is_from_set(place: Place) -> bool:
     return place.file.startswith(SET)
 
 
-def settings_of(spec: StageSpec, cls: type[Stage], folder: Path, problems: list[Problem]) -> dict[str, Setting]:
+def settings_of(
+    spec: StageSpec,
+    cls: type[Stage],
+    folder: Path,
+    problems: list[Problem],
+    folders: Mapping[str, Path] = MappingProxyType({}),
+) -> dict[str, Setting]:
     """Return every parameter of a stage with its value; what is wrong is added to ``problems``.
 
-    ``folder`` is the graph's own: paths resolve against it, those of ``--set`` against the working folder.
+    ``folder`` is the graph's own: paths resolve against it, those of ``--set`` against the working folder, those of a
+    file that the graph extends against that of ``folders``, by the file's name in places.
     """
     declared = params_of(cls)
     problems += _unknown(spec.params, declared, f"{spec.use} has no parameter")
@@ -43,7 +51,7 @@ def settings_of(spec: StageSpec, cls: type[Stage], folder: Path, problems: list[
         except ParamError as error:
             problems.append(Problem(place, f"{spec.use}: {error.what}", error.hint))
             continue
-        settings[name] = _setting(param, value, entry, place, folder)
+        settings[name] = _setting(param, value, entry, place, folders.get(place.file, folder))
     return settings
 
 

@@ -134,7 +134,7 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
     if tap is None:
         return []
     is_shared = same_group(tap.url, url)
-    outside = {STATUS, *(one.name for one in (*graph.inputs.values(), *graph.outputs.values()))}
+    outside = {STATUS, *(one.name for one in graph.inputs.values()), *(one.name for one in graph.outputs.values())}
     tap.announce(live_about(graph, by_outside_names=is_shared), outside)
     return [
         ChannelsExcept(tap, {graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)} if is_shared else ())

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from graphnav.errors import Place, Problem
 from graphnav.spec.outside import InputSpec, OutputSpec, OutsideWords, QueueSpec
 from graphnav.spec.value import Entry, Value
 
-GRAPH_KEYS = ("about", "run", "stages", "channels", "deploy", "inputs", "outputs", "queues")
+GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "deploy", "inputs", "outputs", "queues")
 STAGE_KEYS = ("use", "with", "in", "every_ms", "deadline_ms")
 DEPLOY_KEYS = ("stages", "host", "restart")
 RESTARTS = ("never", "on_failure", "always")
@@ -55,6 +56,8 @@ class Spec:
     inputs: dict[str, InputSpec] = field(default_factory=dict)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
     queues: dict[str, QueueSpec] = field(default_factory=dict)
+    folders: dict[str, Path] = field(default_factory=dict)
+    """The folder of each file of the graph, by the file's name in places: paths are relative to it."""
 
 
 def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
