@@ -28,7 +28,9 @@ MODELS = {
     "tilt_80": 80.0,
     "slow": 75.0,
     "fast": 75.0,
+    "downward_640x480": 75.0,
 }
+LARGE = (640, 480)
 TICK_US = 100_000
 
 
@@ -60,14 +62,16 @@ def test_the_crowded_way_goes_from_a_free_floor_to_six_tenths_of_obstacle(tilt_d
 
 @pytest.mark.parametrize(("model", "tilt_deg"), MODELS.items())
 def test_every_model_that_ships_tells_the_floors_flow_at_its_tilt(model: str, tilt_deg: float) -> None:
+    size = LARGE if model == "downward_640x480" else (160, 120)
     planar = Motion(model=shipped_folder() / "models" / f"{model}.lcmlog")
     planar.reset(0)
     error_px: list[npt.NDArray[np.floating]] = []
-    for out in _floor(tilt_deg)[4:]:
+    for out in _floor(tilt_deg, size)[4:]:
         assert out.truth is not None
         assert out.motion is not None
         flow = TrueFlow().step(out.truth)
-        told, true = planar.step(flow, out.motion), coarsen(flow, 4)
+        told = planar.step(flow, out.motion)
+        true = coarsen(flow, told.step_px)
         both = (told.planar_valid & true.valid) != 0
         assert both.mean() > 0.6
         error_px.append(np.linalg.norm(told.planar_uv_px - true.uv_px, axis=-1)[both])
@@ -78,9 +82,9 @@ def test_every_model_that_ships_tells_the_floors_flow_at_its_tilt(model: str, ti
 
 
 @cache
-def _floor(tilt_deg: float) -> list[WorldOutputs]:
+def _floor(tilt_deg: float, size: tuple[int, int]) -> list[WorldOutputs]:
     """Return what the world says on an empty floor, driving in turns to both sides."""
-    world = Pymunk(map=shipped_folder() / "maps" / "empty.yaml", tilt_deg=tilt_deg)
+    world = Pymunk(map=shipped_folder() / "maps" / "empty.yaml", tilt_deg=tilt_deg, size=size)
     world.reset(7)
     twists = [Twist(v_mps=0.3, omega_radps=0.9 * np.sin(k / 3)) for k in range(20)]
     return [world.step(Latest(twist, 0.1), Stamp(k * TICK_US)) for k, twist in enumerate(twists)]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
-from graphnav import Recording
+from graphnav import Recording, State
 from graphnav.runner.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
@@ -37,3 +38,19 @@ def test_the_block_is_not_touched(drive: Drive, seed: int) -> None:
 def test_driving_straight_ahead_fails(drive: Drive, graph: str) -> None:
     assert drive(graph, 1000, "steer=steer.forward", SMALL)[0].outcome in {"contact", "timeout"}
     assert drive(graph, 1001, "steer=steer.forward", SMALL)[0].outcome in {"contact", "timeout"}
+
+
+def test_a_camera_of_640x480_drives_the_same_way(drive: Drive) -> None:
+    large = [
+        "robot.size=[640,480]", "flow=flow.dis", "flow.preset=fast", "planar.model=models/downward_640x480.lcmlog"
+    ]  # fmt: skip
+    ends, sights = [], []
+    for sets in ([], large):
+        summary, log = drive("corridor_ccw", 7, "run.until_s=8", SMALL, *sets)
+        assert summary.outcome == "timeout", summary.failure
+        state = log.message("robot.state", -1)[2]
+        assert isinstance(state, State)
+        ends.append((state.x_m, state.y_m))
+        sights.append(summary.scores["sight"]["balanced_accuracy_ratio"])
+    assert np.linalg.norm(np.diff(ends, axis=0)) < 0.3
+    assert sights[1] > sights[0] - 0.05
