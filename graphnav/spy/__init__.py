@@ -2,17 +2,20 @@
 
 from graphnav.spy.contents import described, summarised
 from graphnav.spy.feed import Feed, Heard
-from graphnav.spy.report import as_json, as_text, size_of, volume
+from graphnav.spy.report import as_json, as_text, silence_of, size_of, volume
 from graphnav.spy.traffic import ChannelTraffic, Traffic
+from graphnav.spy.window import Periods
 
 __all__ = [
     "ChannelTraffic",
     "Feed",
     "Heard",
+    "Periods",
     "Traffic",
     "as_json",
     "as_text",
     "described",
+    "silence_of",
     "size_of",
     "summarised",
     "volume",
