@@ -27,11 +27,12 @@ COMMANDS = {
     "spy": "show the live channels of a run, or those of a log",
     "echo": "print the messages of one channel, arrays summarised",
     "hz": "measure the rate of a channel",
+    "top": "show the health of running graphs: rates, latencies, drops, what the guard allows",
     "doctor": "say what this machine lacks, with the command that mends it",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
 
-FOR_A_READER = {"spy", "echo", "hz"}
+FOR_A_READER = {"spy", "echo", "hz", "top"}
 """Commands that are over when nobody reads what they print; all others do what they are for."""
 
 

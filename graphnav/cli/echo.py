@@ -22,7 +22,8 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.spy import Feed, Traffic, described, size_of, summarised  # noqa: PLC0415
 
-    feed, traffic = Feed(args.feed), Traffic()
+    feed = Feed(args.feed)
+    traffic = Traffic(feed.clock)
     for heard in feed.listen(args.for_s):
         if heard is None:
             traffic.check(args.channel, feed)

@@ -10,7 +10,7 @@ from graphnav.cli.options import add_feed_argument, seconds
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
-    from graphnav.spy import ChannelTraffic, Feed
+    from graphnav.spy import ChannelTraffic, Periods
 
 _EVERY_S = 1.0
 
@@ -26,7 +26,8 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.spy import Feed, Traffic  # noqa: PLC0415
 
-    feed, traffic = Feed(args.feed), Traffic()
+    feed = Feed(args.feed)
+    traffic = Traffic(feed.clock)
     printed_s = time.monotonic()
     for heard in feed.listen(args.for_s):
         if heard is not None:
@@ -36,14 +37,29 @@ def main(args: argparse.Namespace) -> int:
         channel = traffic.channels.get(args.channel)
         if channel is not None and channel.count and time.monotonic() - printed_s >= _EVERY_S:
             printed_s = time.monotonic()
-            print(_line(channel, feed), flush=True)
-    print(_line(traffic.find(args.channel, feed, args.for_s), feed))
+            print(_lines(channel), flush=True)
+    print(_lines(traffic.find(args.channel, feed, args.for_s)))
     return OK
 
 
-def _line(channel: ChannelTraffic, feed: Feed) -> str:
-    from graphnav.spy import volume  # noqa: PLC0415
+def _lines(channel: ChannelTraffic) -> str:
+    """Return the periods by stamps and, where that is not the same, by arrival; or how long nothing has come."""
+    from graphnav.spy import silence_of, volume  # noqa: PLC0415
 
-    rate = "no rate yet" if channel.rate_hz is None else f"{channel.rate_hz:.3f} Hz"
-    arriving = f"arriving at {channel.wall_rate_hz:.3f} Hz, " if feed.is_live and channel.wall_rate_hz else ""
-    return f"{channel.name}  {rate}, {arriving}{', '.join(volume(channel))}"
+    heard = ", ".join(volume(channel))
+    if channel.is_silent:
+        return f"{channel.name}  {silence_of(channel)}; {heard}"
+    by_stamp, by_arrival = _text(channel.published), _text(channel.arriving)
+    if by_arrival == by_stamp:
+        return f"{channel.name}  {by_stamp}; {heard}"
+    return f"{channel.name}  by stamp: {by_stamp}\n{channel.name}  by arrival: {by_arrival}; {heard}"
+
+
+def _text(periods: Periods | None) -> str:
+    """Return periods as ``ros2 topic hz`` prints them."""
+    if periods is None:
+        return "no rate yet"
+    text = f"average rate: {periods.rate_hz:.3f}"
+    if periods.std_s is not None:
+        text += f", min: {periods.min_s:.3f}s max: {periods.max_s:.3f}s std dev: {periods.std_s:.5f}s"
+    return f"{text} window: {periods.n}"

@@ -36,7 +36,8 @@ def main(args: argparse.Namespace) -> int:
 
     from graphnav.spy import Feed, Traffic, as_json, as_text  # noqa: PLC0415
 
-    feed, traffic = Feed(args.feed), Traffic()
+    feed = Feed(args.feed)
+    traffic = Traffic(feed.clock)
     console = Console(highlight=False, soft_wrap=True)
     if feed.is_live and not (args.once or args.json):
         _watch(feed, traffic, console)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,6 +35,11 @@ class Feed:
         self.torn = ""
         if not self.is_live:
             self.path = find_log(Path(self.name), "name a run folder, a log or a udpm:// URL")
+
+    @property
+    def clock(self) -> Callable[[], float] | None:
+        """The clock of the arrivals; None in a log, where it is always later."""
+        return time.monotonic if self.is_live else None
 
     def listen(self, for_s: float | None) -> Iterator[Heard | None]:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""

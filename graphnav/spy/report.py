@@ -9,6 +9,10 @@ from rich.text import Text
 
 from graphnav.spy.contents import declared, described, summarised
 from graphnav.spy.traffic import ChannelTraffic, Traffic
+from graphnav.spy.window import Periods
+
+_APART_RATIO = 0.05
+"""So far from the rate of the stamps the rate of the arrivals is worth a word."""
 
 
 def as_json(traffic: Traffic, feed: str) -> dict[str, Any]:
@@ -27,11 +31,18 @@ def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
         "messages": channel.count,
         "rate_hz": channel.rate_hz,
         "wall_rate_hz": channel.wall_rate_hz,
+        "silent_s": channel.silent_s,
+        **_periods_as_json("period", channel.published),
+        **_periods_as_json("wall_period", channel.arriving),
         "bytes": channel.last_bytes,
         "lost": channel.lost,
         "undecodable": channel.undecodable,
         "fields": fields_of_channel(channel),
     }
+
+
+def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | None]:
+    return {f"{prefix}_{name}": getattr(periods, name, None) for name in ("min_s", "max_s", "std_s")}
 
 
 def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
@@ -55,9 +66,18 @@ def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
 def figures(channel: ChannelTraffic) -> Iterator[str]:
     """Yield what is known of one channel, in words."""
     yield channel.type_name or "unknown type"
-    if channel.rate_hz is not None:
-        yield f"{channel.rate_hz:.2f} Hz"
+    if channel.is_silent:
+        yield silence_of(channel)
+    elif channel.rate_hz is not None:
+        wall_hz = channel.wall_rate_hz
+        is_apart = wall_hz is not None and abs(wall_hz / channel.rate_hz - 1) > _APART_RATIO
+        yield f"{channel.rate_hz:.2f} Hz" + (f" (arriving at {wall_hz:.2f} Hz)" if is_apart else "")
     yield from volume(channel)
+
+
+def silence_of(channel: ChannelTraffic) -> str:
+    """Return how long nothing has come on a silent channel, in words."""
+    return f"no new messages for {channel.silent_s or 0.0:.1f} s"
 
 
 def volume(channel: ChannelTraffic) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from graphnav.codec import DecodeError, codec_of, decode, fingerprint, lcm_name, type_named, type_of
@@ -9,15 +10,25 @@ from graphnav.errors import UserError, did_you_mean
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.window import RECENT_S, Periods, Window
+
+_SILENT_S = 1.0
+_SILENT_PERIODS = 3
+"""A channel is silent after so many of its periods without a message, and after a second at the earliest."""
+
+Clock = Callable[[], float]
 
 
 class Traffic:
     """All channels, by name, and the runs that said that they publish there.
 
-    ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not.
+    ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not. ``clock`` returns the
+    time now in seconds, on the clock of the arrivals; without one, as for a log, no channel is silent and rates are
+    those of the newest 10,000 messages, else those of the last 10 s.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Clock | None = None) -> None:
+        self._clock = clock
         self.channels: dict[str, ChannelTraffic] = {}
         self.runs: list[str] = []
         self.told = False
@@ -50,7 +61,7 @@ class Traffic:
             self._learn(heard.data)
         channel = self.channels.get(heard.channel)
         if channel is None:
-            channel = self.channels[heard.channel] = ChannelTraffic(heard.channel)
+            channel = self.channels[heard.channel] = ChannelTraffic(heard.channel, clock=self._clock)
         channel.hear(heard)
         return channel
 
@@ -61,7 +72,7 @@ class Traffic:
             return
         self.told = True
         for name, type_name in zip(about.channels, about.types, strict=False):
-            channel = self.channels.setdefault(name, ChannelTraffic(name, type_name))
+            channel = self.channels.setdefault(name, ChannelTraffic(name, type_name, self._clock))
             channel.type_name = channel.type_name or type_name
         if about.run_id and about.run_id not in self.runs:
             self.runs.append(about.run_id)
@@ -73,22 +84,25 @@ class ChannelTraffic:
     ``values`` are the fields of the newest message that could be decoded; ``decodes`` says whether that is the newest.
     """
 
-    def __init__(self, name: str, told: str | None = None) -> None:
+    def __init__(self, name: str, told: str | None = None, clock: Clock | None = None) -> None:
         self.name = name
         self.type_name = told
         self.lcm_class = type_named(told) if told else None
         self.count = self.undecodable = self.last_bytes = 0
         self.values: dict[str, Any] | None = None
         self.decodes = False
-        self._stamps = Span()
-        self._arrivals = Span()
-        self._seqs = Span()
+        self._clock = clock
+        self._heard_s = 0.0
+        self._recent_s = None if clock is None else RECENT_S
+        self._arrivals, self._stamps = Window(self._recent_s), Window(self._recent_s)
+        self._first_seq = self._last_seq = self._numbered = 0
 
     def hear(self, heard: Heard) -> None:
         """Count a message."""
         self.count += 1
         self.last_bytes = len(heard.data)
-        self._arrivals.add(heard.at_s)
+        self._heard_s = heard.at_s
+        self._arrivals.add(heard.at_s, heard.at_s, self.count)
         values = self._decoded(heard.data)
         self.decodes = values is not None
         if values is None:
@@ -97,25 +111,50 @@ class ChannelTraffic:
         self.values = values
         utime, seq = values.get("utime"), values.get("seq")
         if isinstance(utime, int) and isinstance(seq, int):
-            if self._seqs.last is not None and seq <= self._seqs.last:
-                self._stamps, self._seqs = Span(), Span()
-            self._stamps.add(utime / 1e6)
-            self._seqs.add(seq)
+            if not self._numbered or seq <= self._last_seq:
+                self._stamps, self._first_seq, self._numbered = Window(self._recent_s), seq, 0
+            self._stamps.add(heard.at_s, utime / 1e6, seq)
+            self._last_seq = seq
+            self._numbered += 1
 
     @property
     def lost(self) -> int:
         """How many messages are missing between the first and the last since numbering began anew."""
-        return max(0, round(self._seqs.length) + 1 - self._seqs.count) if self._seqs.count else 0
+        return max(0, self._last_seq - self._first_seq + 1 - self._numbered) if self._numbered else 0
+
+    @property
+    def silent_s(self) -> float | None:
+        """How long ago the newest message arrived; None in a log and before the first."""
+        return None if self._clock is None or not self.count else max(0.0, self._clock() - self._heard_s)
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether messages have stopped to come: none for 3 of its periods, and for a second at least."""
+        silent_s, arriving = self.silent_s, self._arrivals.periods()
+        period_s = 1 / arriving.rate_hz if arriving else 0.0
+        return silent_s is not None and silent_s > max(_SILENT_S, _SILENT_PERIODS * period_s)
+
+    @property
+    def published(self) -> Periods | None:
+        """Periods of the messages' own stamps, of the arrivals where a type has none; None of a silent channel."""
+        if self.is_silent:
+            return None
+        return self._arrivals.periods() if self._stamps.is_empty else self._stamps.periods()
+
+    @property
+    def arriving(self) -> Periods | None:
+        """Periods of the arrivals; None of a silent channel."""
+        return None if self.is_silent else self._arrivals.periods()
 
     @property
     def rate_hz(self) -> float | None:
         """Messages published per second of their own stamps, the lost ones included."""
-        return self._stamps.rate(self._seqs.length) if self._stamps.count else self._arrivals.rate()
+        return self.published.rate_hz if self.published else None
 
     @property
     def wall_rate_hz(self) -> float | None:
         """Messages per second as they arrived."""
-        return self._arrivals.rate()
+        return self.arriving.rate_hz if self.arriving else None
 
     def _decoded(self, data: bytes) -> dict[str, Any] | None:
         if self.lcm_class is None or data[:8] != fingerprint(self.lcm_class):
@@ -127,29 +166,3 @@ class ChannelTraffic:
             return codec_of(self.lcm_class).decode(data)
         except DecodeError:
             return None
-
-
-class Span:
-    """From the first to the last of some growing numbers."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self.first = 0.0
-        self.last: float | None = None
-
-    def add(self, value: float) -> None:
-        """Take the next number."""
-        if not self.count:
-            self.first = value
-        self.last = value
-        self.count += 1
-
-    @property
-    def length(self) -> float:
-        """The last less the first, 0 without any."""
-        return 0.0 if self.last is None else self.last - self.first
-
-    def rate(self, steps: float | None = None) -> float | None:
-        """Return steps per unit, by default one less than there are numbers; None where there is no length."""
-        steps = self.count - 1 if steps is None else steps
-        return steps / self.length if self.length > 0 else None

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import re
+import signal
+import subprocess
+import sysconfig
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,6 +31,7 @@ FLOW = Flow(
     valid=np.array([[1, 1, 1, 0]] * 3, dtype=np.uint8),
     interval_us=100_000,
 )
+TENTH = {"min": pytest.approx(0.1), "max": pytest.approx(0.1), "std": pytest.approx(0, abs=1e-9)}
 
 
 def twist_at(k: int, period_us: int = 100_000) -> bytes:
@@ -127,6 +133,99 @@ def test_one_message_has_no_rate() -> None:
     assert traffic.channels["x"].rate_hz is None
 
 
+def test_rates_are_those_of_the_last_ten_seconds() -> None:
+    traffic = Traffic(lambda: 60.0)
+    for k in range(400):  # 10 Hz for 20 s, then every 0.2 s for 40 s
+        at_s = 0.1 * k if k < 200 else 20 + 0.2 * (k - 200)
+        traffic.hear(Heard("x", twist_at(k), at_s))
+    channel = traffic.channels["x"]
+    assert channel.wall_rate_hz == pytest.approx(5)
+    assert channel.rate_hz == pytest.approx(10)
+    assert channel.arriving is not None
+    assert channel.arriving.n == pytest.approx(50, abs=1)
+    assert channel.count == 400
+
+
+def test_periods_leave_out_what_was_lost() -> None:
+    traffic = Traffic()
+    for k, period_us in ((0, 100_000), (1, 90_000), (2, 105_000), (5, 100_000), (6, 100_000)):
+        traffic.hear(Heard("x", twist_at(k, period_us), k))
+    periods = traffic.channels["x"].published
+    assert periods is not None
+    steps = [0.09, 0.12, 0.1]
+    assert periods.min_s == pytest.approx(min(steps))
+    assert periods.max_s == pytest.approx(max(steps))
+    assert periods.std_s == pytest.approx(np.std(steps))
+    assert periods.n == 5
+    assert periods.rate_hz == pytest.approx(10)
+
+
+def test_a_channel_that_stops_is_silent_and_has_no_rate() -> None:
+    now_s = 2.0
+    traffic = Traffic(lambda: now_s)
+    for k in range(21):
+        traffic.hear(Heard("x", twist_at(k), 0.1 * k))
+    channel = traffic.channels["x"]
+    assert not channel.is_silent
+    assert channel.silent_s == pytest.approx(0)
+    now_s = 5.2
+    assert channel.is_silent
+    assert channel.silent_s == pytest.approx(3.2)
+    assert channel.rate_hz is None
+    assert channel.wall_rate_hz is None
+    text = as_text(traffic, "heading", with_fields=False).plain
+    assert text == "heading\nx  graphnav_lcm.twist_t, no new messages for 3.2 s, 40 B, 21 messages"
+    traffic.hear(Heard("x", twist_at(21), 5.2))
+    assert not channel.is_silent
+
+
+def test_a_slow_channel_is_silent_after_three_of_its_periods() -> None:
+    now_s = 22.9
+    traffic = Traffic(lambda: now_s)
+    for k in range(9):
+        traffic.hear(Heard("x", twist_at(k), 2.0 * k))
+    channel = traffic.channels["x"]
+    now_s = 21.9
+    assert not channel.is_silent
+    now_s = 22.1
+    assert channel.is_silent
+
+
+def test_the_rate_of_arrivals_stands_beside_that_of_the_stamps() -> None:
+    traffic = Traffic()
+    for k in range(5):
+        traffic.hear(Heard("x", twist_at(k), 0.02 * k))
+    said = as_text(traffic, "", with_fields=False).plain
+    assert said == "\nx  graphnav_lcm.twist_t, 10.00 Hz (arriving at 50.00 Hz), 40 B, 5 messages"
+
+
+def test_hz_says_that_nothing_comes_any_more(group: str) -> None:
+    command = [str(Path(sysconfig.get_path("scripts")) / "graphnav"), "hz", "x", group]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        over = threading.Event()
+
+        def publish() -> None:
+            bus = Bus(group)
+            for k in itertools.count():
+                bus.publish("x", twist_at(k))
+                if over.wait(0.01):
+                    break
+            bus.close()
+
+        thread = threading.Thread(target=publish)
+        thread.start()
+        lines = iter(process.stdout.readline, "")
+        first = next(lines)
+        over.set()
+        thread.join()
+        silent = next(line for line in lines if "no new messages" in line)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+    assert first.startswith("x  by stamp: average rate: 10.000, ")
+    assert re.fullmatch(r"x  no new messages for \d+\.\d s; 40 B, \d+ messages\n", silent)
+
+
 def test_spy_lists_the_channels_of_a_log(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["spy", str(log)]) == 0
     said = capsys.readouterr().out
@@ -155,6 +254,8 @@ def test_spy_tells_programs_the_same(log: Path, capsys: pytest.CaptureFixture[st
         "messages": 21,
         "rate_hz": pytest.approx(10),
         "wall_rate_hz": None,
+        "silent_s": None,
+        **{f"{clock}_{name}_s": TENTH[name] for clock in ("period", "wall_period") for name in TENTH},
         "bytes": 152,
         "lost": 0,
         "undecodable": 0,
@@ -165,7 +266,8 @@ def test_spy_tells_programs_the_same(log: Path, capsys: pytest.CaptureFixture[st
 
 def test_hz_tells_the_rate_in_a_log(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["hz", "control.twist", str(log)]) == 0
-    assert capsys.readouterr().out == "control.twist  10.000 Hz, 40 B, 21 messages\n"
+    said = "average rate: 10.000, min: 0.100s max: 0.100s std dev: 0.00000s window: 21"
+    assert capsys.readouterr().out == f"control.twist  {said}; 40 B, 21 messages\n"
 
 
 def test_echo_prints_messages_of_a_log(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -269,7 +371,9 @@ def test_a_live_run_is_seen(live: str, capsys: pytest.CaptureFixture[str]) -> No
 
 def test_a_live_channel_is_measured_and_echoed(live: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["hz", "control.twist", live, "--for", "0.5"]) == 0
-    assert "control.twist  10.000 Hz, arriving at " in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "control.twist  by stamp: average rate: 10.000, min: 0.100s max: 0.100s std dev: 0.00000s window: " in said
+    assert "control.twist  by arrival: average rate: " in said
     assert main(["echo", "flow.flow", live, "-n", "3", "--json"]) == 0
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [line["fields"]["uv_px"]["shape"] for line in lines] == [[60, 80, 2]] * 3

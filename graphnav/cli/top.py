@@ -1,0 +1,97 @@
+"""``graphnav top``: the health of running graphs: rates, latencies, drops, and what the guard allows."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from typing import TYPE_CHECKING
+
+from graphnav.cli.options import add_feed_argument, seconds
+from graphnav.cli.status import OK
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from graphnav.errors import GraphnavError
+    from graphnav.spy import Feed, Health
+
+_REFRESH_S = 0.5
+_EVERY_RUN_S = 1.5
+"""Every run that is healthy sends a status within this time."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_feed_argument(parser)
+    parser.add_argument("--once", action="store_true", help="wait for one status of each run, print it and end")
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
+    parser.add_argument(
+        "--for",
+        dest="for_s",
+        type=seconds,
+        default=2.5,
+        metavar="S",
+        help="how long to wait for the first status (default: 2.5 s)",
+    )
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.spy import Feed, Health, health_as_json, health_as_text  # noqa: PLC0415
+
+    feed = Feed(args.feed)
+    health = Health(feed.clock)
+    console = Console(highlight=False)
+    if feed.is_live and not (args.once or args.json):
+        _watch(feed, health, console, args.for_s)
+    else:
+        _look(feed, health, args.for_s)
+    if not health.has_status:
+        raise _no_run(feed, health, args.for_s)
+    if args.json:
+        print(json.dumps(health_as_json(health, feed.name)))
+    else:
+        console.print(health_as_text(health))
+    return OK
+
+
+def _look(feed: Feed, health: Health, for_s: float) -> None:
+    """Listen until every run has sent a status, or to the end of a log."""
+    begin_s = time.monotonic()
+    for heard in feed.listen(for_s):
+        if heard is not None:
+            health.hear(heard)
+        elif health.is_complete and time.monotonic() - begin_s > _EVERY_RUN_S:
+            return
+
+
+def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
+    """Show the runs, as status comes and silence grows, until Ctrl-C; return if there is none."""
+    from rich.live import Live  # noqa: PLC0415
+
+    from graphnav.spy import health_as_text  # noqa: PLC0415
+
+    begin_s, shown_s, is_new = time.monotonic(), 0.0, False
+    with Live(console=console, auto_refresh=False) as live:
+        for heard in feed.listen(None):
+            if heard is not None:
+                is_new |= health.hear(heard)
+            elif not health.has_status and time.monotonic() - begin_s > for_s:
+                return
+            elif health.has_status and (is_new or time.monotonic() - shown_s > _REFRESH_S):
+                shown_s, is_new = time.monotonic(), False
+                live.update(health_as_text(health), refresh=True)
+
+
+def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:
+    from graphnav.errors import GraphnavError  # noqa: PLC0415
+
+    if not feed.is_live:
+        return GraphnavError(f"{feed.name} holds no status of a run: live runs record it")
+    if health.runs:
+        runs = ", ".join(sorted(health.runs))
+        return GraphnavError(f"no status within {for_s:g} s of run {runs}, which is heard on {feed.name}")
+    return GraphnavError(f"no run on {feed.name} within {for_s:g} s: start one with 'graphnav run GRAPH --live'")

@@ -1,0 +1,89 @@
+"""The health of runs: what each said of itself last, and for how long it has been silent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from graphnav.codec import DecodeError, decode, fingerprint
+from graphnav.messages import About, GuardState, Status
+from graphnav.record import ABOUT
+from graphnav.spy.feed import Heard
+
+STATUS_SILENT_S = 2.5
+"""A run that sends a status every second is silent after this time without one."""
+GUARD_SILENT_S = 1.0
+"""A guard that sends its state many times a second is silent after this time without one."""
+
+_STATUS, _GUARD = fingerprint(Status.lcm_class), fingerprint(GuardState.lcm_class)
+
+
+@dataclass
+class RunHealth:
+    """One run: its newest status, None before the first, with that message's stamp (microseconds) and number.
+
+    ``heard_s``: when the status arrived, or the run was first heard of, on the clock of the arrivals.
+    """
+
+    run_id: str
+    heard_s: float
+    status: Status | None = None
+    utime: int = 0
+    seq: int = 0
+
+
+@dataclass(frozen=True)
+class GuardHealth:
+    """The newest state of a guard, its stamp (microseconds) and when it arrived."""
+
+    channel: str
+    heard_s: float
+    state: GuardState
+    utime: int
+
+
+class Health:
+    """All runs by id and all guards by channel; everything else that goes by is left aside.
+
+    ``clock`` returns the time now in seconds on the clock of the arrivals; without one, as for a log, none is silent.
+    """
+
+    def __init__(self, clock: Callable[[], float] | None = None) -> None:
+        self.runs: dict[str, RunHealth] = {}
+        self.guards: dict[str, GuardHealth] = {}
+        self._clock = clock
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether there is a run, and every run that was heard of has sent a status."""
+        return bool(self.runs) and all(run.status is not None for run in self.runs.values())
+
+    @property
+    def has_status(self) -> bool:
+        """Whether any run has sent a status."""
+        return any(run.status is not None for run in self.runs.values())
+
+    def hear(self, heard: Heard) -> bool:
+        """Take a message; return whether it was a status. One that cannot be decoded is left aside."""
+        try:
+            if heard.data[:8] == _STATUS:
+                utime, seq, status = decode(Status, heard.data)
+                self.runs[status.run_id] = RunHealth(status.run_id, heard.at_s, status, utime, seq)
+                return True
+            if heard.data[:8] == _GUARD:
+                utime, _, state = decode(GuardState, heard.data)
+                self.guards[heard.channel] = GuardHealth(heard.channel, heard.at_s, state, utime)
+            elif heard.channel == ABOUT and (run_id := decode(About, heard.data)[2].run_id):
+                self.runs.setdefault(run_id, RunHealth(run_id, heard.at_s))
+        except DecodeError:
+            pass
+        return False
+
+    def silent_s(self, of: RunHealth | GuardHealth) -> float | None:
+        """Return how long ago something was heard of a run or guard; None in a log."""
+        return None if self._clock is None else max(0.0, self._clock() - of.heard_s)
+
+    def is_silent(self, of: RunHealth | GuardHealth) -> bool:
+        """Whether a run or guard no longer sends what it sends regularly."""
+        limit_s = STATUS_SILENT_S if isinstance(of, RunHealth) else GUARD_SILENT_S
+        return (self.silent_s(of) or 0.0) > limit_s

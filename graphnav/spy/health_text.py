@@ -1,0 +1,144 @@
+"""The health of runs for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from graphnav.messages import Status
+from graphnav.spy.health import GuardHealth, Health, RunHealth
+
+_FORGET_S = 60.0
+"""A run that is silent for longer is told in one line."""
+_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
+_INPUT = ("input", "channel", "accepted", "rate", "age / max", "offset", "fault", "rejected")
+_OUTPUT = ("output", "channel", "", "sent", "latency p50", "p99", "max")
+
+
+def health_as_text(health: Health) -> RenderableType:
+    """Return all that every run and guard said last; what is silent is marked so, and its metrics are dim."""
+    parts: list[RenderableType] = []
+    for run_id in sorted(health.runs):
+        parts += _run(health, health.runs[run_id])
+    parts += [_guard(health, health.guards[channel]) for channel in sorted(health.guards)]
+    return Group(*parts)
+
+
+def _run(health: Health, run: RunHealth) -> Iterator[RenderableType]:
+    status, silent_s = run.status, health.silent_s(run) or 0.0
+    heading = Text.assemble(("run ", "bold"), (_shown(run.run_id), "bold"))
+    if status is not None:
+        heading.append(f"  {_shown(status.graph)}")
+    if health.is_silent(run) or status is None:
+        heading.append(f"  no status for {silent_s:.1f} s", "bold red")
+    if status is None:
+        yield heading
+        return
+    yield heading.append(f"  {_clock(status)}")
+    if silent_s <= _FORGET_S:
+        yield from _tables(status, "dim" if health.is_silent(run) else "")
+
+
+def _clock(status: Status) -> str:
+    mode = "live" if status.live else f"lockstep, {status.run_s:.1f} s simulated"
+    return (
+        f"{mode}, {status.wall_s:.1f} s of wall time, {status.behind_s:.2f} s behind, {status.memory_mb:.0f} MB, "
+        f"dropped: tap {status.tap_dropped}, log {status.log_dropped}"
+    )
+
+
+def _tables(status: Status, style: str) -> Iterator[RenderableType]:
+    for headings, rows in (
+        (_STAGE, [_stage(one) for one in status.stages]),
+        (_INPUT, [_input(one) for one in status.inputs]),
+        (_OUTPUT, [_output(one) for one in status.outputs]),
+    ):
+        if rows:
+            yield _table(headings, rows, style)
+    if status.edges:
+        overtaken = ", ".join(f"{_shown(edge['name'])} {edge['overtaken']}" for edge in status.edges)
+        yield Text(f"overtaken on edges: {overtaken}", style)
+
+
+def _stage(one: Mapping[str, Any]) -> Sequence[Text]:
+    deadline = f"{one['deadline_ms']:.0f} ms" if one["deadline_ms"] else ""
+    return (
+        Text(_shown(one["name"])),
+        Text(_shown(one["use"])),
+        Text(f"{one['rate_hz']:.1f} Hz"),
+        _ms(one["p50_ms"]),
+        _ms(one["p99_ms"]),
+        Text(deadline),
+        _count(one["missed"]),
+        _count(one["overtaken"]),
+    )
+
+
+def _input(one: Mapping[str, Any]) -> Sequence[Text]:
+    age = Text("none yet", "red")
+    if one["age_s"] >= 0:
+        age = Text(f"{one['age_s']:.2f} / {one['max_age_s']:.2f} s", "red" if one["age_s"] > one["max_age_s"] else "")
+    rejected = ", ".join(f"{_shown(why)} {n}" for why, n in zip(one["reasons"], one["rejected"], strict=False))
+    return (
+        Text(_shown(one["name"])),
+        Text(_shown(one["channel"])),
+        Text(str(one["accepted"])),
+        Text(f"{one['rate_hz']:.1f} Hz"),
+        age,
+        Text(f"{one['offset_s']:+.3f} s"),
+        Text(_shown(one["fault"]), "red"),
+        Text(rejected, "yellow"),
+    )
+
+
+def _output(one: Mapping[str, Any]) -> Sequence[Text]:
+    return (
+        Text(_shown(one["name"])),
+        Text(_shown(one["channel"])),
+        Text("motor" if one["motor"] else ""),
+        Text(str(one["sent"])),
+        *(_ms(one[f"latency_{name}_ms"]) for name in ("p50", "p99", "max")),
+    )
+
+
+def _guard(health: Health, guard: GuardHealth) -> Text:
+    """Return a line for the guard and one for each cause."""
+    state = guard.state
+    text = Text.assemble(("guard ", "bold"), (_shown(guard.channel), "bold"), "  ")
+    if health.is_silent(guard):
+        return text.append(f"no state for {health.silent_s(guard):.1f} s", "bold red")
+    move, advance = ("may move", "green"), ("may turn, not go forward", "yellow")
+    text.append(*(("may not move", "bold red") if not state.may_move else move if state.may_advance else advance))
+    text.append(", an override drives" if state.overridden else "")
+    text.append(", stopped until it is armed again" if state.stopped else "")
+    for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):
+        text.append(f"\n    {_shown(cause)}: {_shown(port)}")
+        text.append(f", {value:.3g} (limit {limit:.3g})" if value or limit else "")
+    return text
+
+
+def _table(headings: Sequence[str], rows: Sequence[Sequence[Text]], style: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, style=style, row_styles=[style])
+    for number, heading in enumerate(headings):
+        table.add_column(heading, overflow="fold", no_wrap=number == 0)
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def _ms(value: float) -> Text:
+    return Text(f"{value:.1f} ms")
+
+
+def _count(number: int) -> Text:
+    return Text(str(number), "yellow" if number else "")
+
+
+def _shown(text: str) -> str:
+    """Return a name that came over the network without what a terminal would obey."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -1,0 +1,259 @@
+"""``graphnav top``: what runs say of their health, live and in logs; silence is never shown as health."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import sysconfig
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from graphnav.bus import Bus
+from graphnav.cli import main
+from graphnav.codec import encode
+from graphnav.messages import About, GuardState, Message, Status
+from graphnav.record import ABOUT, LogWriter
+from graphnav.spy import Health, Heard, health_as_text
+
+GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
+STAGE = {
+    "name": "flow",
+    "use": "flow.dis",
+    "steps": 120,
+    "rate_hz": 9.97,
+    "p50_ms": 12.25,
+    "p99_ms": 31.5,
+    "deadline_ms": 80.0,
+    "missed": 3,
+    "overtaken": 7,
+}
+INPUT = {
+    "name": "camera.image",
+    "channel": "CAMERA",
+    "accepted": 121,
+    "rate_hz": 10.02,
+    "age_s": 0.04,
+    "max_age_s": 0.5,
+    "offset_s": -0.0123,
+    "fault": "",
+    "reasons": ("undecodable", "repeated"),
+    "rejected": np.array([2, 5]),
+}
+OUTPUT = {
+    "name": "guard.twist",
+    "channel": "BASE_CMD",
+    "motor": True,
+    "sent": 240,
+    "latency_p50_ms": 22.0,
+    "latency_p99_ms": 41.5,
+    "latency_max_ms": 60.25,
+}
+STATUS = Status(
+    run_id="run-a",
+    graph="robot",
+    live=True,
+    wall_s=12.34,
+    run_s=12.3,
+    behind_s=0.04,
+    memory_mb=151.6,
+    tap_dropped=1,
+    log_dropped=2,
+    stages=(STAGE,),
+    inputs=(INPUT,),
+    outputs=(OUTPUT,),
+    edges=({"name": "plane.flow", "overtaken": 4},),
+)
+STOPPED = GuardState(
+    may_move=False,
+    may_advance=False,
+    overridden=False,
+    stopped=True,
+    causes=("stale", "stop"),
+    ports=("image", "stop"),
+    values=np.array([1.25, 0.0]),
+    limits=np.array([0.5, 0.0]),
+)
+ABOUT_B = About("stages: {}\n", "", "run-b", 7, (), ())
+
+
+def text_of(health: Health, width: int = 140) -> str:
+    """Return what a person reads, in a terminal of some width."""
+    console = Console(width=width, color_system=None)
+    with console.capture() as said:
+        console.print(health_as_text(health))
+    return said.get()
+
+
+def test_a_person_reads_all_of_a_status() -> None:
+    health = Health(lambda: 10.5)
+    assert health.hear(Heard("graphnav.status", encode(STATUS, 12_300_000, 12), 10.0))
+    health.hear(Heard("guard.state", encode(STOPPED, 12_300_000, 12), 10.4))
+    lines = [re.sub(r"\s+", " ", line).strip() for line in text_of(health).splitlines()]
+    assert [line for line in lines if line and not line.startswith("─")] == [
+        "run run-a robot live, 12.3 s of wall time, 0.04 s behind, 152 MB, dropped: tap 1, log 2",
+        "stage uses rate p50 p99 deadline missed overtaken",
+        "flow flow.dis 10.0 Hz 12.2 ms 31.5 ms 80 ms 3 7",
+        "input channel accepted rate age / max offset fault rejected",
+        "camera.image CAMERA 121 10.0 Hz 0.04 / 0.50 s -0.012 s undecodable 2, repeated 5",
+        "output channel sent latency p50 p99 max",
+        "guard.twist BASE_CMD motor 240 22.0 ms 41.5 ms 60.2 ms",
+        "overtaken on edges: plane.flow 4",
+        "guard guard.state may not move, stopped until it is armed again",
+        "stale: image, 1.25 (limit 0.5)",
+        "stop: stop",
+    ]
+
+
+def test_silence_is_shown_as_silence() -> None:
+    now_s = 10.0
+    health = Health(lambda: now_s)
+    health.hear(Heard("graphnav.status", encode(STATUS, 0, 0), 10.0))
+    health.hear(Heard("guard.state", encode(replace(STOPPED, may_move=True, may_advance=True), 0, 0), 10.0))
+    assert "no st" not in text_of(health)
+    assert "guard guard.state  may move" in text_of(health)
+    now_s = 13.2
+    assert "run run-a  robot  no status for 3.2 s  live, " in text_of(health)
+    assert "guard guard.state  no state for 3.2 s\n" in text_of(health)
+    assert "may move" not in text_of(health)
+    now_s = 90.0
+    assert "flow.dis" not in text_of(health), "what was long ago is told in one line"
+    health.hear(Heard("graphnav.status", encode(STATUS, 0, 1), 90.0))
+    assert "no status" not in text_of(health)
+
+
+def test_a_run_that_was_only_announced_has_no_status() -> None:
+    health = Health(lambda: 4.0)
+    health.hear(Heard(ABOUT, encode(ABOUT_B, 0, 0), 1.0))
+    assert not health.is_complete
+    assert text_of(health) == "run run-b  no status for 3.0 s\n"
+
+
+def test_what_no_terminal_should_obey_is_not_printed() -> None:
+    health = Health()
+    health.hear(Heard("x", encode(replace(STATUS, run_id="\x1b[2J\x1b]0;x\x07"), 0, 0), 0.0))
+    assert "\x1b" not in text_of(health)
+
+
+def test_damaged_messages_are_left_aside() -> None:
+    health = Health()
+    for message in (STATUS, STOPPED, ABOUT_B):
+        health.hear(Heard(ABOUT, encode(message, 0, 0)[:-3], 0.0))
+    assert (health.runs, health.guards) == ({}, {})
+
+
+def test_the_last_status_of_a_log_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with LogWriter(tmp_path / "run.lcmlog") as log:
+        for k in range(5):
+            log.write("graphnav.status", k, encode(replace(STATUS, wall_s=float(k)), 1_000_000 * k, k))
+    assert main(["top", str(tmp_path), "--json"]) == 0
+    (run,) = json.loads(capsys.readouterr().out)["runs"]
+    assert (run["status"]["seq"], run["status"]["wall_s"], run["silent_s"], run["silent"]) == (4, 4.0, None, False)
+    assert main(["top", str(tmp_path / "run.lcmlog")]) == 0
+    assert "run run-a  robot  live, 4.0 s of wall time" in capsys.readouterr().out
+
+
+def test_a_log_without_status_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with LogWriter(tmp_path / "log") as log:
+        log.write("guard.state", 0, encode(STOPPED, 0, 0))
+    assert main(["top", str(tmp_path / "log")]) == 1
+    assert capsys.readouterr().err == f"{tmp_path / 'log'} holds no status of a run: live runs record it\n"
+
+
+@pytest.mark.parametrize("option", [[], ["--once"], ["--json"]])
+def test_no_run_is_said_in_a_line(group: str, capsys: pytest.CaptureFixture[str], option: list[str]) -> None:
+    assert main(["top", group, "--for", "0.05", *option]) == 1
+    said = f"no run on {group} within 0.05 s: start one with 'graphnav run GRAPH --live'\n"
+    assert capsys.readouterr().err == said
+
+
+Publish = Callable[..., AbstractContextManager[None]]
+
+
+@pytest.fixture
+def publishing(group: str) -> Publish:
+    """Return a context manager that publishes messages again and again until the block ends."""
+
+    @contextmanager
+    def published(*messages: tuple[str, Message]) -> Iterator[None]:
+        over = threading.Event()
+
+        def run() -> None:
+            bus, k = Bus(group), 0
+            while not over.wait(0.02):
+                for channel, message in messages:
+                    bus.publish(channel, encode(message, 1_000_000 * k, k))
+                k += 1
+            bus.close()
+
+        thread = threading.Thread(target=run)
+        thread.start()
+        try:
+            yield
+        finally:
+            over.set()
+            thread.join()
+
+    return published
+
+
+def test_two_runs_at_once_are_both_told(group: str, publishing: Publish, capsys: pytest.CaptureFixture[str]) -> None:
+    other = replace(STATUS, run_id="run-b", live=False, stages=(), inputs=(), outputs=(), edges=())
+    said = (("graphnav.status", STATUS), ("graphnav.status", other), ("guard.state", STOPPED), (ABOUT, ABOUT_B))
+    with publishing(*said):
+        assert main(["top", "--json", "--for", "60", group]) == 0
+        told = json.loads(capsys.readouterr().out)
+        assert main(["top", "--once", "--for", "60", group]) == 0
+    text = capsys.readouterr().out
+    a, b = told["runs"]
+    assert (a["run_id"], b["run_id"], b["status"]["live"], b["silent"]) == ("run-a", "run-b", False, False)
+    assert a["status"]["stages"] == [STAGE]
+    assert a["status"]["inputs"] == [{n: v for n, v in INPUT.items() if n != "reasons"} | {"rejected": REJECTED}]
+    assert a["status"]["outputs"] == [OUTPUT]
+    assert a["status"]["edges"] == [{"name": "plane.flow", "overtaken": 4}]
+    scalars = {"graph": "robot", "behind_s": 0.04, "memory_mb": 151.6, "tap_dropped": 1, "log_dropped": 2}
+    assert scalars.items() <= a["status"].items()
+    (guard,) = told["guards"]
+    assert guard["causes"][0] == {"cause": "stale", "port": "image", "value": 1.25, "limit": 0.5}
+    assert (guard["channel"], guard["may_move"], guard["stopped"]) == ("guard.state", False, True)
+    assert re.search(r"^run run-a  robot  live, ", text, re.MULTILINE)
+    assert re.search(r"^run run-b  robot  lockstep, 12.3 s simulated", text, re.MULTILINE)
+
+
+def test_an_announced_run_without_status_is_waited_for_and_named(
+    group: str, publishing: Publish, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with publishing((ABOUT, ABOUT_B)):
+        assert main(["top", "--once", "--for", "1", group]) == 1
+    assert capsys.readouterr().err == f"no status within 1 s of run run-b, which is heard on {group}\n"
+
+
+def test_it_is_shown_live_until_ctrl_c(group: str, publishing: Publish) -> None:
+    terminal, screen = pty.openpty()
+    command = [GRAPHNAV, "top", group, "--for", "60"]
+    with subprocess.Popen(command, stdin=screen, stdout=screen, stderr=screen, env=WIDE) as process:
+        os.close(screen)
+        shown = b""
+        with publishing(("graphnav.status", STATUS)):
+            while b"overtaken on edges" not in shown:
+                shown += os.read(terminal, 65536)
+        while not re.search(rb"no status for \d", shown):
+            shown += os.read(terminal, 65536)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+    os.close(terminal)
+    assert b"run-a" in shown
+
+
+REJECTED = {"undecodable": 2, "repeated": 5}
+WIDE = {**os.environ, "COLUMNS": "160", "LINES": "50", "TERM": "xterm"}
