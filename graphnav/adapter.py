@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from graphnav.codec import add_type
 from graphnav.errors import DeclarationError, one_line
 from graphnav.messages import Message
 
@@ -30,6 +31,14 @@ class Adapter:
     lcm_class: ClassVar[type]
     """What lcm-gen made of it; it need not be importable under ``type_name``."""
     message: ClassVar[type[Message]]
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Make the type known to what decodes any channel, as ``graphnav spy`` and ``graphnav echo`` do."""
+        super().__init_subclass__(**kwargs)
+        if isinstance(getattr(cls, "type_name", None), str) and hasattr(
+            getattr(cls, "lcm_class", None), "__typenames__"
+        ):
+            add_type(cls.type_name, cls.lcm_class)
 
     def from_lcm(self, fields: Mapping[str, Any]) -> Message:
         """Return the message that the LCM fields hold; arrays are numpy arrays, received read-only.

@@ -1,4 +1,4 @@
-"""Generate lcmtypes/graphnav_lcm from lcmtypes/*.lcm with the wheel's lcm-gen; --check says whether it is fresh."""
+"""Generate the Python of all *.lcm files with the wheel's lcm-gen; --check says whether it is fresh."""
 
 from __future__ import annotations
 
@@ -10,22 +10,37 @@ import sys
 import sysconfig
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
-TYPES = Path(__file__).resolve().parent.parent / "lcmtypes"
-PACKAGE = TYPES / "graphnav_lcm"
-
-
-def generate(folder: Path) -> Path:
-    """Run lcm-gen on every type definition; return the package that it makes in ``folder``."""
-    command = [str(Path(sysconfig.get_path("scripts")) / "lcm-gen"), "-p", "--ppath", str(folder)]
-    subprocess.run([*command, *map(str, sorted(TYPES.glob("*.lcm")))], check=True)
-    return folder / PACKAGE.name
+ROOT = Path(__file__).resolve().parent.parent
 
 
-def stale(fresh: Path) -> list[str]:
-    """Return the names of files that differ between the package and a fresh one."""
-    names = {path.name for folder in (PACKAGE, fresh) for path in folder.glob("*.py")}
-    return sorted(name for name in names if _text(PACKAGE / name) != _text(fresh / name))
+class Target(NamedTuple):
+    """A folder of type definitions and the package that is made of them; ``prefix``: the package that it is in."""
+
+    types: Path
+    package: Path
+    prefix: str = ""
+
+    def generate(self, folder: Path) -> Path:
+        """Run lcm-gen on every type definition; return the package that it makes in ``folder``."""
+        command = [str(Path(sysconfig.get_path("scripts")) / "lcm-gen"), "-p", "--ppath", str(folder)]
+        prefix = ["--package-prefix", self.prefix] if self.prefix else []
+        subprocess.run([*command, *prefix, *map(str, sorted(self.types.glob("*.lcm")))], check=True)
+        return folder.joinpath(*self.prefix.split("."), self.package.name)
+
+    def stale(self, fresh: Path) -> list[str]:
+        """Return the names of files that differ between the package and a fresh one."""
+        names = {path.name for folder in (self.package, fresh) for path in folder.glob("*.py")}
+        return sorted(name for name in names if _text(self.package / name) != _text(fresh / name))
+
+
+BOT_CORE = ROOT / "plugins/graphnav_adapters/lcmtypes/bot_core"
+TARGETS = (
+    Target(ROOT / "lcmtypes", ROOT / "lcmtypes/graphnav_lcm"),
+    Target(BOT_CORE, BOT_CORE, "graphnav_adapters.lcmtypes"),
+)
+"""The types of other packages are made inside the plugin: their own packages may be installed beside it."""
 
 
 def _text(path: Path) -> str | None:
@@ -38,16 +53,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="change nothing, return 1 if a file is not fresh")
     args = parser.parse_args()
-    with tempfile.TemporaryDirectory() as scratch:
-        fresh = generate(Path(scratch))
-        if args.check:
-            differing = stale(fresh)
-            print("\n".join([f"not fresh: {name}" for name in differing] or ["fresh"]))
-            return 1 if differing else 0
-        if PACKAGE.exists():
-            shutil.rmtree(PACKAGE)
-        shutil.copytree(fresh, PACKAGE)
-    return 0
+    differing: list[str] = []
+    for target in TARGETS:
+        with tempfile.TemporaryDirectory() as scratch:
+            fresh = target.generate(Path(scratch))
+            if args.check:
+                differing += [f"not fresh: {target.package.name}/{name}" for name in target.stale(fresh)]
+                continue
+            for path in target.package.glob("*.py"):
+                path.unlink()
+            shutil.copytree(fresh, target.package, dirs_exist_ok=True)
+    if args.check:
+        print("\n".join(differing or ["fresh"]))
+    return 1 if differing else 0
 
 
 if __name__ == "__main__":

@@ -9,8 +9,18 @@ from pathlib import Path
 
 import graphnav_lcm
 
-from graphnav.codec.layout import fingerprint, lcm_name
+from graphnav.codec.layout import fingerprint, hide_prefix, lcm_name
 from graphnav.messages import Message
+
+_added: dict[str, type] = {}
+"""Types that no message class wraps, by the name that they have in LCM; filled by imports, as subclasses are."""
+
+
+def add_type(name: str, lcm_class: type) -> None:
+    """Make an lcm-gen class known as ``name`` (``package.type_t``), also where its package is inside another one."""
+    _added[name] = lcm_class
+    if (full := lcm_name(lcm_class)).endswith(f".{name}"):
+        hide_prefix(full.removesuffix(name))
 
 
 def message_classes() -> Iterator[type[Message]]:
@@ -41,6 +51,8 @@ def type_named(name: str) -> type | None:
     for found in message_classes():
         if lcm_name(found.lcm_class) == name:
             return found.lcm_class
+    if name in _added:
+        return _added[name]
     package, _, short = name.rpartition(".")
     if not all(part.isidentifier() for part in name.split(".")) or not _is_lcm_module(package, short):
         return None
@@ -62,4 +74,4 @@ def type_of(data: bytes) -> type | None:
     """Return the known lcm-gen class whose fingerprint the bytes begin with, or None."""
     shipped = [found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__")]
     wrapped = [found.lcm_class for found in message_classes()]
-    return next((found for found in (*shipped, *wrapped) if fingerprint(found) == data[:8]), None)
+    return next((found for found in (*shipped, *wrapped, *_added.values()) if fingerprint(found) == data[:8]), None)

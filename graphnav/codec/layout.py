@@ -33,9 +33,19 @@ PRIMITIVES = {
 """The `struct` codes of LCM's primitives; a string has a length of its own."""
 
 
+_prefixes: set[str] = set()
+"""Where lcm-gen was told to make its packages inside others (``--package-prefix``), with the dot."""
+
+
+def hide_prefix(prefix: str) -> None:
+    """Let no type's name begin with the package ``prefix``, which is Python's and not LCM's."""
+    _prefixes.add(prefix)
+
+
 def lcm_name(lcm_class: type) -> str:
     """Return the name that the type has in LCM: ``graphnav_lcm.flow_t``."""
-    return ".".join([*lcm_class.__module__.split(".")[:-1], lcm_class.__name__])
+    name = ".".join([*lcm_class.__module__.split(".")[:-1], lcm_class.__name__])
+    return next((name.removeprefix(prefix) for prefix in _prefixes if name.startswith(prefix)), name)
 
 
 def fingerprint(lcm_class: Any) -> bytes:
@@ -47,10 +57,14 @@ def fingerprint(lcm_class: Any) -> bytes:
 def fields_of(lcm_class: Any) -> list[Field]:
     """Return the fields of an lcm-gen class in the order of the wire."""
     columns = zip(lcm_class.__slots__, lcm_class.__typenames__, lcm_class.__dimensions__, strict=True)
-    return [
-        Field(name, typename, tuple(dims or ()), None if typename in PRIMITIVES else _struct(lcm_class, typename))
-        for name, typename, dims in columns
-    ]
+    return [_field(lcm_class, name, typename, tuple(dims or ())) for name, typename, dims in columns]
+
+
+def _field(lcm_class: type, name: str, typename: str, dims: tuple[Dim, ...]) -> Field:
+    if typename in PRIMITIVES:
+        return Field(name, typename, dims, None)
+    struct = _struct(lcm_class, typename)
+    return Field(name, lcm_name(struct), dims, struct)
 
 
 def _struct(lcm_class: type, typename: str) -> type:

@@ -9,6 +9,7 @@ from graphnav.codec import DecodeError, codec_of, decode, fingerprint, lcm_name,
 from graphnav.errors import UserError, did_you_mean
 from graphnav.messages import About
 from graphnav.record import ABOUT
+from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.spy.feed import Feed, Heard
 from graphnav.spy.window import RECENT_S, Periods, Window
 
@@ -32,6 +33,7 @@ class Traffic:
         self.channels: dict[str, ChannelTraffic] = {}
         self.runs: list[str] = []
         self.told = False
+        load_adapted_types()
 
     def find(self, name: str, feed: Feed, for_s: float | None) -> ChannelTraffic:
         """Return a channel that was heard.

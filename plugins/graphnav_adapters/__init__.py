@@ -1,0 +1,13 @@
+"""Adapters between LCM types of other packages and messages of graphnav; not a family of stages."""
+
+from __future__ import annotations
+
+from graphnav import Adapter, hookimpl
+
+
+@hookimpl
+def graphnav_adapters() -> list[Adapter]:
+    """Return the adapters; their modules are imported only now."""
+    from graphnav_adapters.bot_core_image import BotCoreImage  # noqa: PLC0415  # only graphs with inputs pay for it
+
+    return [BotCoreImage()]

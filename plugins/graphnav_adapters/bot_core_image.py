@@ -1,0 +1,102 @@
+"""Pictures of libbot: ``bot_core.image_t``, which most LCM camera drivers publish."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Adapter, Image
+from graphnav_adapters.lcmtypes.bot_core import image_t
+from graphnav_adapters.max_pixels import check_size
+
+GRAY, RGB, BGR, MJPEG = (int.from_bytes(code, "little") for code in (b"GREY", b"RGB3", b"BGR3", b"MJPG"))
+"""Values of ``pixelformat``: FourCC codes, first character in the lowest byte."""
+
+Pixels = npt.NDArray[np.uint8]
+
+_CHANNELS = {GRAY: 1, RGB: 3, BGR: 3}
+
+
+class BotCoreImage(Adapter):
+    """``bot_core.image_t`` to `Image` and back.
+
+    Reads 8-bit gray, RGB, BGR and MJPEG (one JPEG a message, gray or colour as it is stored); rows may be padded
+    (``row_stride``, bytes). Writes gray or RGB, uncompressed, without padding; of a thinned picture the pixels that it
+    has. Metadata are not read and not written. ``utime`` is the sender's.
+    """
+
+    type_name = "bot_core.image_t"
+    lcm_class = image_t
+    message = Image
+
+    def from_lcm(self, fields: Mapping[str, Any]) -> Image:
+        """Return the picture: uint8, (rows, cols) or (rows, cols, 3) red-green-blue.
+
+        Raises
+        ------
+        ValueError
+            Width, height, row_stride and size contradict each other or the JPEG, the picture has more than 64 million
+            pixels, the JPEG is truncated or damaged, or the pixel format is another one.
+        """
+        rows, cols, pixelformat = fields["height"], fields["width"], fields["pixelformat"]
+        check_size(rows, cols)
+        data: Pixels = np.asarray(fields["data"], np.uint8)
+        if pixelformat == MJPEG:
+            return Image(pixels=_decompressed(data, rows, cols))
+        if pixelformat not in _CHANNELS:
+            raise ValueError(f"pixelformat {_shown(pixelformat)} is not supported: gray, RGB, BGR and MJPEG are")
+        pixels = _unpadded(data, rows, cols * _CHANNELS[pixelformat], fields["row_stride"])
+        if pixelformat == GRAY:
+            return Image(pixels=pixels)
+        colours = pixels.reshape(rows, cols, 3)
+        return Image(pixels=colours if pixelformat == RGB else np.ascontiguousarray(colours[:, :, ::-1]))
+
+    def to_lcm(self, message: Image, utime: int) -> Mapping[str, Any]:
+        """Return the fields of an uncompressed gray or RGB picture.
+
+        Raises
+        ------
+        ValueError
+            The picture is neither gray nor RGB.
+        """
+        shape = message.pixels.shape
+        if len(shape) != 2 and shape[2:] != (3,):
+            raise ValueError(f"pixels of shape {shape} are neither (rows, cols) nor (rows, cols, 3)")
+        return {
+            "utime": utime,
+            "width": shape[1],
+            "height": shape[0],
+            "row_stride": shape[1] * (1 if len(shape) == 2 else 3),
+            "pixelformat": GRAY if len(shape) == 2 else RGB,
+            "data": message.pixels.reshape(-1),
+            "metadata": (),
+        }
+
+
+def _decompressed(data: Pixels, rows: int, cols: int) -> Pixels:
+    from graphnav_adapters.jpeg import decode_jpeg  # noqa: PLC0415  # only MJPEG pays for OpenCV
+
+    pixels = decode_jpeg(data.tobytes())
+    if pixels.shape[:2] != (rows, cols):
+        raise ValueError(f"it announces {cols}x{rows} pixels, its JPEG has {pixels.shape[1]}x{pixels.shape[0]}")
+    return pixels
+
+
+def _unpadded(data: Pixels, rows: int, row_bytes: int, row_stride: int) -> Pixels:
+    """Return (rows, row_bytes) of rows that begin every ``row_stride`` bytes; the last one may lack its padding."""
+    if row_stride < row_bytes:
+        raise ValueError(f"row_stride is {row_stride}, a row has {row_bytes} bytes")
+    min_size, max_size = row_stride * (rows - 1) + row_bytes, row_stride * rows
+    if not min_size <= data.size <= max_size:
+        raise ValueError(f"{data.size} bytes of pixels: {rows} rows of {row_stride} bytes need {max_size}")
+    padded: Pixels = np.ndarray((rows, row_bytes), np.uint8, np.ascontiguousarray(data), strides=(row_stride, 1))
+    return np.ascontiguousarray(padded)
+
+
+def _shown(pixelformat: int) -> str:
+    """Return a pixel format with its FourCC code, if it is one."""
+    code = (pixelformat & 0xFFFFFFFF).to_bytes(4, "little").decode("latin-1")
+    return f"{pixelformat} ({code})" if code.isascii() and code.isprintable() else str(pixelformat)

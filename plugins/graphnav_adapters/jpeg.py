@@ -1,0 +1,84 @@
+"""One JPEG picture, as it came over a network: its header is read before anything is decoded."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from graphnav_adapters.max_pixels import check_size
+
+_START, _END = b"\xff\xd8", b"\xff\xd9"
+_SCAN = 0xDA
+_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+"""Markers of frame headers, SOF0 to SOF15; the three left out mean something else."""
+_BARE = frozenset((0x01, *range(0xD0, 0xD8)))
+"""Markers without a segment."""
+_MIN_FRAME_BYTES = 8
+"""Of a frame header's segment: length (2 bytes), bits, rows (2), columns (2), channels."""
+_AS_STORED = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
+
+
+class JpegHeader(NamedTuple):
+    """What a JPEG says of itself before its first scan, which begins at the offset ``scan_at``."""
+
+    rows: int
+    cols: int
+    channels: int
+    scan_at: int
+
+
+def read_header(data: bytes) -> JpegHeader:
+    """Return the size of a JPEG; only its header is read.
+
+    Raises
+    ------
+    ValueError
+        It is not a JPEG, or its header is truncated or damaged.
+    """
+    if not data.startswith(_START):
+        raise ValueError("the data are not a JPEG")
+    at, frame = len(_START), None
+    while at + 4 <= len(data):
+        if data[at] != 0xFF:
+            raise ValueError("the header of the JPEG is damaged")
+        marker = data[at + 1]
+        if marker == 0xFF or marker in _BARE:
+            at += 1 if marker == 0xFF else 2
+            continue
+        if marker == _SCAN and frame is not None:
+            rows, cols = int.from_bytes(frame[1:3]), int.from_bytes(frame[3:5])
+            return JpegHeader(rows, cols, frame[5], at)
+        length = int.from_bytes(data[at + 2 : at + 4])
+        if length < (_MIN_FRAME_BYTES if marker in _FRAMES else 2):
+            raise ValueError("the header of the JPEG is damaged")
+        if marker in _FRAMES:
+            frame = data[at + 4 : at + 2 + length]
+        at += 2 + length
+    raise ValueError("the JPEG is truncated")
+
+
+def decode_jpeg(data: bytes) -> npt.NDArray[np.uint8]:
+    """Return a JPEG's pixels: uint8, (rows, cols) or (rows, cols, 3) red-green-blue, as it is stored.
+
+    Raises
+    ------
+    ValueError
+        It is not a JPEG, is truncated or damaged, has neither 1 nor 3 channels, or is larger than `check_size` allows.
+    """
+    header = read_header(data)
+    check_size(header.rows, header.cols)
+    if header.channels not in (1, 3):
+        raise ValueError(f"the JPEG has {header.channels} channels: gray (1) and colour (3) are supported")
+    if data.find(_END, header.scan_at) < 0:
+        raise ValueError("the JPEG is truncated")
+    try:
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), _AS_STORED)
+    except cv2.error as error:
+        raise ValueError(f"the JPEG cannot be decoded: {error.err}") from error
+    if pixels is None:
+        raise ValueError("the JPEG cannot be decoded")
+    decoded: npt.NDArray[np.uint8] = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
+    return decoded

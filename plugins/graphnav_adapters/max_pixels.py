@@ -1,0 +1,14 @@
+"""How large a received picture may be."""
+
+from __future__ import annotations
+
+MAX_PIXELS = 64_000_000
+"""More than any camera on a robot has; a picture that announces more is refused before memory is taken."""
+
+
+def check_size(rows: int, cols: int) -> None:
+    """Raise ValueError unless the picture has at least one pixel and at most `MAX_PIXELS`."""
+    if rows < 1 or cols < 1:
+        raise ValueError(f"a picture of {cols}x{rows} pixels has no pixels")
+    if rows * cols > MAX_PIXELS:
+        raise ValueError(f"a picture of {cols}x{rows} pixels is larger than {MAX_PIXELS // 10**6} million pixels")
