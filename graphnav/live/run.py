@@ -53,12 +53,14 @@ def run_live(
     on_time: Callable[[float], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
     notice: Callable[[str], None] = to_stderr,
+    should_stop: Callable[[], bool] = lambda: False,
 ) -> Summary:
     """Run ``graph`` live into ``folder``, which must exist, and return what ``summary.json`` there says.
 
     Whatever ends the run, motor channels get a stop first. A failing stage and Ctrl-C end the run, a full disk only the
     recording. ``url``: see `live_url`. ``keep``: the channels that the log holds, None for what the graph's ``record``
-    says. ``on_time`` gets the seconds since the start now and then, ``notice`` what is late and what is lost.
+    says. ``on_time`` gets the seconds since the start now and then, ``notice`` what is late and what is lost;
+    ``should_stop`` ends the run as Ctrl-C does, for runs outside of the main thread.
 
     Raises
     ------
@@ -94,7 +96,7 @@ def run_live(
                         runner.record(STATUS, encode(reporter.make(), clock.now(), runner.next_seq(STATUS)))
                         on_time(clock.run_s())
                     _check_helpers(motors, playback)
-                    return not interrupt.asked
+                    return not (interrupt.asked or should_stop())
 
                 outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
         except KeyboardInterrupt:

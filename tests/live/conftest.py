@@ -1,0 +1,185 @@
+"""Live runs of the probe stages in a thread, on a multicast group of their own, and a program outside."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graphnav import Image, Recording, Twist
+from graphnav.bus import Bus, require_route
+from graphnav.catalog import Catalog
+from graphnav.codec import decode, encode
+from graphnav.errors import BusError
+from graphnav.graph import Graph, load_graph
+from graphnav.live import run_live
+from graphnav.messages import Message
+from graphnav.record import LOG
+from graphnav.runner.summary import Summary
+
+STAGES = Path(__file__).parent / "stages.py"
+PATIENCE_S = 20.0
+
+
+@pytest.fixture
+def group() -> str:
+    """Return a multicast group that nobody else on this machine uses."""
+    url = f"udpm://239.255.78.{os.getpid() % 250 + 1}:{7800 + os.getpid() % 90}?ttl=0"
+    try:
+        require_route(url)
+    except BusError as error:
+        pytest.skip(str(error))
+    return url
+
+
+class Outside:
+    """A program outside of graphnav: it publishes what it is told and keeps what it hears."""
+
+    def __init__(self, url: str, listens: Sequence[str]) -> None:
+        self.heard: list[tuple[str, bytes, float]] = []
+        self._out = Bus(url)
+        self._seqs: dict[str, int] = {}
+        self._ending = threading.Event()
+        self._ready = threading.Event()
+        self._thread = threading.Thread(target=self._listen, args=(url, listens))
+        self._thread.start()
+        self._ready.wait(PATIENCE_S)
+
+    def say(self, channel: str, message: Message, utime: int | None = None) -> int:
+        """Publish a message, stamped now unless said otherwise; return its stamp."""
+        stamp = time.time_ns() // 1000 if utime is None else utime
+        seq = self._seqs[channel] = self._seqs.get(channel, -1) + 1
+        self._out.publish(channel, encode(message, stamp, seq))
+        return stamp
+
+    def show(self, channel: str, level: int, utime: int | None = None, size: tuple[int, int] = (24, 32)) -> int:
+        """Publish a picture of one gray level; return its stamp."""
+        return self.say(channel, Image(pixels=np.full(size, level, np.uint8)), utime)
+
+    def speeds(self, channel: str) -> list[tuple[int, float]]:
+        """Return stamp and speed of every twist that was heard on a channel."""
+        decoded = [decode(Twist, data) for data in self.of(channel)]
+        return [(utime, twist.v_mps) for utime, _, twist in decoded]
+
+    def say_bytes(self, channel: str, data: bytes) -> None:
+        """Publish bytes as they are."""
+        self._out.publish(channel, data)
+
+    def of(self, channel: str) -> list[bytes]:
+        """Return what was heard on a channel."""
+        return [data for name, data, _ in self.heard if name == channel]
+
+    def wait_for(self, holds: Callable[[], bool]) -> None:
+        """Wait until something holds; fail where it never does."""
+        end_s = time.monotonic() + PATIENCE_S
+        while not holds():
+            assert time.monotonic() < end_s, "it never came"
+            time.sleep(0.005)
+
+    def close(self) -> None:
+        """Leave."""
+        self._ending.set()
+        self._thread.join()
+        self._out.close()
+
+    def _listen(self, url: str, listens: Sequence[str]) -> None:
+        bus = Bus(url)
+        for channel in listens:
+            bus.subscribe(channel, lambda name, data: self.heard.append((name, data, time.monotonic())))
+        self._ready.set()
+        while not self._ending.is_set():
+            bus.handle(0.02)
+        bus.close()
+
+
+class Live:
+    """A live run in a thread; `stop` ends it."""
+
+    def __init__(self, graph: Graph, folder: Path, url: str, **options: Any) -> None:
+        self.folder = folder
+        self.notices: list[str] = []
+        self._summary: Summary | None = None
+        self._error: BaseException | None = None
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._run, args=(graph, url, options))
+        self._thread.start()
+
+    def stop(self) -> tuple[Summary, Recording]:
+        """End the run and return what it left."""
+        self._stopping.set()
+        return self.finish()
+
+    def finish(self) -> tuple[Summary, Recording]:
+        """Wait for the end of the run and return what it left."""
+        self._thread.join(3 * PATIENCE_S)
+        assert not self._thread.is_alive(), "the run does not end"
+        if self._error is not None:
+            raise self._error
+        assert self._summary is not None
+        return self._summary, Recording(self.folder / LOG)
+
+    def _run(self, graph: Graph, url: str, options: dict[str, Any]) -> None:
+        try:
+            self._summary = run_live(
+                graph,
+                graph.make_stages(),
+                self.folder,
+                url=url,
+                notice=self.notices.append,
+                should_stop=self._stopping.is_set,
+                **options,
+            )
+        except BaseException as error:  # noqa: BLE001 - told by finish()
+            self._error = error
+
+
+@pytest.fixture
+def load(tmp_path: Path) -> Callable[[str], Graph]:
+    """Return a function that loads a graph from its text."""
+
+    def load_text(text: str) -> Graph:
+        path = tmp_path / "graph.yaml"
+        path.write_text(textwrap.dedent(text))
+        catalog = Catalog()
+        catalog.add_file(STAGES)
+        return load_graph(path, catalog)
+
+    return load_text
+
+
+@pytest.fixture
+def live(tmp_path: Path, group: str, load: Callable[[str], Graph]) -> Iterator[Callable[..., Live]]:
+    """Return a function that begins a live run of a graph's text."""
+    runs: list[Live] = []
+
+    def begin(text: str, name: str = "run", **options: Any) -> Live:
+        folder = tmp_path / name
+        folder.mkdir()
+        runs.append(Live(load(text), folder, group, **options))
+        return runs[-1]
+
+    yield begin
+    for run in runs:
+        run._stopping.set()
+        run._thread.join()
+
+
+@pytest.fixture
+def outside(group: str) -> Iterator[Callable[..., Outside]]:
+    """Return a function that makes a program outside, listening to some channels."""
+    made: list[Outside] = []
+
+    def make(*listens: str) -> Outside:
+        made.append(Outside(group, listens))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.close()
