@@ -33,9 +33,15 @@ def inputs_of(
     for ref, wire in _types(spec, catalog, problems).items():
         given = spec.inputs[ref]
         channels[ref] = Channel(ref, ref, wire.message)
-        name = ref if given.channel is None else str(given.channel.value.data)
         found = InputChannel(
-            channels[ref], name, wire.lcm_class, wire.name, wire.adapter, given.max_age_s, None, given.place
+            channels[ref],
+            given.channel_name or ref,
+            wire.lcm_class,
+            wire.name,
+            wire.adapter,
+            given.max_age_s,
+            None,
+            given.place,
         )
         if given.log is not None:
             base = spec.folders.get(given.log.value.place.file, folder)

@@ -21,7 +21,7 @@ def check_outside_names(
 
     ``channels``: all of the graph; what is watched on the network has their names, so that others may not use them.
     """
-    users = {channel.name: f"'{ref}' writes" for ref, channel in channels.items() if ref not in inputs}
+    users = {channel.name: f"stage '{channel.stage}' writes" for ref, channel in channels.items() if ref not in inputs}
     for ref, found in inputs.items():
         entry = spec.inputs[ref].channel
         if found.log is None and entry is not None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
-from graphnav.adapter import Adapter
+from graphnav.adapter import Adapter, Adapters
 from graphnav.catalog import Catalog
 from graphnav.codec import codec_of, lcm_name, message_class_of, message_types, type_named
 from graphnav.errors import CatalogError, did_you_mean, one_line
@@ -32,10 +31,10 @@ def type_read(name: str, catalog: Catalog) -> WireType:
     CatalogError
         There is none, its package cannot be imported, or nothing makes a message of it.
     """
-    readers = catalog.adapters().readers
-    if name in readers:
-        return _adapted(name, readers[name])
-    lcm_class = _installed(name, readers)
+    adapters = catalog.adapters()
+    if name in adapters.readers:
+        return _adapted(name, adapters.readers[name])
+    lcm_class = _installed(name, adapters)
     message = message_class_of(lcm_class)
     if message is None:
         short = lcm_class.__name__.removesuffix("_t").title().replace("_", "")
@@ -57,18 +56,19 @@ def type_written(name: str | None, message: type[Message], catalog: Catalog) -> 
     own = lcm_name(message.lcm_class)
     if name is None:
         return WireType(own, message.lcm_class, message, None)
-    writers = catalog.adapters().writers
+    adapters = catalog.adapters()
+    writers = adapters.writers
     if name in writers and issubclass(message, writers[name].message):
         return _adapted(name, writers[name])
     if name == own:
         return WireType(own, message.lcm_class, message, None)
-    if name not in writers and _installed(name, [*writers, own]) is message.lcm_class:
+    if name not in writers and _installed(name, adapters) is message.lcm_class:
         return WireType(name, message.lcm_class, message, None)
     fitting = [own, *(other for other, adapter in writers.items() if issubclass(message, adapter.message))]
     carried = writers[name].message if name in writers else message_types().get(name)
-    what = f"a {carried.__name__}" if carried else "no message of ours"
+    what = f", which carries a {carried.__name__}" if carried else ""
     raise CatalogError(
-        f"'{name}' carries {what}, not a {message.__name__}",
+        f"a {message.__name__} cannot leave as '{name}'{what}",
         f"write type: {' or '.join(fitting)}, or an Adapter from {message.__name__} to '{name}'",
     )
 
@@ -78,7 +78,7 @@ def _adapted(name: str, adapter: Adapter) -> WireType:
     return WireType(name, adapter.lcm_class, adapter.message, adapter)
 
 
-def _installed(name: str, adapted: Iterable[str]) -> type:
+def _installed(name: str, adapters: Adapters) -> type:
     """Return an LCM type that is installed; importing a third party's package may raise anything."""
     try:
         lcm_class = type_named(name)
@@ -86,8 +86,13 @@ def _installed(name: str, adapted: Iterable[str]) -> type:
         raise CatalogError(
             f"the package of '{name}' cannot be imported: {one_line(error)}", "fix the package"
         ) from error
+    known = {*message_types(), *adapters.readers, *adapters.writers}
+    if lcm_class is None and name in known:
+        verb, missing = ("reads", "to_lcm") if name in adapters.readers else ("writes", "from_lcm")
+        raise CatalogError(f"the adapter of '{name}' only {verb} it", f"give it {missing}")
     if lcm_class is None:
-        hint = did_you_mean(name, {*message_types(), *adapted})
+        short = [other for other in sorted(known) if other.rpartition(".")[2] in (name, f"{name}_t")]
+        hint = f"did you mean '{short[0]}'?" if short else did_you_mean(name, known)
         hint = hint or "install the package that lcm-gen made of it, or name a type of an adapter"
         raise CatalogError(f"there is no LCM type '{name}'", hint)
     _compile(name, lcm_class)

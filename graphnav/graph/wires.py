@@ -81,9 +81,11 @@ class Wires:
         if stage not in self._spec.stages:
             hint = did_you_mean(ref, self._channels) or did_you_mean(stage, self._spec.stages)
             renamed = next((c.ref for c in self._channels.values() if c.name == ref), "")
-            if renamed:
-                hint = f"write '{renamed}': inputs name the stage's port, not the LCM channel"
-            self._problems.append(Problem(place, f"there is no stage '{stage}'", hint or "write stage.port"))
+            heard = next((i for i, given in self._spec.inputs.items() if given.channel_name == ref), "")
+            if renamed or heard:
+                hint = f"write '{renamed or heard}': inputs name the stage's port, not the LCM channel"
+            what = f"there is no stage{' or input' if self._spec.inputs else ''} '{stage}'"
+            self._problems.append(Problem(place, what, hint or "write stage.port"))
         elif stage in self._classes:
             self._no_port(stage, port, dot, place)
             outputs = self._outputs(stage)
@@ -93,12 +95,13 @@ class Wires:
 
     def _input_channel(self, ref: str, inputs: list[str], place: Place) -> Channel | None:
         """Return what a reference to a stem of inputs means; what is wrong with an input itself is told there."""
-        if "." not in ref and len(inputs) == 1:
+        stem, dot, _ = ref.partition(".")
+        if not dot and len(inputs) == 1:
             return self._channels.get(inputs[0])
-        if "." not in ref:
+        if not dot:
             what = f"there are {len(inputs)} inputs of '{ref}'"
             self._problems.append(Problem(place, what, f"write one of {', '.join(inputs)}"))
-        elif ref not in inputs:
+        elif ref not in inputs and stem not in inputs:
             hint = did_you_mean(ref, inputs) or f"inputs are {', '.join(inputs)}"
             self._problems.append(Problem(place, f"there is no input '{ref}'", hint))
         return None

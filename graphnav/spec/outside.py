@@ -31,6 +31,11 @@ class InputSpec:
     """The value is a text."""
     max_age_s: float | None = None
 
+    @property
+    def channel_name(self) -> str:
+        """The LCM channel, or that in the log; empty where the reference is meant."""
+        return "" if self.channel is None else str(self.channel.value.data)
+
 
 @dataclass
 class OutputSpec:
@@ -122,7 +127,8 @@ class OutsideWords(Shapes):
     def _stop(self, entry: Entry, who: str) -> Entry | None:
         if isinstance(entry.value.data, dict) and entry.value.data:
             return entry
-        what = f"'stop' of {who} must be a mapping of LCM fields, not {entry.value.kind}"
+        kind = entry.value.kind if entry.value.data else "empty"
+        what = f"'stop' of {who} must be a mapping of LCM fields, not {kind}"
         self._problem(entry.value.place, what, "write stop: {field: value}")
         return None
 

@@ -1,11 +1,14 @@
 """Stages of the family ``toy``: what the broken graphs are made of."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
+import graphnav_lcm
 import numpy as np
 
 from graphnav import (
+    Adapter,
     Flow,
     Image,
     Latest,
@@ -119,6 +122,25 @@ class Wheels(Stage):
         return Twist(v_mps=1.0 - plane.obstacle_ratio, omega_radps=0.0)
 
 
+class Guard(Stage):
+    """A command that may pass."""
+
+    is_guard = True
+
+    def step(self, command: Twist | None, plane: Latest[Plane]) -> Twist:
+        return command or Twist(v_mps=0.0, omega_radps=0.0)
+
+
+class Rudder(Stage):
+    """A guard of what nothing here stops."""
+
+    is_guard = True
+
+    def step(self, command: Twist) -> Steering:
+        zeros = np.zeros(2)
+        return Steering(repulsive=zeros, guiding=zeros, control=zeros, theta_rad=0.0, eigenvalues=zeros)
+
+
 class Score(Stage):
     """A sink."""
 
@@ -154,6 +176,50 @@ class Untyped(Stage):
         return image
 
 
+class WheelSpeeds(Adapter):
+    """A command for wheels."""
+
+    type_name = "toy.wheels_t"
+    lcm_class = graphnav_lcm.stop_t
+    message = Twist
+
+    def to_lcm(self, message: Twist, utime: int) -> Mapping[str, Any]:
+        return {"utime": utime, "seq": 0, "engaged": message.v_mps == 0.0, "reason": ""}
+
+
+class Ratio(Adapter):
+    """A command that cannot stand still."""
+
+    type_name = "toy.ratio_t"
+    lcm_class = graphnav_lcm.twist_t
+    message = Twist
+
+    def to_lcm(self, message: Twist, utime: int) -> Mapping[str, Any]:
+        return {"utime": utime, "seq": 0, "v_mps": message.v_mps / message.omega_radps, "omega_radps": 1.0}
+
+
+class Unfinished(Adapter):
+    """A command of which something is missing."""
+
+    type_name = "toy.unfinished_t"
+    lcm_class = graphnav_lcm.twist_t
+    message = Twist
+
+    def to_lcm(self, message: Twist, utime: int) -> Mapping[str, Any]:
+        return {"utime": utime, "seq": 0, "v_mps": message.v_mps}
+
+
+class Odometer(Adapter):
+    """A motion as another program tells it."""
+
+    type_name = "toy.odometer_t"
+    lcm_class = graphnav_lcm.twist_t
+    message = Motion
+
+    def from_lcm(self, fields: Mapping[str, Any]) -> Motion:
+        return Motion(forward_m=fields["v_mps"], left_m=0.0, turn_rad=fields["omega_radps"], interval_us=1_000_000)
+
+
 def _empty(shape: tuple[int, ...]) -> Plane:
     zeros = np.zeros(shape, np.uint8)
     return Plane(
@@ -164,5 +230,11 @@ def _empty(shape: tuple[int, ...]) -> Plane:
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     return [
-        Robot, Matcher, Smooth, Mix, Detector, Guess, FromFlows, Taught, Wheels, Score, Helm, Idle, Eager, Untyped,
+        Robot, Matcher, Smooth, Mix, Detector, Guess, FromFlows, Taught, Wheels, Guard, Rudder, Score, Helm,
+        Idle, Eager, Untyped,
     ]  # fmt: skip
+
+
+@hookimpl
+def graphnav_adapters() -> list[type[Adapter]]:
+    return [WheelSpeeds, Ratio, Unfinished, Odometer]
