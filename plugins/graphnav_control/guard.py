@@ -11,6 +11,8 @@ from graphnav_control.causes import Cause, contrast, judged_ratio, lost
 from graphnav_control.limits import limited
 
 STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
+REST_MPS = 1e-9
+"""No more than this is not forward: the cosine of a right angle is not quite 0."""
 
 
 class GuardOutputs(NamedTuple):
@@ -55,14 +57,14 @@ class Guard(Stage):
         0.9,
         ge=0.0,
         le=1.0,
-        doc="share of obstacle among the judged cells above which the robot may not go forward: there is no ground left "
-        "to drive on; the shipped graphs drive forward at 0.2 and less; 1 is no limit",
+        doc="share of obstacle among the judged cells above which the robot may not go forward: from 0.9 on the steering "
+        "that ships takes no direction for free, and does not drive forward either; 1 is no limit",
     )
     min_contrast: float = param(
         3.0,
         ge=0.0,
         doc="standard deviation of the image's gray levels, averaged over blocks, below which it shows nothing (a "
-        "covered lens, a white picture), whatever a detector judges; worlds that ship have 18 and more; 0 is no limit",
+        "covered lens, a white picture), whatever a detector judges; worlds that ship have 14 and more; 0 is no limit",
     )
     override_max_age_s: float = param(0.3, gt=0.0, doc="age beyond which an override has ended")
     max_speed_mps: float | None = param(None, ge=0.0, doc="greatest speed, forward and backward; null for none")
@@ -106,8 +108,8 @@ class Guard(Stage):
         wanted = command if driver is None else driver
         if wanted is None or not may_move:
             wanted = STANDSTILL
-        elif not may_advance:
-            wanted = Twist(v_mps=min(wanted.v_mps, 0.0), omega_radps=wanted.omega_radps)
+        elif not may_advance and wanted.v_mps > REST_MPS:
+            wanted = Twist(v_mps=0.0, omega_radps=wanted.omega_radps)
         self._last = self._limited(wanted, min(max(utime - self._before, 0) * 1e-6, self.max_age_s))
         self._before = utime
         causes = stops + causes

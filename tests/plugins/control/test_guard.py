@@ -209,6 +209,8 @@ def test_all_round_obstacle_forbids_going_forward_but_not_turning() -> None:
     assert causes(outputs) == [("obstacle", "plane")]
     assert speeds(Driven()(**blocked, command=HAND)) == (-0.1, 0.7)
     assert speeds(Driven(max_obstacle_ratio=1.0)(**blocked)) == (0.3, -0.4)
+    on_the_spot = Twist(v_mps=0.3 * math.cos(math.pi / 2), omega_radps=1.2)
+    assert speeds(Driven()(**blocked, command=on_the_spot)) == (on_the_spot.v_mps, 1.2)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,11 @@
+"""From a robot's odometry to the motion of a frame; the family ``odometry``."""
+
+from graphnav import Stage, hookimpl
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    """Return the stages of the family."""
+    from graphnav_odometry.motion import Motion  # noqa: PLC0415  # only graphs that use the family pay for it
+
+    return [Motion]

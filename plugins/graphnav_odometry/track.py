@@ -1,0 +1,102 @@
+"""The last stretch of a robot's odometry: samples in order, and the pose at any time between them."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from itertools import pairwise
+from statistics import median
+
+from graphnav import Odometry
+from graphnav_odometry.pose import Pose, arc, part_of_arc
+
+MAX_PERIODS = 3.0
+"""A gap of more than so many usual periods is not bridged."""
+KEPT_US = 1_000_000
+"""Samples so far before the last frame tell the usual period; older ones are dropped."""
+MAX_SAMPLES = 4096
+"""Held at most, whatever the sender's rate."""
+
+
+class Track:
+    """Samples of odometry, oldest first, with headings that are not wrapped.
+
+    Parameters
+    ----------
+    max_speed_mps, max_turn_radps
+        Two samples that lie farther apart are not of one motion: the odometry was reset.
+    """
+
+    def __init__(self, max_speed_mps: float, max_turn_radps: float) -> None:
+        self._max_speed_mps, self._max_turn_radps = max_speed_mps, max_turn_radps
+        self._stamps: list[int] = []
+        self._samples: list[Odometry] = []
+        self._poses: list[Pose] = []
+
+    def add(self, utime: int, sample: Odometry) -> None:
+        """Take the next sample; one that is not newer than the last is dropped.
+
+        One that is older than the last by more than a second tells that the sender's clock was set back: the track
+        begins anew.
+        """
+        if self._stamps and utime <= self._stamps[-1]:
+            if self._stamps[-1] - utime <= KEPT_US:
+                return
+            self._drop(len(self._stamps))
+        yaw_rad = sample.yaw_rad
+        if self._poses:
+            last_rad = self._poses[-1].yaw_rad
+            yaw_rad = last_rad + math.remainder(yaw_rad - last_rad, 2 * math.pi)
+        self._stamps.append(utime)
+        self._samples.append(sample)
+        self._poses.append(Pose(sample.x_m, sample.y_m, yaw_rad))
+        if len(self._stamps) > MAX_SAMPLES:
+            self._drop(len(self._stamps) - MAX_SAMPLES // 2)
+
+    def forget_before(self, utime: int) -> None:
+        """Drop what is older than ``utime`` by more than a second, but for the newest of it."""
+        self._drop(bisect_right(self._stamps, utime - KEPT_US) - 1)
+
+    def moved(self, begin: int, end: int, max_extrapolation_us: float) -> Pose | None:
+        """Return the pose at stamp ``end`` in the frame of the pose at ``begin``, None where the samples do not tell.
+
+        ``max_extrapolation_us``: how far beyond the last sample its speeds are trusted.
+        """
+        if len(self._stamps) < 2 or begin < self._stamps[0] or end > self._stamps[-1] + max_extrapolation_us:
+            return None
+        first, last = bisect_right(self._stamps, begin) - 1, bisect_left(self._stamps, end)
+        if not self._is_one_motion(first, min(last, len(self._stamps) - 1)):
+            return None
+        return self._at(end).seen_from(self._at(begin))
+
+    def _is_one_motion(self, first: int, last: int) -> bool:
+        """Whether no gap and no jump lies between two samples, by their place."""
+        usual_us = median(after - before for before, after in pairwise(self._stamps))
+        for k in range(first, last):
+            elapsed_us = self._stamps[k + 1] - self._stamps[k]
+            if elapsed_us > MAX_PERIODS * usual_us:
+                return False
+            # Stamps that jitter must not make a jump of a small step.
+            elapsed_s = max(elapsed_us, usual_us / 2) * 1e-6
+            step = self._poses[k + 1].seen_from(self._poses[k])
+            if math.hypot(step.x_m, step.y_m) > self._max_speed_mps * elapsed_s:
+                return False
+            if abs(step.yaw_rad) > self._max_turn_radps * elapsed_s:
+                return False
+        return True
+
+    def _at(self, utime: int) -> Pose:
+        """Return the pose at a stamp: on the arc between two samples, or beyond the last one at its speeds."""
+        after = bisect_left(self._stamps, utime)
+        if after == len(self._stamps):
+            sample, elapsed_s = self._samples[-1], (utime - self._stamps[-1]) * 1e-6
+            return self._poses[-1].then(arc(sample.v_mps * elapsed_s, 0.0, sample.omega_radps * elapsed_s))
+        if self._stamps[after] == utime:
+            return self._poses[after]
+        before = after - 1
+        share = (utime - self._stamps[before]) / (self._stamps[after] - self._stamps[before])
+        return self._poses[before].then(part_of_arc(self._poses[after].seen_from(self._poses[before]), share))
+
+    def _drop(self, count: int) -> None:
+        if count > 0:
+            del self._stamps[:count], self._samples[:count], self._poses[:count]
