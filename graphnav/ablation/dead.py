@@ -8,7 +8,8 @@ from pathlib import Path
 
 from graphnav.ablation.work import Task
 from graphnav.runner import Outcome
-from graphnav.runner.recorded import GRAPH, SUMMARY
+from graphnav.runner.recorded import SUMMARY
+from graphnav.runner.saved_graph import GRAPH
 from graphnav.runner.summary import Summary, versions
 
 DIED = "its process died, twice: it takes more memory than there is, or a stage crashes it"

@@ -99,6 +99,7 @@ class StudyFolder:
     def _keep(self, place: str, files: Mapping[str, bytes]) -> None:
         unfinished = Path(tempfile.mkdtemp(dir=self.scratch))
         for name, content in files.items():
+            (unfinished / name).parent.mkdir(parents=True, exist_ok=True)
             with (unfinished / name).open("wb") as file:
                 file.write(content)
                 file.flush()

@@ -53,9 +53,15 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
         cases=cases,
         within=study.within,
         less_is_better=less_is_better(classes),
-        plugins=tuple(str(path.absolute()) for path in plugins),
+        plugins=_plugins(plugins, checked),
         versions=versions(),
     )
+
+
+def _plugins(given: Sequence[Path], checked: Sequence[Checked]) -> tuple[str, ...]:
+    """Return the plugin files that are given and those that the graphs name, each once."""
+    named = (path for case in checked for path in case.graph.plugins)
+    return tuple(dict.fromkeys(str(path) for path in (*(path.resolve() for path in given), *named)))
 
 
 def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[Checked]) -> Iterator[Case]:

@@ -83,7 +83,7 @@ class Plan:
     less_is_better: tuple[str, ...] = ()
     """All ``stage.figure`` of which less is better, as the stages of the cases say."""
     plugins: tuple[str, ...] = ()
-    """Files given with ``--plugin``, absolute."""
+    """Files given with ``--plugin`` and those that the graphs name, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property

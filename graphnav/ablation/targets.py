@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from graphnav.ablation.study import Axis, Choice
 from graphnav.errors import Place, UserError
-from graphnav.graph.assignment import Assignment
+from graphnav.graph.assignment import ADD, Assignment
 
 Target = tuple[str, str]
 """A stage (or ``run``) and what of it: a parameter, ``in.port``, or nothing for the whole stage."""
@@ -23,14 +23,20 @@ def is_stage(target: str) -> bool:
 
 
 def targets_of(text: str) -> tuple[Target, ...]:
-    """Return all that a text changes: ``plane,twin.rule=otsu`` is the rule of two stages."""
+    """Return all that a text changes: ``plane,twin.rule=otsu`` is the rule of two stages.
+
+    The name of a stage that is added ends in ``+``: what adds it leaves another text free to swap it.
+    """
     names, _, key = target_text(text).partition(".")
-    return tuple((name, key) for name in names.split(","))
+    added = ADD if names.endswith(ADD) else ""
+    return tuple((name + added, key) for name in names.removesuffix(ADD).split(","))
 
 
 def swaps_of(sets: Iterable[str]) -> dict[str, str]:
-    """Return which stages are swapped, and for what."""
-    return {stage: text.partition("=")[2] for text in sets for stage, key in targets_of(text) if not key}
+    """Return which stages are swapped or added, and for what."""
+    return {
+        stage.removesuffix(ADD): text.partition("=")[2] for text in sets for stage, key in targets_of(text) if not key
+    }
 
 
 def is_plain(axis: Axis) -> bool:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 from graphnav.ablation.plan import Case, Job, Plan
 from graphnav.ablation.work import Task
 from graphnav.catalog import Catalog
@@ -32,5 +35,7 @@ class Tasks:
         """Return a case's graph, and the text of it that loads from any folder."""
         if case.folder not in self._graphs:
             graph = load_graph(case.source, self._catalog, case.sets)
-            self._graphs[case.folder] = graph, resolved_yaml(graph, portable_paths=False)
+            plugins = dict.fromkeys((*graph.plugins, *map(Path, self._plan.plugins)))
+            named = replace(graph, plugins=tuple(plugins))
+            self._graphs[case.folder] = graph, resolved_yaml(named, portable_paths=False)
         return self._graphs[case.folder]

@@ -51,7 +51,7 @@ class Result:
 
     task: Task
     files: Mapping[str, bytes]
-    """The content of the run folder."""
+    """The content of the run folder, by path in it."""
     outcome: str = ""
     trouble: str = ""
     """What has nothing to do with the stages and ends the study: a full disk, another version."""
@@ -85,7 +85,8 @@ def _perform(task: Task, scratch: Path) -> Result:
         _draw(catalog, scratch)
     if not task.keeps_log:
         (scratch / LOG).unlink()
-    files = {path.name: path.read_bytes() for path in sorted(scratch.iterdir())}
+    made = [path for path in sorted(scratch.rglob("*")) if path.is_file()]
+    files = {path.relative_to(scratch).as_posix(): path.read_bytes() for path in made}
     return Result(task, files, outcome=summary.outcome)
 
 

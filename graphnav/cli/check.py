@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sized
 from typing import TYPE_CHECKING
 
@@ -18,14 +19,24 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
+    parser.add_argument(
+        "--resolved",
+        action="store_true",
+        help="print the graph with all that it extends, every swap and every parameter; it loads from any folder",
+    )
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: load the graph, make its stages, let each look at what its parameters name."""
-    from rich.console import Console  # noqa: PLC0415
-
     _, graph = load(args)
     graph.make_stages()
+    if args.resolved:
+        from graphnav.graph import resolved_yaml  # noqa: PLC0415
+
+        sys.stdout.write(resolved_yaml(graph, portable_paths=False))
+        return OK
+    from rich.console import Console  # noqa: PLC0415
+
     console = Console(highlight=False, soft_wrap=True)
     for notice in graph.notices:
         console.print(notice, markup=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import keyword
+from importlib.util import find_spec
 from pathlib import Path
 
 from graphnav.cli.status import OK
@@ -20,16 +21,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command; nothing is overwritten."""
     from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.cli.stage_hints import hints  # noqa: PLC0415
     from graphnav.cli.stage_templates import stage_text, test_text  # noqa: PLC0415
+    from graphnav.messages import snake_case  # noqa: PLC0415
     from graphnav.spec.spec import STAGE_NAME  # noqa: PLC0415
 
     for word in (args.family, args.name):
         if not STAGE_NAME.fullmatch(word) or keyword.iskeyword(word):
             raise UserError.of(f"'{word}' cannot be a name", "use small letters, digits and _, beginning with a letter")
+    cls = "".join(part.capitalize() for part in args.name.split("_"))
+    if snake_case(cls) != args.name:
+        what = f"'{args.name}' cannot be a name: its class {cls} would be called '{snake_case(cls)}'"
+        raise UserError.of(what, f"choose another name, as '{snake_case(cls)}'")
     catalog = Catalog()
     if args.family in catalog.families() and args.name in catalog.names(args.family):
         raise UserError.of(f"'{args.family}.{args.name}' is there already", "choose another name")
-    cls = "".join(part.capitalize() for part in args.name.split("_"))
+    if find_spec(args.name) is not None:
+        what = f"'{args.name}' is the name of a Python module, which {args.name}.py would hide from its test"
+        raise UserError.of(what, "choose another name")
     texts = {
         args.folder / f"{args.name}.py": stage_text(args.family, cls),
         args.folder / f"test_{args.name}.py": test_text(args.family, args.name, cls),
@@ -43,9 +52,5 @@ def main(args: argparse.Namespace) -> int:
             path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise UserError.of(f"cannot write into {args.folder}: {error.strerror}", "choose another with -o") from error
-    stage_file, test_file = texts
-    print(f"{stage_file}: a working stage, {args.family}.{args.name}")
-    print(f"{test_file}: its test; run it with 'python -m pytest {test_file}'")
-    swap = f"{args.family if args.family != 'world' else 'robot'}={args.family}.{args.name}"
-    print(f"Try it: graphnav run GRAPH --plugin {stage_file} --set {swap}")
+    print("\n".join(hints(args.family, args.name, *texts)))
     return OK

@@ -96,7 +96,8 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
         for option, name in (("seed", "seed"), ("until", "until_s"))
         if (value := getattr(args, option, None)) is not None
     }
-    return catalog, replace(graph, run=replace(graph.run, **given))
+    plugins = dict.fromkeys((*graph.plugins, *(path.resolve() for path in args.plugins)))
+    return catalog, replace(graph, run=replace(graph.run, **given), plugins=tuple(plugins))
 
 
 def _run_option(option: str, name: str, value: Any) -> Any:

@@ -68,7 +68,8 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.folder import make_run_folder  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
-    from graphnav.runner.recorded import GRAPH, SUMMARY, new_run_id  # noqa: PLC0415
+    from graphnav.runner.recorded import SUMMARY, new_run_id  # noqa: PLC0415
+    from graphnav.runner.saved_graph import GRAPH  # noqa: PLC0415
 
     catalog, graph = load(args)
     is_live = _is_live(args, graph)

@@ -18,6 +18,10 @@ class Kind:
     steps: str
     test: str
     base: str = "Stage"
+    graph: str = "corridor_ccw"
+    """The graph that ships in which such a stage is tried."""
+    swaps: str = ""
+    """The stage there that it replaces; empty where it is added to the others."""
 
 
 _FLOW_EXAMPLE = '''
@@ -44,6 +48,8 @@ KINDS = {
     "source": Kind(
         doc="Pictures of noise.",
         base="Source",
+        graph="video_plane",
+        swaps="camera",
         imports="import numpy as np\nfrom graphnav import Image, Source, Stage, hookimpl, param",
         params='    width_px: int = param(160, ge=1, doc="columns of a picture")\n'
         '    height_px: int = param(120, ge=1, doc="rows of a picture")\n',
@@ -64,6 +70,7 @@ KINDS = {
     ),
     "flow": Kind(
         doc="Optical flow of a scene that stands still.",
+        swaps="flow",
         imports="import numpy as np\nfrom graphnav import Flow, Image, Stage, hookimpl, param",
         params='    step_px: int = param(1, ge=1, doc="grid step; more is coarser")\n',
         body="""    def reset(self, seed: int) -> None:
@@ -97,6 +104,7 @@ def picture() -> Image:
     ),
     "planar": Kind(
         doc="Planar flow: the mean of the flow, everywhere the same.",
+        swaps="planar",
         imports="import numpy as np\nfrom graphnav import Flow, Planar, Stage, hookimpl, param",
         params='    gain: float = param(1.0, gt=0.0, doc="what the mean is multiplied by, dimensionless")\n',
         body="""    def step(self, flow: Flow) -> Planar:
@@ -121,6 +129,7 @@ def picture() -> Image:
     ),
     "plane": Kind(
         doc="Obstacle is where the flow is longer than most of it.",
+        swaps="plane",
         imports="import numpy as np\nfrom graphnav import Flow, Plane, Stage, hookimpl, param",
         params='    threshold_px: float = param(0.5, gt=0.0, doc="how far above the median obstacle begins")\n',
         body="""    def step(self, flow: Flow) -> Plane:
@@ -152,6 +161,7 @@ def picture() -> Image:
     ),
     "steer": Kind(
         doc="Steer away from the side that has more obstacle.",
+        swaps="steer",
         imports="import math\n\nimport numpy as np\nfrom graphnav import Plane, Stage, Steering, hookimpl, param",
         params='    gain: float = param(1.0, ge=0.0, doc="more turns away earlier, dimensionless")\n',
         body="""    def step(self, plane: Plane) -> Steering:
@@ -181,6 +191,7 @@ def picture() -> Image:
     ),
     "control": Kind(
         doc="Turn as the steering asks, and slow down for it.",
+        swaps="control",
         imports="import math\n\nfrom graphnav import Stage, Steering, Twist, hookimpl, param",
         params='    max_speed_mps: float = param(0.3, gt=0.0, doc="speed straight ahead")\n'
         '    max_turn_radps: float = param(1.0, gt=0.0, doc="turning rate at a right angle")\n',

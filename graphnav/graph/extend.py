@@ -46,12 +46,14 @@ def merge_files(files: Sequence[GraphFile], catalog: Catalog, problems: list[Pro
     if len(files) == 1:
         return Merged(files[0].value)
     value = files[0].value
-    stages = StageMerge(catalog, problems, notices)
+    stages = StageMerge(catalog, problems)
     for file in files[1:]:
         if not isinstance(value.data, dict | None):
             problems.append(Problem(value.place, f"a graph must be a mapping, not {value.kind}"))
             break
         value = _merged(value, file.value, stages, problems)
+    words = value.data if isinstance(value.data, dict) else {}
+    notices += stages.notices(words.get("stages"))
     return Merged(value, stages.swapped, stages.removed, stages.given, frozenset(stages.read_before))
 
 
@@ -60,8 +62,8 @@ def rewire_merged(spec: Spec, merged: Merged, catalog: Catalog, problems: list[P
     if not merged.swapped and not merged.removed:
         return
     rewiring = Rewiring(spec, catalog, merged.given, problems, notices)
-    swapped = [name for name in merged.swapped if name in spec.stages]
     rewiring.remove(merged.removed)
+    swapped = [name for name in merged.swapped if name in rewiring.classes()]
     rewiring.rewire(swapped)
     if swapped:
         prune(spec, set(merged.read_before), set(swapped), rewiring.classes(), notices)

@@ -93,7 +93,7 @@ def _check_chain(paths: list[Path], place: Place) -> None:
     real = [path.resolve() for path in paths]
     if real[-1] in real[:-1]:
         circle = " -> ".join(shown_path(path) for path in paths[real.index(real[-1]) :])
-        raise UserError.of(f"'extends' goes in a circle: {circle}", "remove one 'extends' of them", place)
+        raise UserError.of(f"'extends' goes in a circle: {circle}", "remove the 'extends' of one of them", place)
     if len(paths) > MAX_EXTENDED + 1:
         what = f"more than {MAX_EXTENDED} files extend one another"
         raise UserError.of(what, "extend a graph nearer to the first", place)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Place, Problem
@@ -15,11 +16,23 @@ Words = dict[str, Entry]
 """A mapping of a file: keys and what is under them."""
 
 
+@dataclass(frozen=True)
+class _Swap:
+    """A stage whose ``use`` changed, and the parameters that it kept and lost."""
+
+    name: str
+    what: str
+    new: type[Stage]
+    kept: Words
+    lost: tuple[str, ...]
+
+
 class StageMerge:
     """Merges ``stages`` of one file after the other and keeps what has to be rewired afterwards."""
 
-    def __init__(self, catalog: Catalog, problems: list[Problem], notices: list[str]) -> None:
-        self._catalog, self._problems, self._notices = catalog, problems, notices
+    def __init__(self, catalog: Catalog, problems: list[Problem]) -> None:
+        self._catalog, self._problems = catalog, problems
+        self._told: list[_Swap | str] = []
         self.swapped: dict[str, None] = {}
         """Stages whose ``use`` changed, in order."""
         self.removed: dict[str, Place] = {}
@@ -55,6 +68,18 @@ class StageMerge:
                 stages[name] = Entry(entry.place, Value(self._over(name, words, entry), entry.value.place))
         return Entry(new.place, Value(stages, new.value.place))
 
+    def notices(self, stages: Entry | None) -> Iterator[str]:
+        """Yield what was swapped, lost and removed; ``stages``: what all files say together."""
+        for told in self._told:
+            if isinstance(told, str):
+                yield told
+            else:
+                params = _mapping(_mapping(_mapping(stages).get(told.name)).get("with"))
+                kept = [name for name, entry in told.kept.items() if params.get(name) is entry]
+                given = [name for name in params if name not in kept]
+                lost = [name for name in told.lost if name not in given]
+                yield params_notice(told.what, told.new, kept, lost, given)
+
     def _without_removed(self, stages: Words, over: Words) -> Words:
         """Return the stages without those that are null in ``over``."""
         left = dict(stages)
@@ -65,7 +90,7 @@ class StageMerge:
                 self._problems.append(nothing_to_remove("'stages' of the extended graph", name, entry, stages))
             else:
                 self.removed[name] = entry.place
-                self._notices.append(f"{name}: removed")
+                self._told.append(f"{name}: removed")
         return left
 
     def _over(self, name: str, words: Words, new: Entry) -> Words:
@@ -87,11 +112,10 @@ class StageMerge:
         if cls is None:
             return words  # said by the check of the graph
         old, params, wires = self._class(_use(before)), _mapping(words.get("with")), _mapping(words.get("in"))
-        kept, given = kept_params(params, old, cls), _mapping(_mapping(new).get("with"))
-        lost = [param for param in params if param not in kept and param not in given]
+        kept = kept_params(params, old, cls)
         what = f"{name}: {_use(before)} swapped for {_use(new)}"
-        self._notices.append(params_notice(what, cls, [param for param in kept if param not in given], lost, given))
-        self._notices += lost_wires(name, wires, cls)
+        self._told.append(_Swap(name, what, cls, kept, tuple(param for param in params if param not in kept)))
+        self._told += lost_wires(name, wires, cls)
         for key, left in (("with", kept), ("in", kept_wires(wires, old, cls))):
             if key in words:
                 words[key] = Entry(words[key].place, Value(dict(left), words[key].value.place))

@@ -30,9 +30,11 @@ class Rewiring:
     ) -> None:
         self._spec, self._catalog, self._given = spec, catalog, given
         self._problems, self._notices = problems, notices
+        self._added: Collection[str] = ()
 
     def rewire(self, swapped: Collection[str], added: Collection[str] = ()) -> None:
-        """Rewire the readers of outputs that swaps took away, then the open inputs of new stages."""
+        """Rewire the readers of outputs that swaps took away, then the open inputs of swapped and added stages."""
+        self._added = added
         channels = input_messages(self._spec, self._catalog)
         channels |= {f"{s}.{p.name}": p.message for s, cls in self.classes().items() for p in ports_of(cls).outputs}
         self._close_broken(swapped, channels)
@@ -43,17 +45,20 @@ class Rewiring:
     def remove(self, removed: Mapping[str, Place]) -> None:
         """Disconnect the readers of stages that were removed, each at its place."""
         for reader, port, ref in list(self.wires()):
-            place = removed.get(ref.partition(".")[0])
-            stage = self._spec.stages[reader]
-            if place is None or stage.wires[port.name].value.place.file == place.file:
+            place, stage = removed.get(ref.partition(".")[0]), self._spec.stages[reader]
+            if place is None:
                 continue
-            del stage.wires[port.name]
-            if not port.is_plain:
+            wire = stage.wires.pop(port.name).value.place
+            who = f"'{port.name}' of stage '{reader}' ({stage.use})"
+            if wire.file == place.file:
+                what = f"{who} reads {ref}, which is removed in line {place.line}"
+                self._problems.append(Problem(wire, what, "wire it to another stage, or keep the one that it reads"))
+            elif port.is_plain:
+                hint = f"remove '{reader}' too, or write {reader}: {{in: {{{port.name}: stage.port}}}}"
+                self._problems.append(Problem(place, f"{who} reads {ref}, which is removed here", hint))
+            else:
                 self._notices.append(f"{reader}.{port.name}: not connected any more, {ref} is gone")
                 continue
-            what = f"'{port.name}' of stage '{reader}' ({stage.use}) reads {ref}, which is removed here"
-            hint = f"remove '{reader}' too, or write {reader}: {{in: {{{port.name}: stage.port}}}}"
-            self._problems.append(Problem(place, what, hint))
             stage.unwired.add(port.name)
 
     def wires(self) -> Iterator[tuple[str, Port, str]]:
@@ -114,7 +119,7 @@ class Rewiring:
             self._cannot_wire(stage, port, candidates, gone)
 
     def _cannot_wire(self, stage: StageSpec, port: Port, candidates: list[str], gone: str) -> None:
-        kind = port.message.__name__
+        kind, is_added = port.message.__name__, stage.name in self._added
         cause = self._spec.stages[gone.partition(".")[0]] if gone else stage
         what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) needs {kind}"
         what += f" in place of {gone}" if gone else ""
@@ -123,7 +128,7 @@ class Rewiring:
             hint = _choice(stage.name, port.name, candidates, is_set=bool(cause.use_note))
         else:
             what += ", and no channel has it"
-            hint = f"add a stage that writes {kind}, or swap '{stage.name}' too"
+            hint = f"add a stage that writes {kind}" + (" too" if is_added else f", or swap '{stage.name}' too")
         self._problems.append(Problem(cause.use_place, what, hint))
         stage.unwired.add(port.name)
 

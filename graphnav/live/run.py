@@ -26,7 +26,8 @@ from graphnav.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Sink
-from graphnav.runner.recorded import LiveSink, begin_folder, note_failure, write_summary
+from graphnav.runner.recorded import LiveSink, note_failure, write_summary
+from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
 
@@ -72,7 +73,7 @@ def run_live(
     scores: dict[str, dict[str, float]] = {}
     url = live_url(graph, url)
     with ExitStack() as cleanup, Interrupt() as interrupt:
-        begin_folder(graph, folder)
+        save_graph(graph, folder)
         wake, clock = threading.Event(), LiveClock()
         intakes = [Intake(source, clock, needs_all=_needs_all(graph, ref)) for ref, source in graph.inputs.items()]
         playback = Playback([(one.source, one.mailbox) for one in intakes if one.source.log is not None], wake.set)

@@ -19,10 +19,10 @@ from graphnav.record import ABOUT, LOG, LogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Runner, Sink
+from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
 
-GRAPH = "graph.yaml"
 SUMMARY = "summary.json"
 
 
@@ -157,23 +157,9 @@ def write_summary(summary: Summary, folder: Path) -> None:
         ) from error
 
 
-def begin_folder(graph: Graph, folder: Path) -> None:
-    """Write the resolved graph into a run folder.
-
-    Raises
-    ------
-    UserError
-        The folder cannot be written.
-    """
-    try:
-        (folder / GRAPH).write_text(resolved_yaml(graph, portable_paths=False), encoding="utf-8")
-    except OSError as error:
-        raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
-
-
 def _begin(graph: Graph, folder: Path) -> LogWriter:
-    """Write the resolved graph and open the log."""
-    begin_folder(graph, folder)
+    """Save the graph and open the log."""
+    save_graph(graph, folder)
     try:
         return LogWriter(folder / LOG)
     except OSError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,7 +31,7 @@ def test_a_message_from_outside_is_stepped_with_and_the_answer_leaves_with_its_s
 ) -> None:
     program = outside("SPEED")
     run = live(SEEING)
-    sent = []
+    sent: list[int] = []
     while len(program.of("SPEED")) < 5:
         sent.append(program.show("CAMERA", len(sent)))
         time.sleep(0.02)
@@ -52,7 +53,7 @@ def test_a_jittering_camera_keeps_its_stamps_through_to_the_log(live: Begin, out
     sent = [begin + 50_000 * k + (-1) ** k * 900 * k for k in range(10)]
     for utime in sent:
         program.show("CAMERA", 1, utime)
-        program.wait_for(lambda utime=utime: utime in [stamp for stamp, _ in program.speeds("SPEED")])
+        program.wait_for(partial(_heard, program, utime))
     _, log = run.stop()
     assert [utime for utime, _, _ in log.messages("camera.image")][-10:] == sent
     assert [utime for utime, _, _ in log.messages("see.twist")][-10:] == sent
@@ -192,3 +193,7 @@ def test_a_command_from_outside_moves_what_runs_by_the_clock(live: Begin, outsid
     assert min(ages) < 0.1
     assert ages[-1] > 0.3
     assert log.count("graphnav.status") >= 1
+
+
+def _heard(program: Outside, utime: int) -> bool:
+    return utime in [stamp for stamp, _ in program.speeds("SPEED")]

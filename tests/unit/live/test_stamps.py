@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphnav.live import SenderMonitor
+from graphnav.live.sender import SenderMonitor
 
 from .camera import Camera, reasons
 
