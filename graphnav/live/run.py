@@ -86,6 +86,7 @@ def run_live(
         if tap is not None:
             cleanup.callback(tap.close)
         reporter = StatusReporter(runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
+        status = reporter.make()
         try:
             writer.write(ABOUT, clock.now(), encode(live_about(graph, by_outside_names=False), clock.now(), 0))
             runner.reset(graph.run.seed)
@@ -99,7 +100,10 @@ def run_live(
                     _check_helpers(motors, playback)
                     return not (interrupt.asked or should_stop())
 
-                outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
+                try:
+                    outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
+                finally:
+                    status = reporter.make()
         except KeyboardInterrupt:
             outcome = Outcome.STOPPED
         except GraphnavError as error:
@@ -110,7 +114,6 @@ def run_live(
         except GraphnavError as error:
             failures.append(str(error))
             on_failure(error)
-        status = reporter.make()
     summary = Summary(
         outcome=str(Outcome.FAILED if failures else outcome),
         failure="\n".join(failures),

@@ -31,7 +31,7 @@ class Verdict(NamedTuple):
     reason: str
     """Why it was rejected, empty if it was not."""
     begins_anew: bool
-    """Whether joins and memories downstream begin anew with it: a gap, another timeline, another writer."""
+    """Whether it begins another timeline or is another writer's: stamps from before mean nothing beside its own."""
 
 
 class _Arrived(NamedTuple):
@@ -142,10 +142,9 @@ class SenderMonitor:
             return self._rejected(message, JUMPED)
         if advance_s < 0:
             return self._rejected(message, BACKWARDS)
-        gap_s = _MAX_GAP_PERIODS * (self._periods.usual_s or math.inf)
         self._periods.add(advance_s)
         delay.add(message.delay_s, message.arrival_s)
-        return self._accepted(message, delay, begins_anew=max(elapsed_s, advance_s) > gap_s)
+        return self._accepted(message, delay, begins_anew=False)
 
     def _is_own(self, own: WriterStream, seq: int, message: _Arrived) -> bool:
         """Return whether a message is of the accepted writer; of two streams that it continues, the better one."""

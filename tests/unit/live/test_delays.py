@@ -55,8 +55,7 @@ def test_a_sudden_delay_ends_in_a_burst() -> None:
     late = camera.send(1, 2.0)
     burst = camera.send(40, 0.0)
     assert not any(reasons(camera.verdicts))
-    assert late[0].begins_anew
-    assert not any(verdict.begins_anew for verdict in burst)
+    assert not any(verdict.begins_anew for verdict in (*late, *burst))
     ages = [camera.arrival_s - verdict.birth_s for verdict in burst]
     assert ages == sorted(ages, reverse=True)
     camera.send(5)

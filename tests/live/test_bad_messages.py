@@ -1,0 +1,105 @@
+"""What is wrong with a message is counted by reason; it is never acted upon and never ends a run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from graphnav import Image, Odometry, Twist
+from graphnav.codec import encode
+
+if TYPE_CHECKING:
+    from tests.live.conftest import Live, Outside
+
+    Begin = Callable[..., Live]
+    Program = Callable[..., Outside]
+
+LISTENING = """
+inputs:
+  camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}
+  base.twist: {channel: BASE, type: graphnav_lcm.twist_t}
+stages:
+  see: {use: probe.brightness, in: {image: camera.image}}
+  world: {use: probe.ticker, with: {rate_hz: 50}, in: {command: base.twist}}
+outputs: {see.twist: {channel: SPEED}}
+"""
+
+
+def rejected(run: Live, name: str) -> dict[str, int]:
+    """End a run and return how many messages of an input were rejected, by reason."""
+    summary, log = run.stop()
+    assert summary.outcome == "stopped", summary.failure
+    assert log.count("graphnav.status") >= 0
+    assert summary.live is not None
+    found = next(one for one in summary.live["inputs"] if one["name"] == name)
+    return dict(zip(found["reasons"], found["rejected"], strict=True))
+
+
+def show_until_heard(program: Outside, level: int) -> None:
+    """Publish pictures until one was stepped with."""
+    while (utime := program.show("CAMERA", level)) not in dict(program.speeds("SPEED")):
+        time.sleep(0.05)
+        if utime in dict(program.speeds("SPEED")):
+            return
+
+
+def test_each_kind_of_bad_message_is_counted_and_good_ones_still_count(live: Begin, outside: Program) -> None:
+    program = outside("SPEED")
+    run = live(LISTENING)
+    show_until_heard(program, 5)
+    now = time.time_ns() // 1000
+    picture = encode(Image(pixels=np.full((24, 32), 200, np.uint8)), now, 10_000)
+    program.say_bytes("CAMERA", b"")
+    program.say_bytes("CAMERA", b"garbage")
+    program.say_bytes("CAMERA", encode(Twist(v_mps=1.0, omega_radps=0.0), now, 0))
+    program.say_bytes("CAMERA", picture[:-10])
+    program.say_bytes("CAMERA", picture + b"0")
+    program.show("CAMERA", 200, size=(12, 16))
+    time.sleep(0.1)
+    program.show("CAMERA", 200, utime=1)
+    time.sleep(0.1)
+    show_until_heard(program, 6)
+    assert 200.0 not in {v for _, v in program.speeds("SPEED")}
+    counts = rejected(run, "camera.image")
+    assert counts["wrong type"] == 3
+    assert counts["undecodable"] == 2
+    assert counts["wrong size"] == 1
+    assert sum(counts.values()) >= 7
+
+
+def test_a_number_that_is_not_finite_is_not_acted_upon(live: Begin, outside: Program) -> None:
+    program = outside()
+    run = live(LISTENING)
+    for k in range(30):
+        program.say("BASE", Twist(v_mps=float("nan") if k % 2 else 1.0, omega_radps=0.0))
+        time.sleep(0.02)
+    assert rejected(run, "base.twist")["not finite"] >= 10
+
+
+def test_repeated_stamps_are_counted_and_the_message_grows_old(live: Begin, outside: Program) -> None:
+    program = outside("SPEED")
+    run = live(LISTENING)
+    show_until_heard(program, 5)
+    stamp = time.time_ns() // 1000
+    for _ in range(10):
+        program.show("CAMERA", 9, utime=stamp)
+        time.sleep(0.02)
+    program.wait_for(lambda: stamp in dict(program.speeds("SPEED")))
+    assert len([1 for utime, _ in program.speeds("SPEED") if utime == stamp]) == 1
+    assert rejected(run, "camera.image")["repeated"] >= 5
+
+
+def test_a_flood_is_survived_and_its_messages_are_not_queued(live: Begin, outside: Program) -> None:
+    program = outside("SPEED")
+    run = live(LISTENING)
+    show_until_heard(program, 5)
+    for _ in range(3000):
+        program.say_bytes("BASE", b"garbage that nobody asked for")
+    standing = encode(Odometry(x_m=0.0, y_m=0.0, yaw_rad=0.0, v_mps=0.0, omega_radps=0.0), 1, 1)
+    for _ in range(3000):
+        program.say_bytes("BASE", standing)
+    show_until_heard(program, 6)
+    assert rejected(run, "base.twist")["wrong type"] >= 1000
