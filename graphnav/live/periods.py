@@ -1,0 +1,46 @@
+"""The usual period of a stream and its rate, in fixed memory."""
+
+from __future__ import annotations
+
+from collections import deque
+from statistics import median
+
+_KEPT = 9
+_MIN_KNOWN = 3
+_KEPT_ARRIVALS = 20
+_MAX_SILENT_PERIODS = 3.0
+
+
+class Periods:
+    """The median of the last 9 increments of the stamps, and the rate of the last 20 arrivals."""
+
+    def __init__(self) -> None:
+        self.usual_s: float | None = None
+        """The usual period in seconds, None before 3 increments are known."""
+        self._increments: deque[float] = deque(maxlen=_KEPT)
+        self._arrivals: deque[float] = deque(maxlen=_KEPT_ARRIVALS)
+
+    def add(self, increment_s: float) -> None:
+        """Take how far the stamps advanced, in seconds."""
+        self._increments.append(increment_s)
+        if len(self._increments) >= _MIN_KNOWN:
+            self.usual_s = median(self._increments)
+
+    def arrive(self, arrival_s: float, *, begins_anew: bool) -> None:
+        """Take the time of an arrival, monotonic seconds; the rate does not reach back over a new beginning."""
+        if begins_anew:
+            self._arrivals.clear()
+        self._arrivals.append(arrival_s)
+
+    def forget(self) -> None:
+        """Begin anew, for another writer has another period."""
+        self._increments.clear()
+        self.usual_s = None
+
+    def rate_hz(self, now_s: float, max_age_s: float) -> float:
+        """Return arrivals per second; 0 once they have been silent for ``max_age_s`` and 3 periods."""
+        silent_s = max(max_age_s, _MAX_SILENT_PERIODS * (self.usual_s or 0.0))
+        if len(self._arrivals) < 2 or now_s - self._arrivals[-1] > silent_s:
+            return 0.0
+        span_s = self._arrivals[-1] - self._arrivals[0]
+        return (len(self._arrivals) - 1) / span_s if span_s > 0 else 0.0
