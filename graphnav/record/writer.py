@@ -38,6 +38,11 @@ class LogWriter:
         self._flushed_s = time.monotonic()
         self._failure: LogError | None = None
 
+    @property
+    def n_bytes(self) -> int:
+        """The size of the log, with what is not flushed yet."""
+        return self._whole_bytes + self._waiting_bytes
+
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Append an event; raises LogError, once and for all, where the disk refuses it."""
         name = self._channels.get(channel)
@@ -105,7 +110,7 @@ class LogWriter:
                 break
             end += len(header) + len(data)
             kept += 1
-        self.n_events = kept
+        self.n_events, self._whole_bytes = kept, end
         if size > end:
             os.ftruncate(self._fd, end)
         return LogError(f"{self.path}: {error.strerror}; the log ends whole after {kept} events")

@@ -1,0 +1,125 @@
+"""Writing a log from a thread of its own: a slow or full disk never holds up the caller."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+
+from graphnav.errors import LogError
+from graphnav.record.event import Event
+from graphnav.record.writer import LogWriter
+
+_MAX_QUEUED_BYTES = 64 << 20
+_EVENT_BYTES = 200
+"""What a queued event takes beside its data, about."""
+_IDLE_S = 0.5
+_CLOSE_S = 5.0
+
+
+class ThreadedLogWriter:
+    """A `LogWriter` behind a bounded queue.
+
+    An event that does not fit into ``max_bytes`` of queue is dropped and counted. A disk that refuses ends the
+    recording: ``failure`` is set, ``notice`` is called once with it, from another thread, and every later event is
+    dropped; the log up to there is complete. ``open_log`` makes the log that the thread writes.
+
+    Raises OSError where the file cannot be opened at all.
+    """
+
+    def __init__(
+        self,
+        path: Path | str,
+        max_bytes: int = _MAX_QUEUED_BYTES,
+        notice: Callable[[str], None] = lambda _: None,
+        open_log: Callable[[Path], LogWriter] = LogWriter,
+    ) -> None:
+        self.path = Path(path)
+        self.dropped = 0
+        """Events that are not in the log."""
+        self.failure = ""
+        """Why the recording ended before its time, empty if it did not."""
+        self._log = open_log(self.path)
+        self._max_bytes, self._notice = max_bytes, notice
+        self._offered = 0
+        self._queued_bytes = 0
+        self._queue: deque[Event] = deque()
+        self._is_closing = False
+        self._changed = threading.Condition()
+        self._thread = threading.Thread(target=self._work, name="graphnav log", daemon=True)
+        self._thread.start()
+
+    @property
+    def n_events(self) -> int:
+        """The number of events in the log, with what is not flushed yet."""
+        return self._log.n_events
+
+    @property
+    def n_bytes(self) -> int:
+        """The size of the log, with what is not flushed yet."""
+        return self._log.n_bytes
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Queue an event, or drop it; returns at once and never raises."""
+        size = len(data) + _EVENT_BYTES
+        with self._changed:
+            self._offered += 1
+            if self.failure or self._is_closing or self._queued_bytes + size > self._max_bytes:
+                self.dropped += 1
+                return
+            self._queue.append(Event(channel, utime, data))
+            self._queued_bytes += size
+            self._changed.notify()
+
+    def close(self, timeout_s: float = _CLOSE_S) -> None:
+        """Write what is queued and close; a disk that takes longer than ``timeout_s`` loses the rest, counted."""
+        with self._changed:
+            self._is_closing = True
+            self._changed.notify()
+        self._thread.join(timeout_s)
+        if self._thread.is_alive():
+            self._fail(f"{self.path}: the disk did not take the last events within {timeout_s:g} s")
+
+    def _work(self) -> None:
+        try:
+            try:
+                while (events := self._next()) is not None:
+                    self._write_all(events)
+            finally:
+                self._log.close()
+        except (LogError, OSError) as error:
+            self._fail(str(error))
+
+    def _next(self) -> list[Event] | None:
+        """Wait for events and take them all; none after a while without any, None once the log is closing."""
+        with self._changed:
+            if not self._queue and not self._is_closing:
+                self._changed.wait(_IDLE_S)
+            if not self._queue and self._is_closing:
+                return None
+            events = list(self._queue)
+            self._queue.clear()
+        return events
+
+    def _write_all(self, events: list[Event]) -> None:
+        """Write events; where there are none, flush what was written."""
+        if not events:
+            self._log.flush()
+        for event in events:
+            if self.failure:
+                return
+            self._log.write(*event)
+            with self._changed:
+                self._queued_bytes -= len(event.data) + _EVENT_BYTES
+
+    def _fail(self, failure: str) -> None:
+        """End the recording, once."""
+        with self._changed:
+            if self.failure:
+                return
+            self.failure = failure
+            self._queue.clear()
+            self._queued_bytes = 0
+            self.dropped = self._offered - self.n_events
+        self._notice(failure)

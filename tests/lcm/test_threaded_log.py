@@ -1,0 +1,158 @@
+"""A log that is written by a thread: the caller never waits, what is lost is counted, what is there is complete."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import pytest
+
+from graphnav.record import LogWriter, Recording, ThreadedLogWriter
+
+DiskOf = Callable[[int], AbstractContextManager[None]]
+
+PATIENCE_S = 60
+
+
+class SlowDisk(LogWriter):
+    """A log whose disk takes nothing until it is told to."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self.is_asked = threading.Event()
+        self.goes_on = threading.Event()
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Wait, then write."""
+        self.is_asked.set()
+        assert self.goes_on.wait(PATIENCE_S)
+        super().write(channel, utime, data)
+
+
+@pytest.fixture
+def slow_disks() -> Iterator[list[SlowDisk]]:
+    """Return the slow disks that the test opened; they go on when it ends."""
+    opened: list[SlowDisk] = []
+    yield opened
+    for disk in opened:
+        disk.goes_on.set()
+
+
+def opener(opened: list[SlowDisk]) -> Callable[[Path], LogWriter]:
+    """Return what opens a slow disk and keeps it."""
+
+    def open_log(path: Path) -> LogWriter:
+        opened.append(SlowDisk(path))
+        return opened[-1]
+
+    return open_log
+
+
+def wait_until(is_so: Callable[[], bool]) -> None:
+    """Wait for a condition."""
+    end_s = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert time.monotonic() < end_s
+        time.sleep(0.005)
+
+
+def test_everything_is_written_in_order(tmp_path: Path) -> None:
+    log = ThreadedLogWriter(tmp_path / "log")
+    for k in range(5000):
+        log.write("x", k, bytes(k % 300))
+    log.close()
+    log.close()
+    assert (log.dropped, log.failure, log.n_events) == (0, "", 5000)
+    assert log.n_bytes == (tmp_path / "log").stat().st_size
+    with Recording(tmp_path / "log") as recording:
+        assert [(event.utime, len(event.data)) for event in recording.events()] == [(k, k % 300) for k in range(5000)]
+
+
+def test_what_was_written_is_flushed_while_nothing_comes(tmp_path: Path) -> None:
+    log = ThreadedLogWriter(tmp_path / "log")
+    log.write("x", 1, b"abc")
+    wait_until(lambda: (tmp_path / "log").stat().st_size == 28 + 1 + 3)
+    log.close()
+
+
+def test_a_slow_disk_holds_up_nobody_and_what_overflows_is_dropped(tmp_path: Path, slow_disks: list[SlowDisk]) -> None:
+    log = ThreadedLogWriter(tmp_path / "log", max_bytes=10 * 1200, open_log=opener(slow_disks))
+    for k in range(50):
+        log.write("x", k, bytes(1000))
+    assert log.dropped == 40
+    slow_disks[0].goes_on.set()
+    log.close()
+    assert (log.dropped, log.failure) == (40, "")
+    with Recording(tmp_path / "log") as recording:
+        assert recording.utimes("x") == list(range(10))
+        assert recording.torn is None
+
+
+def test_after_an_overflow_the_recording_goes_on(tmp_path: Path, slow_disks: list[SlowDisk]) -> None:
+    log = ThreadedLogWriter(tmp_path / "log", max_bytes=2 * 1200, open_log=opener(slow_disks))
+    for k in range(3):
+        log.write("x", k, bytes(1000))
+    slow_disks[0].goes_on.set()
+    wait_until(lambda: log.n_events == 2)
+    log.write("x", 7, bytes(2300))
+    log.write("x", 8, b"")
+    log.close()
+    with Recording(tmp_path / "log") as recording:
+        assert recording.utimes("x") == [0, 1, 8]
+    assert log.dropped == 2
+
+
+def test_a_disk_that_hangs_ends_the_recording_when_it_is_closed(tmp_path: Path, slow_disks: list[SlowDisk]) -> None:
+    notices: list[str] = []
+    log = ThreadedLogWriter(tmp_path / "log", notice=notices.append, open_log=opener(slow_disks))
+    for k in range(3):
+        log.write("x", k, b"")
+    assert slow_disks[0].is_asked.wait(PATIENCE_S)
+    log.close(timeout_s=0.01)
+    assert log.failure == f"{tmp_path / 'log'}: the disk did not take the last events within 0.01 s"
+    assert notices == [log.failure]
+    assert log.dropped == 3
+
+
+@pytest.mark.parametrize("n_bytes", [100_000, 100_017, 1_000_000])
+def test_a_full_disk_ends_the_recording_and_not_the_caller(disk_of: DiskOf, tmp_path: Path, n_bytes: int) -> None:
+    notices: list[str] = []
+    with disk_of(n_bytes):
+        log = ThreadedLogWriter(tmp_path / "log", notice=notices.append)
+        for k in range(3000):
+            log.write("x", k, bytes(1000))
+        wait_until(lambda: bool(log.failure))
+        log.write("x", 3000, b"")
+        log.close()
+    kept = n_bytes // 1029
+    assert log.failure.endswith(f"File too large; the log ends whole after {kept} events")
+    assert notices == [log.failure]
+    assert (log.n_events, log.dropped) == (kept, 3001 - kept)
+    assert log.n_bytes == (tmp_path / "log").stat().st_size == kept * 1029
+    with Recording(tmp_path / "log") as recording:
+        assert recording.torn is None
+        assert recording.utimes("x") == list(range(kept))
+
+
+def test_a_disk_that_is_full_from_the_start_is_told_when_it_is_closed() -> None:
+    notices: list[str] = []
+    log = ThreadedLogWriter("/dev/full", notice=notices.append)
+    log.write("x", 0, b"")
+    log.close()
+    assert notices == ["/dev/full: No space left on device; the log ends whole after 0 events"]
+    assert (log.n_events, log.dropped) == (0, 1)
+
+
+def test_after_closing_events_are_dropped(tmp_path: Path) -> None:
+    log = ThreadedLogWriter(tmp_path / "log")
+    log.close()
+    log.write("x", 0, b"")
+    assert (log.n_events, log.dropped) == (0, 1)
+
+
+def test_a_folder_that_is_missing_is_an_error_at_once(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        ThreadedLogWriter(tmp_path / "none" / "log")
