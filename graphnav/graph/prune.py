@@ -38,7 +38,7 @@ def forget(spec: Spec, gone: Collection[str], classes: Mapping[str, type[Stage]]
         spec.deploy = {name: left for name, entry in spec.deploy.items() if (left := _without(entry, pruned))}
 
 
-def _forget(section: dict[str, Any], left: set[str], gone: set[str], notices: list[str], notice: str) -> None:
+def _forget(section: dict[str, Any], left: set[str], gone: Collection[str], notices: list[str], notice: str) -> None:
     """Remove what is said of ports that went with their stage."""
     for ref in [ref for ref in section if ref.partition(".")[0] in gone and ref not in left]:
         del section[ref]
