@@ -25,8 +25,8 @@ def inputs_of(
 ) -> tuple[dict[str, Channel], dict[str, InputChannel]]:
     """Return what stages can be wired to and where it comes from, each by reference; what is wrong is added.
 
-    Logs resolve against the folder of the file that names them, by default ``folder``. An input whose type is known has
-    a channel, also where something else is wrong with it.
+    Logs resolve against the folder of the file that names them, by default ``folder``. An input whose type is known
+    has a channel, also where something else is wrong with it.
     """
     channels: dict[str, Channel] = {}
     inputs: dict[str, InputChannel] = {}

@@ -34,6 +34,8 @@ def type_read(name: str, catalog: Catalog) -> WireType:
     adapters = catalog.adapters()
     if name in adapters.readers:
         return _adapted(name, adapters.readers[name])
+    if name in adapters.writers and name not in message_types():
+        raise CatalogError(f"the adapter of '{name}' only writes it", "give it from_lcm")
     lcm_class = _installed(name, adapters)
     message = message_class_of(lcm_class)
     if message is None:
@@ -62,6 +64,8 @@ def type_written(name: str | None, message: type[Message], catalog: Catalog) -> 
         return _adapted(name, writers[name])
     if name == own:
         return WireType(own, message.lcm_class, message, None)
+    if name in adapters.readers and name not in (*writers, *message_types()):
+        raise CatalogError(f"the adapter of '{name}' only reads it", "give it to_lcm")
     if name not in writers and _installed(name, adapters) is message.lcm_class:
         return WireType(name, message.lcm_class, message, None)
     fitting = [own, *(other for other, adapter in writers.items() if issubclass(message, adapter.message))]
@@ -87,12 +91,9 @@ def _installed(name: str, adapters: Adapters) -> type:
             f"the package of '{name}' cannot be imported: {one_line(error)}", "fix the package"
         ) from error
     known = {*message_types(), *adapters.readers, *adapters.writers}
-    if lcm_class is None and name in known:
-        verb, missing = ("reads", "to_lcm") if name in adapters.readers else ("writes", "from_lcm")
-        raise CatalogError(f"the adapter of '{name}' only {verb} it", f"give it {missing}")
     if lcm_class is None:
         short = [other for other in sorted(known) if other.rpartition(".")[2] in (name, f"{name}_t")]
-        hint = f"did you mean '{short[0]}'?" if short else did_you_mean(name, known)
+        hint = f"did you mean {' or '.join(map(repr, short))}?" if short else did_you_mean(name, known)
         hint = hint or "install the package that lcm-gen made of it, or name a type of an adapter"
         raise CatalogError(f"there is no LCM type '{name}'", hint)
     _compile(name, lcm_class)
