@@ -1,7 +1,7 @@
 """A relay between two LCM groups that can be told, line by line on its standard input, what to do to the camera.
 
-Robot and navigation each live in a group of their own; everything crosses here, so that a fault of the camera, its edge
-or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"drop": "half"}``, ``{"silent": true}``, ``{"repeat": true}``,
+Robot and navigation each have a group of their own; all crosses here, so that a fault of the camera, its edge or its
+clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"drop": "half"}``, ``{"silent": true}``, ``{"repeat": true}``,
 ``{"jump_s": 3600}``, ``{"picture": "white"}``, ``{"picture": "covered"}``; ``{}`` is no fault. Each line replaces the
 one before. It imports nothing of the runner: what it tests is not what it is made of.
 """
