@@ -5,6 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 import struct
+import threading
 from typing import NamedTuple
 
 _LAYOUT = struct.Struct("=5q")
@@ -30,6 +31,8 @@ class SharedCounts:
 
     def __init__(self, fd: int) -> None:
         self._memory = mmap.mmap(fd, _LAYOUT.size)
+        self._last: Counts | None = None
+        self._lock = threading.Lock()
 
     @classmethod
     def new_file(cls) -> int:
@@ -39,13 +42,17 @@ class SharedCounts:
         return fd
 
     def read(self) -> Counts:
-        """Return what was written last."""
-        return Counts(*_LAYOUT.unpack_from(self._memory))
+        """Return what was written last, or last before `close`."""
+        with self._lock:
+            return self._last or Counts(*_LAYOUT.unpack_from(self._memory))
 
     def write(self, counts: Counts) -> None:
         """Let ``counts`` be what is read."""
         _LAYOUT.pack_into(self._memory, 0, *counts)
 
     def close(self) -> None:
-        """Give the memory back."""
-        self._memory.close()
+        """Give the memory back and keep what was written last."""
+        with self._lock:
+            if self._last is None:
+                self._last = Counts(*_LAYOUT.unpack_from(self._memory))
+                self._memory.close()

@@ -61,7 +61,7 @@ class MotorSender:
             assert self._process.stdout is not None
             self._process.stdout.close()
             self._process.kill()
-            self._process.wait()
+            self._collect()
             raise
 
     @property
@@ -125,10 +125,15 @@ class MotorSender:
                 self._writer.order(Kind.END, time.monotonic())
             self._writer.close()
             with contextlib.suppress(RuntimeError):  # while Python shuts down there are no new threads
-                threading.Thread(target=self._process.wait, name="graphnav-motors-end", daemon=True).start()
+                threading.Thread(target=self._collect, name="graphnav-motors-end", daemon=True).start()
         if wait:
             with contextlib.suppress(subprocess.TimeoutExpired):
-                self._process.wait(_ENDED_S)
+                self._collect(_ENDED_S)
+
+    def _collect(self, timeout_s: float | None = None) -> None:
+        """Wait for the end of the process and give back what it held; raises subprocess.TimeoutExpired."""
+        self._process.wait(timeout_s)
+        self._counts.close()
 
     def _set_up(self, url: str, channels: Sequence[MotorChannel]) -> None:
         """Tell the process what it sends and wait until it can; raises BusError."""

@@ -20,7 +20,7 @@ class FrameWriter:
     written before those that come after it. A frame that has begun is always completed first.
 
     Any thread may call it, a signal handler too: a call that interrupts another one of its thread leaves the writing
-    to that one. All methods raise OSError where the pipe is closed, or nothing reads it.
+    to that one. To write to a pipe that is closed, or that nothing reads, raises OSError.
     """
 
     def __init__(self, pipe: IO[bytes]) -> None:
@@ -35,10 +35,11 @@ class FrameWriter:
 
     @property
     def unread_bytes(self) -> int:
-        """How much of what was written nobody has read."""
+        """How much of what was written nobody has read; 0 of a closed pipe."""
         count = array.array("i", [0])
         with self._lock:
-            fcntl.ioctl(self._fd, termios.FIONREAD, count)
+            if self._fd >= 0:
+                fcntl.ioctl(self._fd, termios.FIONREAD, count)
         return count[0]
 
     def command(self, channel: int, sent_s: float, data: bytes) -> bool:
