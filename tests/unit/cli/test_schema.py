@@ -27,7 +27,7 @@ yes_is_a_text number_in_quotes only_a_comment
 """The broken graphs in which a word, not the meaning of the wires, is wrong."""
 
 WIRED = """
-ambiguous_swap input_log_missing input_of_another_type input_unknown_type loop motor_without_guard two_writers
+ambiguous_swap input_log_missing input_of_another_type loop motor_without_guard two_writers
 type_mismatch unknown_reference
 """.split()  # noqa: SIM905
 """Those in which every word is right by itself."""
