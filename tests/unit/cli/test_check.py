@@ -35,6 +35,34 @@ def test_a_sound_graph_is_shown_in_firing_order(capsys: pytest.CaptureFixture[st
     assert said.splitlines()[-1] == "graph.yaml is fine: 1 source, 3 other stages, 5 channels"
 
 
+LIVE = """\
+inputs:
+  camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}
+  past.motion: {log: past.lcmlog, type: toy.odometer_t}
+stages:
+  flow: {use: toy.matcher, in: {image: camera.image}}
+  plane: {use: toy.detector, in: {flow: flow.flow}}
+  wheels: {use: toy.wheels, in: {plane: plane.plane}}
+  guard: {use: toy.guard, in: {command: wheels.twist, plane: plane.plane}}
+outputs: {guard.twist: {channel: BASE_CMD, type: toy.wheels_t, motor: true}, plane.plane: {channel: PLANE}}
+"""
+
+
+def test_what_comes_in_and_leaves_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("live.yaml").write_text(LIVE)
+    Path("past.lcmlog").touch()
+    assert main(["check", "live", "--plugin", str(TOYS)]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["camera", "input", "CAMERA:", "graphnav_lcm.image_t", "camera.image:", "Image"] in rows
+    assert ["past", "log", "past.lcmlog:", "past.motion:", "toy.odometer_t", "past.motion:", "Motion"] in rows
+    assert ["motor", "output", "guard.twist", "BASE_CMD:", "toy.wheels_t"] in rows
+    assert ["output", "plane.plane", "PLANE:", "graphnav_lcm.plane_t"] in rows
+    assert " ".join(rows[-2]) == (
+        "it runs live: it listens to CAMERA, it plays past.lcmlog, it sends BASE_CMD (motor), PLANE"
+    )
+    assert " ".join(rows[-1]) == "live.yaml is fine: 2 inputs, 0 sources, 4 other stages, 6 channels, 2 outputs"
+
+
 def test_a_swap_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "graph.yaml", "--plugin", str(TOYS), "--set", "plane=toy.guess"]) == 0
     assert "flow: pruned, nobody reads it any more" in capsys.readouterr().out

@@ -75,6 +75,40 @@ def test_mermaid_and_dot_have_every_wire(load: Callable[..., Graph]) -> None:
         assert f'"{start}":"out_{port}":e -> "{end}":"in_{entry}":w' in dot
 
 
+LIVE = """\
+inputs: {camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}}
+stages:
+  flow: {use: toy.matcher, in: {image: camera.image}}
+  plane: {use: toy.detector, in: {flow: flow.flow}}
+  wheels: {use: toy.wheels, in: {plane: plane.plane}}
+  guard: {use: toy.guard, in: {command: wheels.twist, plane: plane.plane}}
+outputs: {guard.twist: {channel: 'BASE|"<CMD>', motor: true}}
+"""
+
+
+def test_the_terminal_shows_what_comes_in_and_leaves(load: Callable[..., Graph]) -> None:
+    lines = str(text_of(load(LIVE))).splitlines()
+    assert lines[1].split("│")[1].split() == ["camera", "input"]
+    assert "▸ image: Image from CAMERA" in lines[2]
+    assert lines[-3].split("│")[1].split() == ['BASE|"<CMD>', "motor", "output"]
+    assert "◂ twist" in lines[-2]
+
+
+def test_other_programs_show_what_comes_in_and_leaves(load: Callable[..., Graph]) -> None:
+    graph = load(LIVE)
+    tree = ET.fromstring(svg_of(graph))
+    names = [str(text.text) for text in tree.iter(f"{SVG}text") if text.get("class") == "name"]
+    assert sorted(names) == sorted(["camera", *(node.name for node in graph.nodes), 'BASE|"<CMD>'])
+    lines = [path for path in tree.iter(f"{SVG}path") if (path.get("class") or "").startswith("wire")]
+    assert len(lines) == len(wires(graph)) + 1
+    assert [tspan.text for tspan in tree.iter(f"{SVG}tspan")] == ["CAMERA"]
+    mermaid, dot = mermaid_of(graph), dot_of(graph)
+    assert 's_camera[/"<b>camera (CAMERA)</b><br/>input"/]' in mermaid
+    assert 's_guard -->|"twist"| s_output_guard_twist' in mermaid
+    assert '"guard":"out_twist":e -> "output_guard.twist":"in_twist":w' in dot
+    assert 'label="{BASE\\|\\"\\<CMD\\>\\nmotor output|{{<in_twist> twist}|{}}}"' in dot
+
+
 CHAINS = st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), max_size=10)
 
 

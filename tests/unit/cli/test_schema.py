@@ -15,6 +15,7 @@ from graphnav.spec import parse_yaml
 ERRORS = Path(__file__).parent.parent.parent / "errors"
 
 REFUSED = """
+inputs_were_queues inputs_a_list input_channel_names outputs_wrong output_channel_names queues_wrong times_wrong
 channel_name_empty channel_name_reserved channel_name_too_long channel_name_with_space deploy_wrong empty inputs_wrong
 key_not_a_text many missing_parameter not_a_choice not_a_mapping only_a_text out_of_bounds reference_not_a_text
 seed_wrong stage_a_text stage_empty stage_name_wrong stages_a_list stages_empty stages_missing stage_without_family
@@ -24,6 +25,12 @@ unknown_stage_key use_missing use_not_a_text whole_number_expected with_not_a_ma
 yes_is_a_text number_in_quotes only_a_comment
 """.split()  # noqa: SIM905
 """The broken graphs in which a word, not the meaning of the wires, is wrong."""
+
+WIRED = """
+ambiguous_swap input_log_missing input_of_another_type loop motor_without_guard two_writers
+type_mismatch unknown_reference
+""".split()  # noqa: SIM905
+"""Those in which every word is right by itself."""
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +72,7 @@ def test_a_wrong_word_is_refused(toy_schema: dict[str, Any], case: str) -> None:
     assert not is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)
 
 
-@pytest.mark.parametrize("case", ["type_mismatch", "loop", "two_writers", "unknown_reference", "ambiguous_swap"])
+@pytest.mark.parametrize("case", WIRED)
 def test_what_only_the_wires_tell_is_left_to_the_check(toy_schema: dict[str, Any], case: str) -> None:
     assert is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)
 

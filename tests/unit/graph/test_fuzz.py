@@ -12,9 +12,13 @@ from graphnav.graph import Graph, graph_of, resolved_yaml
 
 CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 
-KNOWN = """about run stages channels deploy inputs use with in robot flow plane wheels toy.robot toy.matcher
-toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image command twist robot.image flow.flow
-plane.plane wheels.twist noise_px rate_hz layers model limits seed until_s record all keep host restart CAMERA"""
+KNOWN = """
+about run stages channels deploy inputs outputs queues use with in every_ms deadline_ms robot flow plane
+wheels toy.robot toy.matcher toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image
+command twist robot.image flow.flow plane.plane wheels.twist noise_px rate_hz layers model limits seed until_s
+record all keep host restart CAMERA url camera.image camera guard guard.twist toy.guard channel log type motor
+stop max_age_s graphnav_lcm.image_t graphnav_lcm.twist_t toy.wheels_t toy.odometer_t udpm:// wheels.plane
+"""
 WORDS = st.sampled_from(KNOWN.split())
 ATOMS = WORDS | st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
 TREES = st.recursive(
@@ -25,7 +29,11 @@ TREES = st.recursive(
 STAGE = st.fixed_dictionaries({"use": ATOMS}, optional={"with": TREES, "in": st.dictionaries(WORDS, ATOMS, max_size=3)})
 GRAPHS = st.fixed_dictionaries(
     {"stages": st.dictionaries(WORDS, STAGE | TREES, max_size=5)},
-    optional=dict.fromkeys(("about", "run", "channels", "deploy", "inputs"), TREES),
+    optional={
+        **dict.fromkeys(("about", "run", "channels", "deploy", "inputs", "outputs", "queues"), TREES),
+        "inputs": st.dictionaries(WORDS, st.dictionaries(WORDS, TREES, max_size=4) | TREES, max_size=3),
+        "outputs": st.dictionaries(WORDS, st.dictionaries(WORDS, TREES, max_size=5) | TREES, max_size=3),
+    },
 )
 SETS = st.lists(
     st.builds("{}{}{}={}".format, WORDS, st.sampled_from(["", ".in.", "."]), WORDS, ATOMS) | st.text(max_size=12),

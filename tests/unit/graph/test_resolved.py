@@ -1,20 +1,27 @@
 """The resolved graph loads again, says the same, and is the same text on every machine."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from graphnav.catalog import Catalog
+from graphnav.errors import Place
 from graphnav.graph import Graph, graph_of, load_graph, resolved_yaml
 
 Load = Callable[..., Graph]
+NOWHERE = Place("")
 
 
 def meaning(graph: Graph) -> object:
     """Return what a graph does, without how it came to be."""
     nodes = [(n.name, n.use, dict(n.params), [(i.port, i.channel) for i in n.inputs], n.outputs) for n in graph.nodes]
-    return graph.about, nodes, [n.name for n in graph.order], graph.channels, graph.run, graph.deploy, graph.inputs
+    times = [(n.every_ms, n.deadline_ms) for n in graph.nodes]
+    inputs = {ref: replace(i, place=NOWHERE) for ref, i in graph.inputs.items()}
+    outputs = {ref: replace(o, place=NOWHERE) for ref, o in graph.outputs.items()}
+    outside = inputs, outputs, graph.queues, times
+    return graph.about, nodes, [n.name for n in graph.order], graph.channels, graph.run, graph.deploy, outside
 
 
 @pytest.mark.parametrize("sets", [(), ("plane=toy.guess",), ("plane.limits=[1, 2]", "run.record=small")])
@@ -30,9 +37,52 @@ def load_default(load: Load, *sets: str) -> Graph:
 
 def test_names_options_and_sections_are_kept(load: Load) -> None:
     text = resolved_yaml(load()) + "channels: {robot.image: CAMERA}\ndeploy: {a: {stages: [flow], host: jetson}}\n"
-    graph = load(text + "inputs: {plane.flow: {keep: all}}\n")
+    graph = load(text + "queues: {plane.flow: {keep: all}, wheels.plane: {keep: 4}}\n")
     assert meaning(load(resolved_yaml(graph))) == meaning(graph)
     assert "  robot.image: CAMERA\n" in resolved_yaml(graph)
+
+
+LIVE = """\
+run: {url: "udpm://239.255.76.67:7667?ttl=1"}
+inputs:
+  camera.image: {channel: CAMERA, type: graphnav_lcm.image_t, max_age_s: 0.25}
+  base.motion: {channel: MOTION, type: toy.odometer_t}
+  past.image: {log: past.lcmlog, type: graphnav_lcm.image_t}
+  other.image: {log: past.lcmlog, channel: CAMERA, type: graphnav_lcm.image_t}
+stages:
+  flow: {use: toy.matcher, in: {image: camera.image}, deadline_ms: 12.5}
+  plane: {use: toy.detector, in: {flow: flow.flow}}
+  wheels: {use: toy.wheels, in: {plane: plane.plane}}
+  guard: {use: toy.guard, in: {command: wheels.twist, plane: plane.plane}, every_ms: 50}
+  score: {use: toy.score, in: {plane: plane.plane, motion: base}}
+outputs:
+  guard.twist: {channel: BASE, type: toy.wheels_t, motor: true, max_age_s: 0.2}
+  wheels.twist: {channel: WHEELS}
+  plane.plane: {channel: PLANE, type: graphnav_lcm.plane_t}
+queues: {plane.flow: {keep: all}, wheels.plane: {keep: 4}}
+"""
+
+
+@pytest.mark.parametrize("portable_paths", [True, False])
+def test_what_comes_in_and_leaves_is_kept(load: Load, tmp_path: Path, *, portable_paths: bool) -> None:
+    (tmp_path / "past.lcmlog").touch()
+    graph = load(LIVE)
+    text = resolved_yaml(graph, portable_paths=portable_paths)
+    again = load(text)
+    assert resolved_yaml(again, portable_paths=True).count("past.lcmlog") == 2
+    assert (str(tmp_path) in text) != portable_paths
+    if portable_paths:
+        assert meaning(again) == meaning(graph)
+    else:
+        assert again.inputs["past.image"].log == graph.inputs["past.image"].log == tmp_path / "past.lcmlog"
+
+
+def test_a_stop_that_the_graph_gives_is_kept(load: Load, tmp_path: Path) -> None:
+    (tmp_path / "past.lcmlog").touch()
+    given = "type: graphnav_lcm.twist_t, motor: true, stop: {v_mps: 0, omega_radps: 0.0, seq: 7}"
+    graph = load(LIVE.replace("type: toy.wheels_t, motor: true", given))
+    assert meaning(load(resolved_yaml(graph))) == meaning(graph)
+    assert graph.outputs["guard.twist"].stop == {"v_mps": 0, "omega_radps": 0.0, "seq": 7}
 
 
 def test_the_text_is_the_same_wherever_the_graph_lies(toys: Catalog, tmp_path: Path) -> None:

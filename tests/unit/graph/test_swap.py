@@ -20,7 +20,7 @@ stages:
   wheels: {use: toy.wheels, in: {plane: plane.plane}}
 channels: {smooth.flow: SMOOTH, robot.image: CAMERA}
 deploy: {eyes: {stages: [flow]}, nose: {stages: [smooth]}}
-inputs: {smooth.flow: {keep: all}, plane.flow: {keep: 4}}
+queues: {smooth.flow: {keep: all}, plane.flow: {keep: 4}}
 """
 
 
@@ -91,7 +91,45 @@ def test_what_nobody_reads_any_more_is_pruned_with_all_that_is_said_of_it(load: 
     assert "smooth: pruned, nobody reads it any more" in graph.notices
     assert {c.name for c in graph.channels.values() if c.name != c.ref} == {"CAMERA"}
     assert graph.deploy == {"eyes": {"stages": ["flow"]}}
-    assert graph.inputs == {}
+    assert graph.queues == {}
+    assert "queues: 'plane.flow' is gone, and what it holds" in graph.notices
+
+
+def test_what_leaves_the_graph_counts_as_read(load: Load) -> None:
+    graph = load(TWO_FLOWS + "outputs: {smooth.flow: {channel: SMOOTHED}}\n", "plane=toy.guess")
+    assert "smooth" in names(graph)
+    assert list(graph.outputs) == ["smooth.flow"]
+
+
+def test_an_output_that_a_swap_takes_away_is_told(load: Load) -> None:
+    graph = load(TWO_FLOWS + "outputs: {twin.plane: {channel: TWIN}}\n", "twin=toy.smooth")
+    assert graph.outputs == {}
+    assert "outputs: 'twin.plane' is gone: nothing leaves in its place" in graph.notices
+
+
+LIVE = """\
+inputs:
+  camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}
+  base.motion: {channel: MOTION, type: graphnav_lcm.motion_t}
+stages:
+  robot: {use: toy.robot}
+  flow: {use: toy.matcher, in: {image: robot.image}}
+  plane: {use: toy.detector, in: {flow: flow.flow}}
+"""
+
+
+def test_an_input_is_a_candidate_for_what_a_swap_opens(load: Load) -> None:
+    graph = load(LIVE.replace("robot.image", "camera.image"), "plane=toy.guess", "plane.in.motion=base")
+    assert wires(graph)["plane.motion"] == "base.motion"
+    with pytest.raises(UserError, match=r"2 channels have it: base\.motion, robot\.motion"):
+        load(LIVE, "plane=toy.guess")
+
+
+def test_an_input_that_is_set_takes_the_place_of_the_last_source(load: Load) -> None:
+    graph = load(LIVE, "plane=toy.smooth", "flow.in.image=camera.image", "plane.in.flow=flow")
+    assert wires(graph)["flow.image"] == "camera.image"
+    assert names(graph) == ["flow", "plane"]
+    assert graph.sources == ()
 
 
 def test_pruning_goes_on_to_what_fed_the_pruned(load: Load) -> None:
