@@ -57,8 +57,8 @@ class Guard(Stage):
         0.9,
         ge=0.0,
         le=1.0,
-        doc="share of obstacle among the judged cells above which the robot may not go forward: from 0.9 on the "
-        "steering that ships takes no direction for free, and does not drive forward either; 1 is no limit",
+        doc="share of obstacle among the judged cells above which the robot may not go forward: from 0.9 on steer.pca "
+        "too takes no direction for free and does not drive forward; 1 is no limit",
     )
     min_contrast: float = param(
         3.0,

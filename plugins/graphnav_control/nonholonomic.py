@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from graphnav import Stage, Stamp, Steering, Twist, param
+from graphnav import Continuity, Stage, Stamp, Steering, Twist, param
 
 
 class Nonholonomic(Stage):
@@ -34,9 +34,12 @@ class Nonholonomic(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the last command."""
         self._last: tuple[int, Twist] | None = None
+        self._continuity = Continuity()
 
     def step(self, steering: Steering, stamp: Stamp) -> Twist:
-        """Return the command."""
+        """Return the command; the low-pass begins anew after a gap of more than 3 periods."""
+        if self._continuity.breaks(stamp):
+            self._last = None
         theta_rad = steering.theta_rad
         speed_ratio = max(math.cos(theta_rad), self.floor_ratio)
         turn_ratio = math.sin(theta_rad) if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 
-from graphnav import Stage, Stamp, Steering, Twist, param
+from graphnav import Continuity, Stage, Stamp, Steering, Twist, param
 
 
 class StopAndLook(Stage):
@@ -20,8 +20,9 @@ class StopAndLook(Stage):
 
     Flow covers the time since the last frame, and the drive needs time to reach its speed. So frames count only if the
     one before was taken at least ``settle_s`` after the start; what steering says in the meantime, and during turns, is
-    not heard. The law of [OI] is T = T_m cos(theta), R = R_m sin(theta) at every frame; here a cycle of frames follows
-    theta as the law would, at constant speed.
+    not heard. After a gap of more than 3 periods it looks anew: how far a turn came meanwhile is not known. The law of
+    [OI] is T = T_m cos(theta), R = R_m sin(theta) at every frame; here a cycle of frames follows theta as the law
+    would, at constant speed.
 
     References
     ----------
@@ -45,6 +46,7 @@ class StopAndLook(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, about to look."""
         self._before: int | None = None
+        self._continuity = Continuity()
         self._thetas_rad: list[float] = []
         self._look_since_us = 0
         self._turn_until_us: int | None = None
@@ -52,7 +54,7 @@ class StopAndLook(Stage):
 
     def step(self, steering: Steering, now: Stamp) -> Twist:
         """Return the command."""
-        if self._before is None:
+        if self._continuity.breaks(now) or self._before is None:
             self._look(now)
         elif self._turn_until_us is not None:
             if now >= self._turn_until_us:

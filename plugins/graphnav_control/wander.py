@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graphnav import Image, Stage, Stamp, Twist, param
+from graphnav import Continuity, Image, Stage, Stamp, Twist, param
 
 
 class Wander(Stage):
@@ -27,9 +27,13 @@ class Wander(Stage):
         self._rng = np.random.default_rng(seed)
         self._twist = self._wanted = np.zeros(2)
         self._next_us = self._last_us = 0
+        self._continuity = Continuity()
 
     def step(self, image: Image, now: Stamp) -> Twist:  # noqa: ARG002  # the image only tells that a frame passed
-        """Return the command of this frame."""
+        """Return the command of this frame; after a gap of more than 3 periods it starts at rest again."""
+        if self._continuity.breaks(now):
+            self._twist = np.zeros(2)
+            self._next_us = self._last_us = now
         if now >= self._next_us:
             straight = self._rng.random() < self.straight_ratio
             turn_radps = 0.0 if straight else self._rng.uniform(-self.max_turn_radps, self.max_turn_radps)

@@ -23,7 +23,7 @@ _LEAST_SIDE_PX = 32
 class Dis(Stage):
     """Dense optical flow by dense inverse search [K], OpenCV's implementation.
 
-    The first image gives no flow.
+    The first image gives no flow, nor does the first after a gap of more than 3 periods.
 
     References
     ----------
@@ -43,7 +43,7 @@ class Dis(Stage):
         self._search = cv2.DISOpticalFlow.create(_PRESETS[self.preset])
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
-        """Return the flow since the last image, None for the first.
+        """Return the flow since the last image, None without one.
 
         Raises
         ------
@@ -55,7 +55,7 @@ class Dis(Stage):
             rows, cols = gray.shape
             raise ValueError(f"the image is {cols}x{rows}, but each side must have at least {_LEAST_SIDE_PX} pixels")
         last, self._last = self._last, gray
-        if last is None:
+        if last is None or not interval_us:
             return None
         uv_px = -self._search.calc(gray, last, None)
         valid = trusted(uv_px, gray, self.margin_px, self.least_texture)

@@ -12,7 +12,7 @@ from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC,
 class Farneback(Stage):
     """Dense optical flow by polynomial expansion [F], OpenCV's implementation.
 
-    The first image gives no flow.
+    The first image gives no flow, nor does the first after a gap of more than 3 periods.
 
     References
     ----------
@@ -39,10 +39,10 @@ class Farneback(Stage):
         self._last: Gray | None = None
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
-        """Return the flow since the last image, None for the first."""
+        """Return the flow since the last image, None without one."""
         gray, interval_us = self._frames.next(image, stamp)
         last, self._last = self._last, gray
-        if last is None:
+        if last is None or not interval_us:
             return None
         back_px = cv2.calcOpticalFlowFarneback(
             gray,

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Image, Stamp
+from graphnav import Continuity, Image, Stamp
 
 Gray = npt.NDArray[np.uint8]
 
@@ -20,9 +20,13 @@ class Frames:
     def __init__(self) -> None:
         self._shape: tuple[int, ...] | None = None
         self._last: Stamp | None = None
+        self._continuity = Continuity()
 
     def next(self, image: Image, stamp: Stamp) -> tuple[Gray, int]:
-        """Return ``image`` as uint8 (rows, cols) and the microseconds since the one before, 0 for the first.
+        """Return ``image`` as uint8 (rows, cols) and the microseconds since the one before.
+
+        These are 0 where there is none to compare it with: for the first image, and for the first after a gap of more
+        than 3 of the usual periods, across which no estimator follows.
 
         Raises
         ------
@@ -36,7 +40,8 @@ class Frames:
             raise ValueError(
                 f"the image is {shape[1]}x{shape[0]}, but the ones before were {self._shape[1]}x{self._shape[0]}"
             )
-        interval_us = 0 if self._last is None else stamp - self._last
+        is_broken = self._continuity.breaks(stamp)
+        interval_us = 0 if self._last is None or is_broken else stamp - self._last
         self._last = stamp
         return to_gray(image), interval_us
 

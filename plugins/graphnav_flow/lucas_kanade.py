@@ -24,7 +24,8 @@ class LucasKanade(Stage):
     vector for every pixel. Each iteration corrects the smoothed flow, with the mean of both images' gradients, and
     continues it where the last image does not reach (`Refinement`); each layer ends with a median against outliers.
 
-    The first image gives no flow. Where neither image has texture the flow is finite, small and not valid.
+    The first image gives no flow, nor does the first after a gap of more than 3 periods. Where neither image has
+    texture the flow is finite, small and not valid.
 
     References
     ----------
@@ -65,11 +66,12 @@ class LucasKanade(Stage):
         self._refinements: list[Refinement] = []
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
-        """Return the flow since the last image, None for the first."""
+        """Return the flow since the last image, None without one."""
         gray, interval_us = self._frames.next(image, stamp)
         last, self._last = self._last, build_pyramid(gray, self.layers)
         if last is None:
             self._refinements = self._buffers(self._last)
+        if last is None or not interval_us:
             return None
         uv_px = self._solve(self._last, last)
         valid = trusted(uv_px, gray, self.margin_px, self.least_texture)

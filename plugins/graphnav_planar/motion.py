@@ -6,6 +6,7 @@ import numpy as np
 
 import graphnav
 from graphnav import Flow, Planar, PlanarModel, coarsen, param
+from graphnav_planar.interval import check_interval
 from graphnav_planar.refinement import Doubles, correction
 from graphnav_planar.taught import Taught, check_size, planar, stacked
 from graphnav_planar.terms import driving_terms, factors, orders
@@ -35,9 +36,10 @@ class Motion(Taught):
         Raises
         ------
         ValueError
-            The flow is of another image size than the model.
+            The flow is of another image size than the model, or covers another interval than the motion.
         """
         check_size(self._model, flow)
+        check_interval(flow, motion)
         by_term = factors(self._terms, motion)
         if self.odometry_error_ratio:
             by_term = by_term + self._correction(by_term, coarsen(flow, self._model.step_px))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, Planar, PlanarModel, param
+from graphnav import Continuity, Flow, Planar, PlanarModel, Stamp, param
 from graphnav_planar.egomotion import best_motion, fitted_motion, motions_of_pairs
 from graphnav_planar.fitted import fitted
 from graphnav_planar.robust import NOISE_DOC, NOISE_PX
@@ -22,10 +22,10 @@ class Subspace(Taught):
     displacement and turn determine all of them. So two numbers are fitted, by least squares that are reweighted so that
     obstacles do not count (Geman and McClure's estimator).
 
-    That fit ends near where it starts. It starts from the best of these: the last frame's motion, the same without its
-    turn, and the motions that explain random pairs of vectors [FB]. So the ground need only be the largest part of the
-    picture that moves as one plane does. Where less than 6 vectors are valid there is nothing to fit, and no cell of
-    the planar flow is.
+    That fit ends near where it starts. It starts from the best of these: the last frame's motion (standing still after
+    a gap of more than 3 periods), the same without its turn, and the motions that explain random pairs of vectors [FB].
+    So the ground need only be the largest part of the picture that moves as one plane does. Where less than 6 vectors
+    are valid there is nothing to fit, and no cell of the planar flow is.
 
     References
     ----------
@@ -42,8 +42,9 @@ class Subspace(Taught):
         super().reset(seed)
         self._rng = np.random.default_rng(seed)
         self._motion = np.zeros(2)
+        self._continuity = Continuity()
 
-    def step(self, flow: Flow) -> Planar:
+    def step(self, flow: Flow, stamp: Stamp) -> Planar:
         """Return the planar flow of the motion that ``flow`` shows, for its grid.
 
         Raises
@@ -51,6 +52,8 @@ class Subspace(Taught):
         ValueError
             The flow is of another image size than the model.
         """
+        if self._continuity.breaks(stamp):
+            self._motion = np.zeros(2)
         return fitted(self._model, flow, self._moved)
 
     def _moved(self, both: npt.NDArray[np.intp], uv_px: Doubles) -> Doubles:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from graphnav import Flow, Latest, Motion, PlanarModel, Stage, coarsen, param
+from graphnav_planar.interval import check_interval
 from graphnav_planar.normal_equations import Doubles, NormalEquations
 from graphnav_planar.terms import MEAN, Term, driving_terms, factors
 
@@ -57,12 +58,15 @@ class Teach(Stage):
         Raises
         ------
         ValueError
-            There are terms to teach that need the motion of this frame, and it is not there; or the flow changes size.
+            There are terms to teach that need the motion of this frame, and it is not there or covers another interval
+            than the flow; or the flow changes size.
         """
         moved = motion.value if motion.age_s == 0.0 else None
         if moved is None and self._driving:
             wanted = ", ".join(self._driving)
             raise ValueError(f"the terms {wanted} need the motion of each frame: wire 'motion', or teach only mean")
+        if moved is not None:
+            check_interval(flow, moved)
         self._add(coarsen(flow, self.cell_px), moved)
         if self._frames % self.every_frames:
             return None

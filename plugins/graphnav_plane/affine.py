@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphnav import Flow, Plane, coarsen, param
+from graphnav import Flow, Plane, Stamp, coarsen, param
 from graphnav_plane.agreement import Doubles, agrees, length, median
 from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector
 
@@ -43,8 +43,9 @@ class Affine(Detector):
         super().reset(seed)
         self._rng = np.random.default_rng(seed)
 
-    def step(self, flow: Flow) -> Plane:
+    def step(self, flow: Flow, stamp: Stamp) -> Plane:
         """Return the plane on cells of ``cell_px``; nothing is judged where fewer than 6 vectors are valid."""
+        self._begin(stamp)
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
         if np.count_nonzero(valid) < LEAST_VECTORS:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, Planar, Plane, Stage, coarsen, param
+from graphnav import Continuity, Flow, Planar, Plane, Stage, Stamp, coarsen, param
 from graphnav_plane.memory import Memory
 from graphnav_plane.rule import Rule, threshold
 
@@ -15,6 +15,7 @@ Scores = npt.NDArray[np.floating]
 Vectors = npt.NDArray[np.floating]
 
 LEAST_VECTORS = 6
+MAX_INTERVAL_ERROR_RATIO = 0.01
 _NEXT = np.ones((3, 3), np.uint8)
 
 
@@ -55,6 +56,12 @@ class Detector(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last frames."""
         self._memory = Memory(self.memory_ratio)
+        self._continuity = Continuity()
+
+    def _begin(self, stamp: Stamp) -> None:
+        """Begin a step; after a gap of more than 3 periods the last frames are forgotten."""
+        if self._continuity.breaks(stamp):
+            self._memory.forget()
 
     def _unjudged(self, cells: Flow) -> Plane:
         """Return a plane in which nothing was judged, and forget the last frames."""
@@ -100,8 +107,13 @@ def compared(flow: Flow, planar: Planar) -> tuple[Flow, Cells]:
     Raises
     ------
     ValueError
-        They are of different image sizes.
+        They are of different image sizes, or the times that they cover differ by more than 1 %.
     """
+    if abs(flow.interval_us - planar.interval_us) > MAX_INTERVAL_ERROR_RATIO * flow.interval_us:
+        raise ValueError(
+            f"the planar flow covers {planar.interval_us} us, but the flow {flow.interval_us} us: "
+            "wire the flow from which the planar flow is made"
+        )
     cells = coarsen(flow, planar.step_px)
     if cells.valid.shape != planar.planar_valid.shape:
         (rows, cols), (planar_rows, planar_cols) = cells.valid.shape, planar.planar_valid.shape

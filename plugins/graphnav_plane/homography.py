@@ -7,7 +7,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from graphnav import Flow, Plane, coarsen, param
+from graphnav import Flow, Plane, Stamp, coarsen, param
 from graphnav_plane.agreement import Doubles, agrees, length
 from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector
 
@@ -54,8 +54,9 @@ class Homography(Detector):
     draws: int = param(200, ge=1, le=100_000, doc="four-point draws, at most")
     refits: int = param(2, ge=0, le=100, doc="least-squares fits to what agrees with the one before")
 
-    def step(self, flow: Flow) -> Plane:
+    def step(self, flow: Flow, stamp: Stamp) -> Plane:
         """Return the plane on cells of ``cell_px``; nothing is judged where fewer than 6 vectors are valid."""
+        self._begin(stamp)
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
         if np.count_nonzero(valid) < LEAST_VECTORS:

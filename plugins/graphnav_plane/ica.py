@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from graphnav import Flow, Planar, Plane, param
+from graphnav import Flow, Planar, Plane, Stamp, param
 from graphnav_plane import closed_form, iterated, robust_contrast
 from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
 from graphnav_plane.iterated import Nonlinearity
@@ -69,14 +69,15 @@ class Ica(Detector):
         super().reset(seed)
         self._unmixing: Doubles = np.random.default_rng(seed).standard_normal((2, 2))
 
-    def step(self, flow: Flow, planar: Planar) -> Plane:
+    def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> Plane:
         """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.
 
         Raises
         ------
         ValueError
-            Flow and planar flow are of different image sizes.
+            Flow and planar flow are of different image sizes or cover different times.
         """
+        self._begin(stamp)
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < LEAST_VECTORS:
             return self._unjudged(cells)

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Planar, Plane, Role
+from graphnav import Flow, Planar, Plane, Role, Stamp
 from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
 
 
@@ -18,14 +18,15 @@ class Residual(Detector):
 
     role: ClassVar[Role] = "control"
 
-    def step(self, flow: Flow, planar: Planar) -> Plane:
+    def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> Plane:
         """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.
 
         Raises
         ------
         ValueError
-            Flow and planar flow are of different image sizes.
+            Flow and planar flow are of different image sizes or cover different times.
         """
+        self._begin(stamp)
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < LEAST_VECTORS:
             return self._unjudged(cells)

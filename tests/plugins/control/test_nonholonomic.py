@@ -65,3 +65,12 @@ def test_reset_forgets_the_last_command() -> None:
         stage.reset(seed=0)
         assert stage.step(asked(math.pi / 2), Stamp(0)).omega_radps == pytest.approx(stage.max_turn_radps)
         stage.step(asked(0.0), Stamp(100_000))
+
+
+def test_after_a_gap_the_low_pass_begins_anew() -> None:
+    stage = Nonholonomic(max_speed_mps=T_M, max_turn_radps=R_M, smoothing_s=10.0)
+    stage.reset(seed=0)
+    for k in range(4):
+        stage.step(asked(0.0), Stamp(100_000 * k))
+    assert stage.step(asked(math.pi / 2), Stamp(610_000)).omega_radps == R_M
+    assert stage.step(asked(0.0), Stamp(710_000)).omega_radps == pytest.approx(R_M * math.exp(-0.01))

@@ -98,9 +98,9 @@ def test_the_robot_turns_by_that_much_and_every_judged_frame_was_driven_straight
 def test_frames_that_were_dropped_do_not_matter() -> None:
     stage = StopAndLook(settle_s=0.2, look_frames=1, turn_ratio=1.0)
     stage.reset(0)
-    seen = [stage.step(asked(0.8), Stamp(FRAME_US * k)) for k in (1, 2, 7)]
+    seen = [stage.step(asked(0.8), Stamp(FRAME_US * k)) for k in (1, 2, 5)]
     assert [twist.v_mps for twist in seen] == [0.3, 0.3, 0.3]
-    assert stage.step(asked(0.8), Stamp(FRAME_US * 8)).v_mps == 0.0
+    assert stage.step(asked(0.8), Stamp(FRAME_US * 6)).v_mps == 0.0
 
 
 def test_reset_forgets_the_turn() -> None:
@@ -117,3 +117,13 @@ def test_the_stage_keeps_its_contract() -> None:
 def test_a_turn_of_nothing_is_refused() -> None:
     with pytest.raises(ParamError, match="turn_ratio"):
         StopAndLook(turn_ratio=0.0)
+
+
+def test_after_a_gap_it_looks_anew() -> None:
+    stage = StopAndLook(settle_s=0.2, look_frames=1, turn_ratio=1.0, max_turn_radps=0.5)
+    twists = drive(stage, lambda _: 1.5, 6)
+    assert twists[-1].omega_radps > 0.0
+    after_us = FRAME_US * 6 + 5 * FRAME_US
+    later = [stage.step(asked(1.5), Stamp(after_us + FRAME_US * k)) for k in range(4)]
+    assert [(twist.v_mps, twist.omega_radps) for twist in later[:3]] == [(0.3, 0.0)] * 3
+    assert later[3].omega_radps > 0.0

@@ -40,3 +40,14 @@ def test_it_drives_smoothly() -> None:
 def test_the_seed_decides() -> None:
     assert np.array_equal(drive(Wander(), 1, 50), drive(Wander(), 1, 50))
     assert not np.array_equal(drive(Wander(), 1, 50), drive(Wander(), 2, 50))
+
+
+def test_after_a_gap_it_starts_at_rest() -> None:
+    stage = Wander(straight_ratio=0.0)
+    assert np.abs(drive(stage, frames=50)[-1]).max() > 0.1
+    for now_us in (10_000_000, 5_000_000):
+        twist = stage.step(IMAGE, Stamp(now_us))
+        assert (twist.v_mps, twist.omega_radps) == (0.0, 0.0)
+        for k in range(1, 30):
+            twist = stage.step(IMAGE, Stamp(now_us + 100_000 * k))
+        assert np.hypot(twist.v_mps, twist.omega_radps) > 0.1

@@ -55,6 +55,29 @@ def test_a_reset_forgets_everything(estimator: type[Stage], warped_pair: Callabl
     assert np.array_equal(first.valid, again.valid)
 
 
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("gap_us", [310_000, 0, -50_000, 3_600_000_000])
+def test_after_a_gap_and_after_a_stamp_that_does_not_advance_flow_begins_anew(
+    estimator: type[Stage], gap_us: int, warped_pair: Callable[..., Pair]
+) -> None:
+    pair, stage = warped_pair(lambda x, y: (x + 1.3, y)), started(estimator)
+    for frame in range(4):
+        stage.step(noise_image((120, 160), frame), Stamp(100_000 * frame))
+    after_us = 300_000 + gap_us
+    assert stage.step(Image(pixels=pair.before), Stamp(after_us)) is None
+    flow = stage.step(Image(pixels=pair.now), Stamp(after_us + 100_000))
+    assert flow.interval_us == 100_000
+    assert np.array_equal(flow.uv_px, pair.estimate(started(estimator)).uv_px)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_flow_goes_on_over_a_frame_or_two_that_were_lost(estimator: type[Stage]) -> None:
+    stage = started(estimator)
+    for frame in range(4):
+        stage.step(noise_image((60, 80), frame), Stamp(100_000 * frame))
+    assert stage.step(noise_image((60, 80)), Stamp(600_000)).interval_us == 300_000
+
+
 def test_only_the_last_two_images_matter(warped_pair: Callable[..., Pair]) -> None:
     pair = warped_pair(lambda x, y: (x + 1.3, y))
     stage = started(LucasKanade)

@@ -174,3 +174,14 @@ def test_the_shipped_model_serves_every_planar_stage() -> None:
     stages: list[Stage] = [Mean(model=shipped), Motion(model=shipped)]
     for stage in stages:
         stage.check()
+
+
+@pytest.mark.parametrize("motion_us", [50_000, 98_900, 101_100, 200_000])
+def test_a_motion_of_another_interval_is_refused(floor: Floor, model: PlanarModel, save: Save, motion_us: int) -> None:
+    stage = Motion(model=save(model))
+    stage.reset(0)
+    flow = floor.flow(floor.uv_px(0.03, 0.0))
+    said = rf"^the motion covers {motion_us} us, but the flow 100000 us; use odometry.motion, which interpolates"
+    with pytest.raises(ValueError, match=said):
+        stage.step(flow, replace(floor.motion(0.03, 0.0), interval_us=motion_us))
+    stage.step(flow, replace(floor.motion(0.03, 0.0), interval_us=100_900))

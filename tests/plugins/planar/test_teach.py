@@ -97,3 +97,11 @@ def test_the_picture_may_not_change_its_size(floor: Floor) -> None:
 def test_an_unknown_term_is_refused() -> None:
     with pytest.raises(ParamError, match="terms"):
         Teach(terms=("v", "vvw"))  # type: ignore[arg-type]
+
+
+def test_a_motion_of_another_interval_teaches_nothing(floor: Floor) -> None:
+    stage = Teach()
+    stage.reset(0)
+    moved = replace(floor.motion(0.03, 0.0), interval_us=200_000)
+    with pytest.raises(ValueError, match=r"^the motion covers 200000 us, but the flow 100000 us; use odometry.motion"):
+        stage.step(floor.flow(floor.uv_px(0.03, 0.0)), Latest(moved, 0.0))

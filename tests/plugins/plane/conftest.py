@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import count
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from graphnav import Flow, Planar
+from graphnav import Flow, Planar, Stamp
 
 Doubles = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.bool_]
@@ -29,6 +30,13 @@ class Scene:
 
 class Scenes:
     """Frames of a camera that looks down on a floor, on cells of 4 px."""
+
+    def __init__(self) -> None:
+        self._stamps = count(0, INTERVAL_US)
+
+    def stamp(self) -> Stamp:
+        """Return the stamp of the next frame, one interval after the last."""
+        return Stamp(next(self._stamps))
 
     def floor(self, drive_px: float, turn_rad: float, rows: int = ROWS, cols: int = COLS) -> Doubles:
         """Return the flow of the floor: down the picture, faster towards the bottom, and around its middle."""

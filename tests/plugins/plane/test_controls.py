@@ -82,7 +82,7 @@ def test_controls_judge_the_cells_that_the_detectors_judge(scenes: Scenes, contr
     flow = Flow(uv_px=np.zeros((119, 158, 2), np.float32), valid=valid, interval_us=100_000)
     stage = Affine()
     stage.reset(0)
-    detected, plane = stage.step(flow), control.step(flow)
+    detected, plane = stage.step(flow, scenes.stamp()), control.step(flow)
     assert np.array_equal(plane.valid, detected.valid)
     assert plane.step_px == detected.step_px
     assert not plane.obstacle[plane.valid == 0].any()

@@ -13,7 +13,7 @@ from graphnav_plane.homography import Homography
 from graphnav_plane.ica import Ica
 from graphnav_plane.residual import Residual
 
-from graphnav import Flow, Plane
+from graphnav import Flow, Plane, Stamp
 
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scene, Scenes
@@ -28,9 +28,9 @@ pytestmark = pytest.mark.filterwarnings("error")
 def seen(detector: Detector, scene: Scene) -> Plane:
     detector.reset(0)
     if isinstance(detector, Affine | Homography):
-        return detector.step(scene.flow)
+        return detector.step(scene.flow, Stamp(0))
     assert isinstance(detector, Ica | Residual)
-    return detector.step(scene.flow, scene.planar)
+    return detector.step(scene.flow, scene.planar, Stamp(0))
 
 
 @pytest.mark.parametrize("kind", DETECTORS)

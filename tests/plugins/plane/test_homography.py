@@ -13,7 +13,7 @@ import pytest
 from graphnav_plane.affine import Affine
 from graphnav_plane.homography import Homography, least_squares
 
-from graphnav import Flow, Plane
+from graphnav import Flow, Plane, Stamp
 
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Doubles, Scenes
@@ -34,7 +34,7 @@ def tilted_floor(perspective_px: float, drive_px: float = 2.0) -> Doubles:
 
 def seen(stage: Homography | Affine, flow: Flow) -> Plane:
     stage.reset(0)
-    return stage.step(flow)
+    return stage.step(flow, Stamp(0))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -78,7 +78,7 @@ def test_another_process_gives_the_same_bytes(scenes: Scenes) -> None:
     code = (
         "import sys; from tests.plugins.plane.conftest import Scenes; from graphnav_plane.homography import Homography;"
         "stage = Homography(); stage.reset(0);"
-        "sys.stdout.buffer.write(stage.step(Scenes().scene(0.25).flow).score.tobytes())"
+        "sys.stdout.buffer.write(stage.step(Scenes().scene(0.25).flow, 0).score.tobytes())"
     )
     other = run([sys.executable, "-c", code], check=True, capture_output=True).stdout
     assert other == seen(Homography(), scenes.scene(0.25).flow).score.tobytes()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,9 @@ from graphnav_plane.ica import Ica
 from graphnav_plane.memory import Memory
 from graphnav_plane.residual import Residual
 
+from graphnav import Plane, Stamp
+
 if TYPE_CHECKING:
-    from graphnav import Plane
     from tests.plugins.plane.conftest import Scene, Scenes
 
 ALL = np.ones((8, 10), np.bool_)
@@ -23,11 +25,11 @@ STILL = np.zeros((8, 10, 2), np.float32)
 DETECTORS = [Ica, Affine, Homography, Residual]
 
 
-def seen(detector: Detector, scene: Scene) -> Plane:
+def seen(detector: Detector, scene: Scene, stamp: Stamp) -> Plane:
     if isinstance(detector, Affine | Homography):
-        return detector.step(scene.flow)
+        return detector.step(scene.flow, stamp)
     assert isinstance(detector, Ica | Residual)
-    return detector.step(scene.flow, scene.planar)
+    return detector.step(scene.flow, scene.planar, stamp)
 
 
 def field(seed: int = 0) -> np.ndarray:
@@ -90,7 +92,7 @@ def test_remembering_steadies_the_score_of_ground(scenes: Scenes, kind: type[Det
         stage = kind(memory_ratio=memory_ratio)
         stage.reset(0)
         for seed in range(6):
-            plane = seen(stage, scenes.scene(0.0, seed=seed))
+            plane = seen(stage, scenes.scene(0.0, seed=seed), scenes.stamp())
         means.append(plane.score.mean())
     assert means[1] < 0.7 * means[0]  # independent noise would leave one half
 
@@ -99,10 +101,10 @@ def test_remembering_steadies_the_score_of_ground(scenes: Scenes, kind: type[Det
 def test_a_reset_forgets(scenes: Scenes, kind: type[Detector]) -> None:
     stage = kind()
     stage.reset(0)
-    alone = seen(stage, scenes.scene(0.1)).score
-    seen(stage, scenes.scene(0.35, seed=1))
+    alone = seen(stage, scenes.scene(0.1), scenes.stamp()).score
+    seen(stage, scenes.scene(0.35, seed=1), scenes.stamp())
     stage.reset(0)
-    assert np.array_equal(seen(stage, scenes.scene(0.1)).score, alone)
+    assert np.array_equal(seen(stage, scenes.scene(0.1), scenes.stamp()).score, alone)
 
 
 @pytest.mark.parametrize("kind", [Ica, Homography, Residual])
@@ -113,8 +115,8 @@ def test_a_frame_that_was_not_judged_ends_the_memory(scenes: Scenes, kind: type[
         stage = kind()
         stage.reset(0)
         for before in befores:
-            seen(stage, before)
-        scores.append(seen(stage, scenes.scene(0.1)).score)
+            seen(stage, before, scenes.stamp())
+        scores.append(seen(stage, scenes.scene(0.1), scenes.stamp()).score)
     assert np.array_equal(scores[0], scores[1])
 
 
@@ -128,7 +130,46 @@ def test_ground_beside_a_strong_obstacle_is_not_obstacle(scenes: Scenes) -> None
     for edge_ratio in (0.0, 0.3):
         stage = Residual(edge_ratio=edge_ratio)
         stage.reset(0)
-        maps.append(seen(stage, scene).obstacle)
+        maps.append(seen(stage, scene, scenes.stamp()).obstacle)
     assert maps[0][:, 29].all()
     assert not maps[1][:, 29].any()
     assert maps[1][:, 30:].all()
+
+
+@pytest.mark.parametrize("kind", DETECTORS)
+def test_a_gap_of_more_than_three_periods_ends_the_memory(scenes: Scenes, kind: type[Detector]) -> None:
+    frames = [scenes.scene(0.35, seed=seed) for seed in range(4)]
+    stage, alone = kind(), kind()
+    for detector in (stage, alone):
+        detector.reset(0)
+    for k, frame in enumerate(frames):
+        seen(stage, frame, Stamp(100_000 * k))
+    if isinstance(alone, Affine):
+        alone._rng = copy.deepcopy(stage._rng)  # type: ignore[attr-defined]
+    after = seen(stage, scenes.scene(0.1), Stamp(300_000 + 310_000))
+    assert np.array_equal(after.score, seen(alone, scenes.scene(0.1), Stamp(0)).score)
+
+
+@pytest.mark.parametrize("gap_us", [100_000, 290_000])
+def test_a_frame_or_two_may_be_lost(scenes: Scenes, gap_us: int) -> None:
+    stages = Residual(), Residual(), Residual(memory_ratio=0.0)
+    for stage in stages:
+        stage.reset(0)
+        for k in range(4):
+            seen(stage, scenes.scene(0.35, seed=k), Stamp(100_000 * k))
+    scores = [
+        seen(stage, scenes.scene(0.1), Stamp(300_000 + us)).score
+        for stage, us in zip(stages, (100_000, gap_us, 100_000), strict=True)
+    ]
+    assert np.array_equal(scores[0], scores[1])
+    assert not np.array_equal(scores[0], scores[2])
+
+
+@pytest.mark.parametrize("kind", [Ica, Residual])
+def test_a_planar_flow_of_another_interval_is_refused(scenes: Scenes, kind: type[Detector]) -> None:
+    scene, stage = scenes.scene(), kind()
+    stage.reset(0)
+    other = replace(scene, planar=replace(scene.planar, interval_us=200_000))
+    with pytest.raises(ValueError, match=r"^the planar flow covers 200000 us, but the flow 100000 us: wire the flow"):
+        seen(stage, other, Stamp(0))
+    seen(stage, replace(scene, planar=replace(scene.planar, interval_us=100_900)), Stamp(0))

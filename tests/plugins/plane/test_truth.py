@@ -59,5 +59,5 @@ def test_the_oracle_speaks_of_the_cells_of_the_detectors(scenes: Scenes) -> None
     oracle = Oracle().step(truth(np.zeros((119, 158))))
     stage = Affine()
     stage.reset(0)
-    detected = stage.step(scenes.scene().flow)
+    detected = stage.step(scenes.scene().flow, scenes.stamp())
     assert (oracle.obstacle.shape, oracle.step_px) == (detected.obstacle.shape, detected.step_px)
