@@ -12,9 +12,9 @@ from graphnav.graph import Graph, graph_of, resolved_yaml
 
 CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 
-KNOWN = """about run stages channels deploy inputs use with in robot flow plane wheels toy.robot toy.matcher
-toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image command twist robot.image flow.flow
-plane.plane wheels.twist noise_px rate_hz layers model limits seed until_s record all keep host restart CAMERA"""
+KNOWN = """about extends plugins run stages channels deploy inputs use with in robot flow plane wheels toy.robot
+toy.matcher toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image command twist robot.image
+flow.flow plane.plane wheels.twist noise_px rate_hz layers model limits seed until_s record all keep host restart CAMERA"""
 WORDS = st.sampled_from(KNOWN.split())
 ATOMS = WORDS | st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
 TREES = st.recursive(
@@ -25,10 +25,27 @@ TREES = st.recursive(
 STAGE = st.fixed_dictionaries({"use": ATOMS}, optional={"with": TREES, "in": st.dictionaries(WORDS, ATOMS, max_size=3)})
 GRAPHS = st.fixed_dictionaries(
     {"stages": st.dictionaries(WORDS, STAGE | TREES, max_size=5)},
-    optional=dict.fromkeys(("about", "run", "channels", "deploy", "inputs"), TREES),
+    optional=dict.fromkeys(("about", "plugins", "run", "channels", "deploy", "inputs"), TREES),
+)
+BASE = """\
+stages:
+  robot: {use: toy.robot, in: {command: wheels.twist}}
+  flow: {use: toy.matcher, in: {image: robot.image}}
+  plane: {use: toy.detector, with: {limits: [0, 1]}, in: {flow: flow}}
+  wheels: {use: toy.wheels, in: {plane: plane.plane}}
+channels: {flow.flow: CAMERA}
+deploy: {robot: {stages: [flow, plane]}}
+"""
+OVERLAYS = st.fixed_dictionaries(
+    {"extends": st.just("base")},
+    optional={
+        "stages": st.dictionaries(WORDS, st.none() | STAGE | TREES, max_size=5),
+        **dict.fromkeys(("run", "channels", "deploy", "inputs"), st.dictionaries(WORDS, TREES, max_size=3) | TREES),
+    },
 )
 SETS = st.lists(
-    st.builds("{}{}{}={}".format, WORDS, st.sampled_from(["", ".in.", "."]), WORDS, ATOMS) | st.text(max_size=12),
+    st.builds("{}{}{}={}".format, WORDS, st.sampled_from(["", ".in.", ".", "+"]), WORDS | st.just(""), ATOMS)
+    | st.text(max_size=12),
     max_size=3,
 )
 
@@ -56,6 +73,19 @@ def test_texts(toys: Catalog, text: str, sets: list[str]) -> None:
 @given(GRAPHS, SETS)
 def test_graphs_of_known_words(toys: Catalog, graph: object, sets: list[str]) -> None:
     is_answered(as_yaml(graph).encode("utf-8", "replace"), toys, sets)
+
+
+@CALM
+@given(GRAPHS, OVERLAYS, SETS)
+def test_graphs_that_extend_one_another(
+    toys: Catalog, tmp_path: Path, base: object, overlay: object, sets: list[str]
+) -> None:
+    for text in (BASE, as_yaml(base)):
+        (tmp_path / "base.yaml").write_bytes(text.encode("utf-8", "replace"))
+        data = as_yaml(overlay).encode("utf-8", "replace")
+        with contextlib.suppress(UserError):
+            graph = graph_of(data, tmp_path / "graph.yaml", toys, sets)
+            graph_of(resolved_yaml(graph).encode(), tmp_path / "graph.yaml", toys)
 
 
 def as_yaml(value: object) -> str:
