@@ -53,6 +53,7 @@ def params_notice(
 
     ``given``: parameters that are given with the new stage.
     """
+    kept = [name for name in kept if name not in given]
     defaults = [
         f"{name}={write_value(param.default)}"
         for name, param in params_of(cls).items()

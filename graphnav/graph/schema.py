@@ -10,6 +10,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 from graphnav.catalog import Catalog
 from graphnav.graph.outside_schema import inputs_schema, outputs_schema, queues_schema
 from graphnav.graph.schema_parts import CHANNEL, PORT, Schema, object_schema
+from graphnav.graph.schema_variants import by_keys, stage_variants
 from graphnav.spec import RunOptions
 from graphnav.spec.outside import MAX_EVERY_MS
 from graphnav.spec.spec import RESERVED_STAGES, RESTARTS, STAGE_NAME
@@ -32,34 +33,49 @@ def graph_schema(catalog: Catalog) -> Schema:
     """
     uses = {f"{family}.{name}": None for family in catalog.families() for name in catalog.names(family)}
     classes = {use: catalog.stage(use) for use in uses}
+    stage = _stage(list(classes))
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A graph of graphnav",
-        **object_schema(
-            {
-                "about": {"type": "string", "description": "what the graph does, in a sentence"},
-                "run": _optional({name: _param(param) for name, param in params_of(RunOptions).items()}),
-                "stages": {
-                    "type": "object",
-                    "minProperties": 1,
-                    "propertyNames": {"pattern": f"^{STAGE_NAME.pattern}$", "not": {"enum": list(RESERVED_STAGES)}},
-                    "additionalProperties": {"$ref": "#/$defs/stage"},
-                },
-                "channels": {
-                    "type": ["object", "null"],
-                    "description": "LCM channels with another name than stage.port",
-                    "propertyNames": {"pattern": PORT},
-                    "additionalProperties": {"type": "string", "pattern": CHANNEL},
-                },
-                "deploy": _deploy(),
-                "inputs": inputs_schema(),
-                "outputs": outputs_schema(),
-                "queues": queues_schema(),
-            },
-            required=["stages"],
-        ),
-        "$defs": {"stage": _stage(list(classes)), **{use: _use(cls) for use, cls in classes.items()}},
+        **by_keys(_graph()),
+        "$defs": {"stage": stage, **stage_variants(stage), **{use: _use(cls) for use, cls in classes.items()}},
     }
+
+
+def _graph() -> Schema:
+    return object_schema(
+        {
+            "about": {"type": "string", "description": "what the graph does, in a sentence"},
+            "extends": {
+                "type": "string",
+                "minLength": 1,
+                "description": "a graph, beside this one or one that ships, whose values those of this one override",
+            },
+            "plugins": {
+                "type": ["array", "null"],
+                "items": {"type": "string", "minLength": 1},
+                "description": "files with stages, relative to this one",
+            },
+            "run": _optional({name: _param(param) for name, param in params_of(RunOptions).items()}),
+            "stages": {
+                "type": "object",
+                "minProperties": 1,
+                "propertyNames": {"pattern": f"^{STAGE_NAME.pattern}$", "not": {"enum": list(RESERVED_STAGES)}},
+                "additionalProperties": {"$ref": "#/$defs/stage"},
+            },
+            "channels": {
+                "type": ["object", "null"],
+                "description": "LCM channels with another name than stage.port",
+                "propertyNames": {"pattern": PORT},
+                "additionalProperties": {"type": "string", "pattern": CHANNEL},
+            },
+            "deploy": _deploy(),
+            "inputs": inputs_schema(),
+            "outputs": outputs_schema(),
+            "queues": queues_schema(),
+        },
+        required=["stages"],
+    )
 
 
 def _stage(uses: list[str]) -> Schema:

@@ -132,6 +132,7 @@ class LiveRunner:
             self._take_inputs()
             outcome, fired = self._turn()
             if outcome is not None:
+                self._finish()
                 return outcome
             if not fired and is_over():
                 return Outcome.END
@@ -172,6 +173,14 @@ class LiveRunner:
         timer.advance(now_s)
         self._source_was_last = True
         return self._fire(unit, utime, partial(unit.fire_source, now_s=now_s)), True
+
+    def _finish(self) -> None:
+        """Step with what the source that ended the run published last."""
+        for unit in reversed(self._order):
+            if (matched := unit.ready(math.inf)) is not None:
+                now_s = self.clock.now_s()
+                utime = self._own_stamp(now_s) if unit.is_clocked else matched.utime
+                self._fire(unit, utime, partial(unit.fire_set, matched, now_s=now_s))
 
     def _fire(self, unit: LiveUnit, utime: int, fire: Callable[[int], str | None]) -> str | None:
         self._firing, self._stamp = unit, utime

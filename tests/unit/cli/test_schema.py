@@ -72,6 +72,40 @@ def test_a_wrong_word_is_refused(toy_schema: dict[str, Any], case: str) -> None:
     assert not is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)
 
 
+@pytest.mark.parametrize("case", ["extends_list", "plugins_not_a_list", "plugins_wrong", "extends_stage_a_text"])
+def test_a_wrong_word_of_several_files_is_refused(toy_schema: dict[str, Any], case: str) -> None:
+    assert not is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)
+
+
+EXTENDS = {
+    "extends": "corridor_ccw",
+    "plugins": ["mine.py"],
+    "stages": {
+        "plane": {"use": "mine.detector"},
+        "flow": {"with": {"layers": 2}, "in": {"goal": None}},
+        "sight": None,
+    },
+    "channels": {"robot.image": None, "plane.plane": "PLANE"},
+    "deploy": {"eyes": None},
+}
+
+
+def test_a_graph_that_extends_another_says_only_what_differs(toy_schema: dict[str, Any]) -> None:
+    assert is_valid(EXTENDS, toy_schema)
+    assert is_valid({"extends": "corridor_ccw"}, toy_schema)
+    assert not is_valid({key: word for key, word in EXTENDS.items() if key != "extends"}, toy_schema)
+    assert not is_valid(EXTENDS | {"channels": {"robot.image": 3}}, toy_schema)
+    assert not is_valid(EXTENDS | {"stages": {"plane": {"uses": "mine.detector"}}}, toy_schema)
+
+
+def test_stages_of_plugins_may_be_any(toy_schema: dict[str, Any]) -> None:
+    graph = {"stages": {"robot": {"use": "toy.robot"}, "mine": {"use": "mine.detector", "in": {"flow": "robot.image"}}}}
+    assert not is_valid(graph, toy_schema)
+    assert is_valid(graph | {"plugins": ["mine.py"]}, toy_schema)
+    wrong = {"stages": {"robot": {"use": "toy.robot", "with": {"noise": 1}}}, "plugins": ["mine.py"]}
+    assert not is_valid(wrong, toy_schema), "stages that are known are checked"
+
+
 @pytest.mark.parametrize("case", WIRED)
 def test_what_only_the_wires_tell_is_left_to_the_check(toy_schema: dict[str, Any], case: str) -> None:
     assert is_valid(plain(ERRORS / f"{case}.yaml"), toy_schema)

@@ -13,7 +13,7 @@ from graphnav.graph import Graph, graph_of, resolved_yaml
 CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 
 KNOWN = """
-about run stages channels deploy inputs outputs queues use with in every_ms deadline_ms robot flow plane
+about extends plugins run stages channels deploy inputs outputs queues use with in every_ms deadline_ms robot flow plane
 wheels toy.robot toy.matcher toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image
 command twist robot.image flow.flow plane.plane wheels.twist noise_px rate_hz layers model limits seed until_s
 record all keep host restart CAMERA url camera.image camera guard guard.twist toy.guard channel log type motor
@@ -30,13 +30,34 @@ STAGE = st.fixed_dictionaries({"use": ATOMS}, optional={"with": TREES, "in": st.
 GRAPHS = st.fixed_dictionaries(
     {"stages": st.dictionaries(WORDS, STAGE | TREES, max_size=5)},
     optional={
-        **dict.fromkeys(("about", "run", "channels", "deploy", "inputs", "outputs", "queues"), TREES),
+        **dict.fromkeys(("about", "plugins", "run", "channels", "deploy", "inputs", "outputs", "queues"), TREES),
         "inputs": st.dictionaries(WORDS, st.dictionaries(WORDS, TREES, max_size=4) | TREES, max_size=3),
         "outputs": st.dictionaries(WORDS, st.dictionaries(WORDS, TREES, max_size=5) | TREES, max_size=3),
     },
 )
+SECTIONS = ("run", "channels", "deploy", "inputs", "outputs", "queues")
+BASE = """\
+stages:
+  robot: {use: toy.robot, in: {command: wheels.twist}}
+  flow: {use: toy.matcher, in: {image: robot.image}}
+  plane: {use: toy.detector, with: {limits: [0, 1]}, in: {flow: flow}}
+  wheels: {use: toy.wheels, in: {plane: plane.plane}}
+channels: {flow.flow: CAMERA}
+deploy: {robot: {stages: [flow, plane]}}
+"""
+OVERLAYS = st.fixed_dictionaries(
+    {"extends": st.just("base")},
+    optional={
+        "stages": st.dictionaries(WORDS, st.none() | STAGE | TREES, max_size=5),
+        **dict.fromkeys(
+            ("run", "channels", "deploy", "inputs", "outputs", "queues"),
+            st.dictionaries(WORDS, TREES, max_size=3) | TREES,
+        ),
+    },
+)
 SETS = st.lists(
-    st.builds("{}{}{}={}".format, WORDS, st.sampled_from(["", ".in.", "."]), WORDS, ATOMS) | st.text(max_size=12),
+    st.builds("{}{}{}={}".format, WORDS, st.sampled_from(["", ".in.", ".", "+"]), WORDS | st.just(""), ATOMS)
+    | st.text(max_size=12),
     max_size=3,
 )
 
@@ -64,6 +85,19 @@ def test_texts(toys: Catalog, text: str, sets: list[str]) -> None:
 @given(GRAPHS, SETS)
 def test_graphs_of_known_words(toys: Catalog, graph: object, sets: list[str]) -> None:
     is_answered(as_yaml(graph).encode("utf-8", "replace"), toys, sets)
+
+
+@CALM
+@given(GRAPHS, OVERLAYS, SETS)
+def test_graphs_that_extend_one_another(
+    toys: Catalog, tmp_path: Path, base: object, overlay: object, sets: list[str]
+) -> None:
+    for text in (BASE, as_yaml(base)):
+        (tmp_path / "base.yaml").write_bytes(text.encode("utf-8", "replace"))
+        data = as_yaml(overlay).encode("utf-8", "replace")
+        with contextlib.suppress(UserError):
+            graph = graph_of(data, tmp_path / "graph.yaml", toys, sets)
+            graph_of(resolved_yaml(graph).encode(), tmp_path / "graph.yaml", toys)
 
 
 def as_yaml(value: object) -> str:
