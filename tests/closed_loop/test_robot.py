@@ -22,6 +22,22 @@ stages:
   drive:   {use: score.navigation, in: {state: robot.state, map: robot.map}}
 """
 
+NAVIGATION = """
+run: {until_s: 120, record: small}
+stages:
+  robot:   {use: world.robot, with: {map: maps/corridor_ccw.yaml}, in: {command: control.twist}}
+  flow:    {use: flow.lucas_kanade, in: {image: robot.image}}
+  motion:  {use: odometry.motion, with: {max_extrapolation_s: 0.03}, in: {flow: flow.flow, odometry: robot.odometry}}
+  planar:
+    use: planar.motion
+    with: {model: models/downward_160x120.lcmlog}
+    in: {flow: flow.flow, motion: motion.motion}
+  plane:   {use: plane.ica, in: {flow: flow.flow, planar: planar.planar}}
+  steer:   {use: steer.pca, with: {about: zero, strength: gradient, gain: 16}, in: {plane: plane.plane}}
+  control: {use: control.nonholonomic, with: {max_speed_mps: 0.3, max_turn_radps: 1.2}, in: {steering: steer.steering}}
+  sight:   {use: score.plane, in: {plane: plane.plane, truth: robot.truth}}
+"""
+
 
 @pytest.fixture
 def graph(tmp_path: Path) -> str:
@@ -36,6 +52,16 @@ def test_it_is_driven_to_the_goal(drive: Drive, graph: str, seed: int) -> None:
     summary, _ = drive(graph, seed)
     assert summary.outcome == "goal", summary.failure
     assert summary.scores["drive"]["success"] == 1.0
+
+
+@pytest.mark.parametrize("seed", [8, 10])
+def test_the_navigation_drives_it_by_odometry_of_another_rate(drive: Drive, tmp_path: Path, seed: int) -> None:
+    path = tmp_path / "navigation.yaml"
+    path.write_text(NAVIGATION)
+    summary, log = drive(str(path), seed)
+    assert summary.outcome == "goal", summary.failure
+    assert summary.scores["sight"]["balanced_accuracy_ratio"] > 0.8
+    assert log.count("motion.motion") >= log.count("steer.steering") > 200
 
 
 def test_its_odometry_keeps_its_stamps_in_the_log_and_drifts_little(drive: Drive, graph: str) -> None:
