@@ -103,6 +103,8 @@ def test_all_types_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert {lcm_name(lcm_class) for lcm_class in SHIPPED} <= set(listed)
     assert listed["graphnav_lcm.twist_t"]["message"] == "Twist"
     assert listed["graphnav_lcm.edge_status_t"]["message"] is None
+    assert listed["bot_core.image_t"]["nested"] == ["bot_core.image_metadata_t"]
+    assert "bot_core.image_metadata_t" in listed
     assert main(["types"]) == 0
     assert "graphnav_lcm.twist_t" in capsys.readouterr().out
 
@@ -139,6 +141,12 @@ def test_the_definition_is_printed_as_it_was_written(capsys: pytest.CaptureFixtu
     assert main(["types", "Stop", "--lcm"]) == 0
     written = Path(__file__).resolve().parents[2] / "lcmtypes" / "stop_t.lcm"
     assert capsys.readouterr().out == written.read_text()
+
+
+@pytest.mark.parametrize("name", ["bot_core.image_t", "bot_core.image_metadata_t", "image_metadata_t"])
+def test_types_of_adapters_are_told(capsys: pytest.CaptureFixture[str], name: str) -> None:
+    assert main(["types", name, "--lcm"]) == 0
+    assert f"struct {name.rpartition('.')[2]}\n" in capsys.readouterr().out
 
 
 def test_a_type_that_is_not_there_is_said(capsys: pytest.CaptureFixture[str]) -> None:
