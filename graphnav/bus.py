@@ -116,8 +116,14 @@ class Bus:
 
 
 def with_defaults(url: str) -> str:
-    """Return a URL that keeps `udpm` traffic on this machine and asks for a large receive buffer, unless it says so."""
-    parts = urlsplit(url)
+    """Return a URL that keeps `udpm` traffic on this machine and asks for a large receive buffer, unless it says so.
+
+    Raises BusError where it is not a URL.
+    """
+    try:
+        parts = urlsplit(url)
+    except ValueError as error:
+        raise BusError(f"LCM does not open {url}: {error}") from error
     if parts.scheme != "udpm":
         return url
     options = _DEFAULTS | dict(parse_qsl(parts.query))

@@ -16,7 +16,10 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 class Target(NamedTuple):
-    """A folder of type definitions and the package that is made of them; ``prefix``: the package that it is in."""
+    """A folder of type definitions and the package that is made of them; ``prefix``: the package that it is in.
+
+    The definitions are copied beside the Python, so that they are in the wheel.
+    """
 
     types: Path
     package: Path
@@ -26,12 +29,17 @@ class Target(NamedTuple):
         """Run lcm-gen on every type definition; return the package that it makes in ``folder``."""
         command = [str(Path(sysconfig.get_path("scripts")) / "lcm-gen"), "-p", "--ppath", str(folder)]
         prefix = ["--package-prefix", self.prefix] if self.prefix else []
-        subprocess.run([*command, *prefix, *map(str, sorted(self.types.glob("*.lcm")))], check=True)
-        return folder.joinpath(*self.prefix.split("."), self.package.name)
+        definitions = sorted(self.types.glob("*.lcm"))
+        subprocess.run([*command, *prefix, *map(str, definitions)], check=True)
+        made = folder.joinpath(*self.prefix.split("."), self.package.name)
+        for definition in definitions:
+            shutil.copy(definition, made)
+        return made
 
     def stale(self, fresh: Path) -> list[str]:
         """Return the names of files that differ between the package and a fresh one."""
-        names = {path.name for folder in (self.package, fresh) for path in folder.glob("*.py")}
+        found = (path for folder in (self.package, fresh) for path in folder.iterdir())
+        names = {path.name for path in found if path.suffix in {".py", ".lcm"}}
         return sorted(name for name in names if _text(self.package / name) != _text(fresh / name))
 
 
@@ -60,8 +68,8 @@ def main() -> int:
             if args.check:
                 differing += [f"not fresh: {target.package.name}/{name}" for name in target.stale(fresh)]
                 continue
-            for path in target.package.glob("*.py"):
-                path.unlink()
+            for name in target.stale(fresh):
+                (target.package / name).unlink(missing_ok=True)
             shutil.copytree(fresh, target.package, dirs_exist_ok=True)
     if args.check:
         print("\n".join(differing or ["fresh"]))

@@ -28,6 +28,9 @@ COMMANDS = {
     "echo": "print the messages of one channel, arrays summarised",
     "hz": "measure the rate of a channel",
     "top": "show the health of running graphs: rates, latencies, drops, what the guard allows",
+    "pub": "publish a message, once or at a rate",
+    "teleop": "drive by keys: a dead-man's twist, and a stop that latches",
+    "types": "list the message types, or tell the fields of one; definitions, Java for lcm-spy",
     "doctor": "say what this machine lacks, with the command that mends it",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""

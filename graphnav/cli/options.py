@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.errors import ParamError, UserError
+from graphnav.errors import ParamError, Place, UserError
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
     from graphnav.graph import Graph
+
+DEFAULT_URL = "LCM_DEFAULT_URL"
+"""The environment variable that LCM's own programs read."""
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +57,29 @@ def seconds(text: str) -> float:
     raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds above 0")
 
 
+def positive(text: str) -> float:
+    """Return a number above 0 that an option gives."""
+    try:
+        if 0 < (value := float(text)) < math.inf:
+            return value
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0")
+
+
+def channel_name(text: str) -> str:
+    """Return the name of a channel on which LCM can publish and that is not reserved."""
+    from graphnav.graph.channels import MAX_NAME, RESERVED  # noqa: PLC0415
+
+    if not text or not text.isascii() or not text.isprintable() or " " in text:
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be a channel's name: use ASCII characters without spaces")
+    if len(text) > MAX_NAME:
+        raise argparse.ArgumentTypeError(f"'{text}' has {len(text)} characters, but LCM takes at most {MAX_NAME}")
+    if text.startswith(RESERVED):
+        raise argparse.ArgumentTypeError(f"channel names that begin with '{RESERVED}' are reserved: '{text}'")
+    return text
+
+
 def count(text: str) -> int:
     """Return a whole number above 0 that an option gives."""
     if text.isdecimal() and int(text):
@@ -68,6 +95,32 @@ def add_feed_argument(parser: argparse.ArgumentParser) -> None:
         metavar="FEED",
         help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
     )
+
+
+def add_url_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--url``, for `url_of`."""
+    parser.add_argument(
+        "--url",
+        metavar="URL",
+        help=f"where to publish, udpm://... (default: ${DEFAULT_URL}, else this machine's group)",
+    )
+
+
+def url_of(args: argparse.Namespace) -> str:
+    """Return the LCM URL to publish on: ``--url``, ``LCM_DEFAULT_URL``, or this machine's group.
+
+    Raises
+    ------
+    UserError
+        It does not lead to other programs.
+    """
+    from graphnav.bus import GROUP, with_defaults  # noqa: PLC0415
+
+    url = args.url or os.environ.get(DEFAULT_URL) or GROUP
+    if not url.startswith("udpm://"):
+        place = Place("--url" if args.url else DEFAULT_URL)
+        raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8", place)
+    return with_defaults(url)
 
 
 def catalog_of(args: argparse.Namespace) -> Catalog:

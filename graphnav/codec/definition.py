@@ -20,10 +20,11 @@ def lcm_text_of(lcm_classes: Iterable[type]) -> str:
         if found.setdefault(lcm_name(lcm_class), lcm_class) is lcm_class:
             nested = [field.struct for field in fields_of(lcm_class) if field.struct is not None]
             waiting += [struct for struct in nested if lcm_name(struct) not in found]
-    return "\n".join(_definition(found[name]) for name in sorted(found))
+    return "\n".join(definition_of(found[name]) for name in sorted(found))
 
 
-def _definition(lcm_class: type) -> str:
+def definition_of(lcm_class: type) -> str:
+    """Return the definition of one type, without those that are nested in it."""
     package = lcm_name(lcm_class).rpartition(".")[0]
     lines = [
         f"    {field.primitive} {field.name}{''.join(f'[{dim}]' for dim in field.dims)};"

@@ -1,0 +1,70 @@
+"""``graphnav teleop``: drive by keys."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from graphnav.cli.options import add_url_option, channel_name, positive, seconds, url_of
+from graphnav.cli.status import OK
+
+_EXAMPLES = """\
+keys: w s a d, i k j l or the arrows drive; space halts; x stops the robot until r arms it again; + and - change the
+speeds; q quits.
+
+A terminal tells when a key is pressed, never when it is let go: without a repeat within --timeout zero is published for
+a moment, then nothing, so that the override of a guard goes stale and the graph drives on.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
+    parser.add_argument(
+        "--channel", type=channel_name, default="TELEOP", help="where the twist is published (default: TELEOP)"
+    )
+    parser.add_argument(
+        "--stop-channel", type=channel_name, default="STOP", help="where x and r are published (default: STOP)"
+    )
+    parser.add_argument("--speed", type=positive, default=0.3, metavar="MPS", help="forward speed, m/s (default: 0.3)")
+    parser.add_argument(
+        "--turn", type=positive, default=0.8, metavar="RADPS", help="turning rate, rad/s (default: 0.8)"
+    )
+    parser.add_argument("--rate", type=positive, default=20.0, metavar="HZ", help="messages per second (default: 20)")
+    parser.add_argument(
+        "--timeout", type=seconds, default=0.3, metavar="S", help="a key counts for so long (default: 0.3 s)"
+    )
+    add_url_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.bus import Bus  # noqa: PLC0415
+    from graphnav.errors import UserError  # noqa: PLC0415
+    from graphnav.teleop import Drive, Session, Terminal  # noqa: PLC0415
+    from graphnav.teleop.keys import HELP  # noqa: PLC0415
+
+    if sys.stdin is None or not sys.stdin.isatty():
+        raise UserError.of(
+            "teleop reads keys, and standard input is not a terminal",
+            "run it in a terminal; programs and scripts publish with 'graphnav pub'",
+        )
+    url = url_of(args)
+    bus = Bus(url)
+    print(f"publishing graphnav_lcm.twist_t on '{args.channel}', stops on '{args.stop_channel}', {url}")
+    print(HELP, flush=True)
+    drive = Drive(args.speed, args.turn, args.timeout)
+    session = Session(bus, args.channel, args.stop_channel, drive, args.rate, _show)
+    try:
+        with Terminal(sys.stdin.fileno()) as terminal:
+            session.run(terminal)
+    finally:
+        bus.close()
+        print()
+    return OK
+
+
+def _show(line: str) -> None:
+    """Print a line in place of the last one."""
+    print(f"\r\x1b[K{line}" if sys.stdout.isatty() else line, end="" if sys.stdout.isatty() else "\n", flush=True)

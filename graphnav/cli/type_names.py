@@ -1,0 +1,57 @@
+"""The LCM types that a command line may name: those that ship, those of plugins, any that is installed."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from graphnav.errors import CatalogError, UserError
+
+if TYPE_CHECKING:
+    from graphnav.catalog import Catalog
+
+
+def type_called(name: str, catalog: Catalog) -> type:
+    """Return the lcm-gen class of a type or message; plugins are imported only for what is not known without them.
+
+    Raises
+    ------
+    UserError
+        There is none.
+    """
+    from graphnav.codec import find_type  # noqa: PLC0415
+
+    with suppress(UserError):
+        return find_type(name)
+    _load_all(catalog)
+    return find_type(name, _adapted(catalog))
+
+
+def listed_types(catalog: Catalog) -> dict[str, type]:
+    """Return the types that ship, those of the messages of all plugins and those of adapters, by name in LCM."""
+    from graphnav.codec import SHIPPED, lcm_name, message_classes  # noqa: PLC0415
+
+    _load_all(catalog)
+    found = [*SHIPPED, *(message.lcm_class for message in message_classes())]
+    return {lcm_name(lcm_class): lcm_class for lcm_class in found} | _adapted(catalog)
+
+
+def _load_all(catalog: Catalog) -> None:
+    """Import every plugin; one that cannot be imported brings no types."""
+    for family in catalog.families():
+        with suppress(CatalogError):
+            catalog.load(family)
+
+
+def _adapted(catalog: Catalog) -> dict[str, type]:
+    """Return the types of other packages that adapters read or write, and what is nested in them, by name in LCM."""
+    from graphnav.codec import lcm_name  # noqa: PLC0415
+    from graphnav.typeinfo import nested_types  # noqa: PLC0415
+
+    found: dict[str, type] = {}
+    with suppress(CatalogError):
+        adapters = catalog.adapters()
+        for name, adapter in {**adapters.readers, **adapters.writers}.items():
+            found |= {lcm_name(nested): nested for nested in nested_types(adapter.lcm_class)}
+            found[name] = adapter.lcm_class
+    return found

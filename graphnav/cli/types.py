@@ -1,0 +1,121 @@
+"""``graphnav types``: the LCM types: fields, units, comments; their definitions; Java for lcm-spy."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from graphnav.cli.options import add_plugin_option, catalog_of
+from graphnav.cli.status import OK
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+_EXAMPLES = """\
+examples:
+  graphnav types Flow                fields, units, shapes
+  graphnav types twist_t --lcm       the definition, for lcm-gen in any language
+  graphnav types --java types        a jar, with which lcm-spy shows every field
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
+    parser.add_argument(
+        "name",
+        metavar="NAME",
+        nargs="?",
+        help="a type (Flow, flow_t, package.type_t of any installed package); default: all",
+    )
+    out = parser.add_mutually_exclusive_group()
+    out.add_argument("--json", action="store_true", help="print JSON instead of tables")
+    out.add_argument("--lcm", action="store_true", help="print the definition, and those of all nested types")
+    out.add_argument("--java", type=Path, metavar="DIR", help="write Java sources and a jar for lcm-spy into DIR")
+    add_plugin_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.cli.type_names import listed_types, type_called  # noqa: PLC0415
+    from graphnav.typeinfo import definition_text, describe_type  # noqa: PLC0415
+
+    catalog = catalog_of(args)
+    found = {args.name: type_called(args.name, catalog)} if args.name else listed_types(catalog)
+    console = Console(highlight=False)
+    if args.lcm:
+        print(definition_text(found.values()), end="")
+    elif args.java is not None:
+        _write_java(list(found.values()), args.java)
+    elif args.json:
+        described = [describe_type(lcm_class) for lcm_class in found.values()]
+        print(json.dumps(described[0] if args.name else described, indent=2))
+    elif args.name:
+        _print_one(console, describe_type(found[args.name]))
+    else:
+        console.print(_all(found))
+        console.print("'graphnav types NAME' tells the fields of one.", markup=False)
+    return OK
+
+
+def _all(found: dict[str, type]) -> Table:
+    from graphnav.codec import message_class_of  # noqa: PLC0415
+    from graphnav.typeinfo import summary_of_type  # noqa: PLC0415
+
+    table = _table("message", "LCM type", "what it is")
+    for name, lcm_class in found.items():
+        message = message_class_of(lcm_class)
+        _row(table, message.__name__ if message else "", name, summary_of_type(lcm_class))
+    return table
+
+
+def _print_one(console: Console, described: dict[str, Any]) -> None:
+    title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
+    console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)
+    if described["doc"]:
+        console.print()
+        console.print(described["doc"], markup=False)
+    table = _table("field", "type", "unit", "what the definition says")
+    for field in described["fields"]:
+        dims = "".join(f"[{dim}]" for dim in field["dims"])
+        kind = field["type"].removeprefix(f"{described['type'].rpartition('.')[0]}.")
+        _row(table, field["name"], kind + dims, field["unit"], field["doc"])
+    console.print()
+    console.print(table)
+    for name, value in described["constants"].items():
+        console.print(f"{name} = {value}", markup=False)
+    for name in described["nested"]:
+        console.print(f"'graphnav types {name}' tells the fields of that.", markup=False)
+
+
+def _write_java(lcm_classes: list[type], folder: Path) -> None:
+    from graphnav.typeinfo import write_java  # noqa: PLC0415
+
+    made = write_java(lcm_classes, folder)
+    print(f"{len(made.sources)} sources below {folder}")
+    if not made.is_built:
+        print("no javac here: install a JDK, or run where there is one")
+        print("\n".join(f"  {command}" for command in made.commands))
+    print(f"then CLASSPATH={made.jar.resolve()} lcm-spy shows these types")
+
+
+def _table(*headings: str) -> Table:
+    from rich import box  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for number, heading in enumerate(headings):
+        table.add_column(heading, overflow="fold", no_wrap=number == 0)
+    return table
+
+
+def _row(table: Table, *cells: str) -> None:
+    from rich.text import Text  # noqa: PLC0415
+
+    table.add_row(*(Text(cell) for cell in cells))

@@ -1,0 +1,164 @@
+"""The fields of an LCM message as a person writes them: YAML, what is not given zero or empty."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from graphnav.codec import EncodeError, codec_of, fields_of, lcm_name
+from graphnav.codec.layout import Field
+from graphnav.errors import Place, Problem, UserError, did_you_mean
+from graphnav.publish.scalars import ZEROS, scalar_problem
+from graphnav.spec import Entry, Value, parse_yaml
+
+SOURCE = "FIELDS"
+"""The argument of the command line, as errors name it."""
+_MAX_FILLED = 1_000_000
+"""Elements of an array that is not given, but whose size is."""
+
+
+class Fields(NamedTuple):
+    """All fields of a message, and the names of those that were given."""
+
+    values: dict[str, Any]
+    given: frozenset[str]
+
+
+def parse_fields(text: str, lcm_class: type) -> Fields:
+    """Return the fields of a message; ``text`` is a YAML mapping, with or without its braces.
+
+    Raises
+    ------
+    UserError
+        It is not YAML, or does not fit the type: all problems with line and column.
+    """
+    value = _parsed(text)
+    problems: list[Problem] = []
+    values = _struct(value, lcm_class, problems)
+    if problems:
+        raise UserError(problems)
+    given = frozenset(value.data) if isinstance(value.data, dict) else frozenset()
+    try:
+        codec_of(lcm_class).encode(values)
+    except EncodeError as error:
+        raise UserError.of(str(error), "give arrays the sizes that the type says", Place(SOURCE)) from error
+    return Fields(values, given)
+
+
+def _parsed(text: str) -> Value:
+    """Return the mapping; one line without braces gets them, as in ``v_mps: 0.2, omega_radps: 0``."""
+    is_bare = not text.lstrip().startswith("{") and "\n" not in text.strip()
+    data = (f"{{{text}\n}}" if is_bare else text).encode("utf-8", "surrogateescape")
+    try:
+        value, problems = parse_yaml(data, SOURCE)
+    except UserError as error:
+        raise UserError([_moved(problem, is_bare=is_bare) for problem in error.problems]) from error
+    if problems:
+        raise UserError([_moved(problem, is_bare=is_bare) for problem in problems])
+    return _without_brace(value) if is_bare else value
+
+
+def _moved(problem: Problem, *, is_bare: bool) -> Problem:
+    return replace(problem, place=_place(problem.place)) if is_bare and problem.place else problem
+
+
+def _place(place: Place) -> Place:
+    """Return a place of the braced line as one of the line that was written."""
+    return replace(place, column=max(1, place.column - 1)) if place.line == 1 else Place(SOURCE)
+
+
+def _without_brace(value: Value) -> Value:
+    if isinstance(value.data, list):
+        return Value([_without_brace(item) for item in value.data], _place(value.place))
+    if isinstance(value.data, dict):
+        entries = {key: Entry(_place(one.place), _without_brace(one.value)) for key, one in value.data.items()}
+        return Value(entries, _place(value.place))
+    return Value(value.data, _place(value.place))
+
+
+def _struct(value: Value, lcm_class: type, problems: list[Problem]) -> dict[str, Any]:
+    """Return all fields of a struct; what is wrong is added to ``problems``."""
+    fields = {field.name: field for field in fields_of(lcm_class)}
+    if value.data is not None and not isinstance(value.data, dict):
+        what = f"{lcm_name(lcm_class)} needs fields, but this is {value.kind}"
+        problems.append(Problem(value.place, what, "write name: value, name: value"))
+        return {}
+    entries = value.data or {}
+    for name, entry in entries.items():
+        if name not in fields:
+            hint = did_you_mean(name, fields) or f"fields are {', '.join(fields)}"
+            problems.append(Problem(entry.place, f"{lcm_name(lcm_class)} has no field '{name}'", hint))
+    given = {
+        name: _given(field, field.dims, entries[name].value, problems)
+        for name, field in fields.items()
+        if name in entries
+    }
+    for name, written in given.items():
+        if any(len(lengths) > 1 for lengths in _lengths(written, len(fields[name].dims))):
+            problems.append(Problem(entries[name].place, f"the lists in '{name}' differ in length", "make them equal"))
+    sizes = _sizes(fields, given)
+    missing = [field for name, field in fields.items() if name not in given and name not in sizes]
+    for field in missing:
+        shape = [dim if isinstance(dim, int) else sizes[dim] for dim in field.dims]
+        if math.prod(shape) > _MAX_FILLED or min(shape, default=0) < 0:
+            problems.append(Problem(value.place, f"'{field.name}' would have the shape {shape}", "write smaller sizes"))
+            return {}
+    return given | sizes | {field.name: _zero(field, sizes) for field in missing}
+
+
+def _given(field: Field, dims: tuple[int | str, ...], value: Value, problems: list[Problem]) -> Any:
+    """Return the value of a field, or of what lies below some of its axes."""
+    if dims:
+        if not isinstance(value.data, list):
+            axes = "".join(f"[{dim}]" for dim in field.dims)
+            what = f"'{field.name}' is an array {field.primitive}{axes}, but this is {value.kind}"
+            problems.append(Problem(value.place, what, "write [value, value]" if len(dims) == 1 else "write [[value]]"))
+            return []
+        if isinstance(dims[0], int) and len(value.data) != dims[0]:
+            what = f"'{field.name}' holds {dims[0]} values here, not {len(value.data)}"
+            problems.append(Problem(value.place, what, f"write {dims[0]} values"))
+        return [_given(field, dims[1:], item, problems) for item in value.data]
+    if field.struct is not None:
+        return _struct(value, field.struct, problems)
+    problem = scalar_problem(field.name, field.primitive, value)
+    if problem is not None:
+        problems.append(problem)
+        return ZEROS[field.primitive]
+    return float(value.data) if field.primitive in {"float", "double"} else value.data  # type: ignore[arg-type]
+
+
+def _sizes(fields: dict[str, Field], given: dict[str, Any]) -> dict[str, int]:
+    """Return the sizes of arrays that are not given themselves: what the given arrays have, else 0."""
+    found: dict[str, int] = {}
+    for name, field in fields.items():
+        lengths = _lengths(given.get(name), len(field.dims))
+        for dim, there in zip(field.dims, lengths, strict=True):
+            if isinstance(dim, str):
+                found[dim] = max(found.get(dim, 0), *there, 0)
+    return {dim: given.get(dim, size) for dim, size in found.items()}
+
+
+def _lengths(value: Any, axes: int) -> list[set[int]]:
+    """Return the lengths of the lists on each axis of nested lists."""
+    lengths: list[set[int]] = []
+    level = [value]
+    for _ in range(axes):
+        lists = [part for part in level if isinstance(part, list)]
+        lengths.append({len(part) for part in lists})
+        level = [item for part in lists for item in part]
+    return lengths
+
+
+def _zero(field: Field, sizes: dict[str, int]) -> Any:
+    """Return zeros, or empty strings, of the field's type and shape."""
+
+    def below(dims: tuple[int | str, ...]) -> Any:
+        if dims:
+            size = dims[0] if isinstance(dims[0], int) else sizes[dims[0]]
+            return [below(dims[1:]) for _ in range(size)]
+        if field.struct is None:
+            return ZEROS[field.primitive]
+        return _struct(Value({}, Place(SOURCE)), field.struct, [])
+
+    return below(field.dims)

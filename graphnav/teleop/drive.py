@@ -1,0 +1,54 @@
+"""Keys to a twist, with a dead man's timeout: a terminal tells when a key is pressed, never when it is let go."""
+
+from __future__ import annotations
+
+import math
+
+from graphnav.messages import Twist
+from graphnav.teleop.keys import Key
+
+ZERO_S = 0.3
+"""How long zero is published once the keys are let go; then there is silence, and an override goes stale."""
+_STEP_RATIO = 1.1
+_V = {Key.FORWARD: 1.0, Key.BACK: -1.0}
+_OMEGA = {Key.LEFT: 1.0, Key.RIGHT: -1.0}
+
+
+class Drive:
+    """The command that the keys of the last ``timeout_s`` ask for; forward and turn each have a timeout of their own.
+
+    ``speed_mps``, ``turn_radps``: of a pressed key; Key.FASTER and Key.SLOWER change both by a tenth.
+    """
+
+    def __init__(self, speed_mps: float, turn_radps: float, timeout_s: float) -> None:
+        self.speed_mps, self.turn_radps = speed_mps, turn_radps
+        self._timeout_s = timeout_s
+        self._v = self._omega = (0.0, -math.inf)
+        self._zero_until_s = -math.inf
+
+    def press(self, key: Key, now_s: float) -> None:
+        """Take a key that was pressed, or repeated, now."""
+        if key in _V:
+            self._v = _V[key], now_s
+        elif key in _OMEGA:
+            self._omega = _OMEGA[key], now_s
+        elif key in {Key.HALT, Key.STOP}:
+            self._v = self._omega = (0.0, -math.inf)
+            self._zero_until_s = now_s + ZERO_S
+        elif key is Key.FASTER:
+            self._scale(_STEP_RATIO)
+        elif key is Key.SLOWER:
+            self._scale(1 / _STEP_RATIO)
+        if key in _V or key in _OMEGA:
+            self._zero_until_s = now_s + self._timeout_s + ZERO_S
+
+    def command(self, now_s: float) -> Twist | None:
+        """Return what to publish now; None for silence."""
+        v, omega = (sign if now_s - at_s <= self._timeout_s else 0.0 for sign, at_s in (self._v, self._omega))
+        if v or omega:
+            return Twist(v_mps=v * self.speed_mps, omega_radps=omega * self.turn_radps)
+        return Twist(v_mps=0.0, omega_radps=0.0) if now_s <= self._zero_until_s else None
+
+    def _scale(self, ratio: float) -> None:
+        self.speed_mps *= ratio
+        self.turn_radps *= ratio

@@ -1,0 +1,63 @@
+"""Tell all about an LCM type: what its definition, its names and its message say."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+from graphnav.codec import comments_of, constants_of, fields_of, fingerprint, lcm_name, message_class_of
+from graphnav.stage import unit_of
+
+_OTHER_UNITS = {"ms": "milliseconds", "mb": "megabytes"}
+"""Of messages about time that has passed and memory; parameters do not have them."""
+
+
+def describe_type(lcm_class: type, name: str = "") -> dict[str, Any]:
+    """Return everything that is known of a type, as JSON can hold it.
+
+    ``name``: the name in LCM where the class is defined in a package of another name. The unit of a field is what its
+    suffix says; ``doc`` is the comment above it.
+    """
+    message = message_class_of(lcm_class)
+    comments = comments_of(lcm_class)
+    return {
+        "type": name or lcm_name(lcm_class),
+        "message": message.__name__ if message else None,
+        "doc": inspect.getdoc(message or lcm_class) or "",
+        "fingerprint": fingerprint(lcm_class).hex(),
+        "constants": constants_of(lcm_class),
+        "fields": [
+            {
+                "name": field.name,
+                "type": field.primitive,
+                "dims": list(field.dims),
+                "unit": _unit_of(field.name),
+                "doc": comments.get(field.name, ""),
+            }
+            for field in fields_of(lcm_class)
+        ],
+        "nested": [lcm_name(nested) for nested in nested_types(lcm_class)],
+    }
+
+
+def _unit_of(name: str) -> str:
+    if name == "utime":
+        return "microseconds"
+    return unit_of(name) or _OTHER_UNITS.get(name.rpartition("_")[2], "")
+
+
+def nested_types(lcm_class: type) -> list[type]:
+    """Return the types of the fields of a type, and of theirs, each once."""
+    found: list[type] = []
+    waiting = [field.struct for field in fields_of(lcm_class) if field.struct is not None]
+    while waiting:
+        nested = waiting.pop(0)
+        if nested not in found and nested is not lcm_class:
+            found.append(nested)
+            waiting += [field.struct for field in fields_of(nested) if field.struct is not None]
+    return found
+
+
+def summary_of_type(lcm_class: type) -> str:
+    """Return the first line of what a type says of itself."""
+    return (inspect.getdoc(message_class_of(lcm_class) or lcm_class) or "").partition("\n")[0]

@@ -1,0 +1,85 @@
+"""LCM types in Java, for lcm-spy and other Java programs."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterable, Sequence
+from importlib.metadata import PackageNotFoundError, files
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav.errors import GraphnavError
+from graphnav.typeinfo.definitions import definition_files
+
+JAR = "types.jar"
+
+
+class JavaTypes(NamedTuple):
+    """What was written: the sources, and the jar where there is a compiler; ``commands`` build it elsewhere."""
+
+    sources: tuple[Path, ...]
+    jar: Path
+    is_built: bool
+    commands: tuple[str, ...]
+
+
+def write_java(lcm_classes: Iterable[type], folder: Path) -> JavaTypes:
+    """Write types and all that are nested in them as Java into ``folder``, and a jar of them if there is a ``javac``.
+
+    Raises
+    ------
+    GraphnavError
+        lcm-gen or lcm.jar of the package ``lcm`` is not there, or a tool fails.
+    OSError
+        The folder cannot be written.
+    """
+    lcm_gen, lcm_jar = _file_of_lcm("lcm-gen"), _file_of_lcm("lcm.jar")
+    texts = definition_files(lcm_classes)
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as scratch:
+        definitions = [Path(scratch) / name for name in texts]
+        for definition in definitions:
+            definition.write_text(texts[definition.name], encoding="utf-8")
+        _run([str(lcm_gen), "-j", "--jpath", str(folder), *map(str, definitions)])
+        sources = tuple(folder.joinpath(*name.split(".")[:-1]).with_suffix(".java") for name in texts)
+        jar, classes = folder / JAR, Path(scratch) / "classes"
+        javac, jar_tool = shutil.which("javac"), shutil.which("jar")
+        if javac is not None and jar_tool is not None:
+            compiling, packing = _build(javac, jar_tool, lcm_jar, classes, sources, jar)
+            _run(compiling)
+            _run(packing)
+            return JavaTypes(sources, jar, is_built=True, commands=())
+    commands = _build("javac", "jar", lcm_jar, folder / "classes", sources, jar)
+    return JavaTypes(sources, jar, is_built=False, commands=tuple(map(shlex.join, commands)))
+
+
+def _build(
+    javac: str, jar_tool: str, lcm_jar: Path, classes: Path, sources: Sequence[Path], jar: Path
+) -> tuple[list[str], list[str]]:
+    """Return the commands that compile the sources and that pack the classes."""
+    compiling = [javac, "-cp", str(lcm_jar), "-d", str(classes), *map(str, sources)]
+    return compiling, [jar_tool, "cf", str(jar), "-C", str(classes), "."]
+
+
+def _file_of_lcm(name: str) -> Path:
+    """Return a file that the package ``lcm`` installed."""
+    try:
+        found = [Path(str(file.locate())) for file in files("lcm") or [] if file.name == name]
+    except PackageNotFoundError:
+        found = []
+    for path in found:
+        if path.is_file():
+            return path
+    raise GraphnavError(
+        f"the installed package 'lcm' has no {name}\n  install its wheel: pip install --force-reinstall lcm"
+    )
+
+
+def _run(command: Sequence[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603, paths of our own
+    if done.returncode:
+        said = (done.stderr or done.stdout).strip().splitlines()
+        raise GraphnavError(f"{Path(command[0]).name} failed: {said[0] if said else f'status {done.returncode}'}")
