@@ -1,0 +1,67 @@
+"""What the tests of the documentation share: commands run as a reader's shell would run them."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sysconfig
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryFile
+
+import pytest
+
+from graphnav.bus import require_route
+from graphnav.errors import BusError
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+def blocks(document: Path, language: str) -> list[str]:
+    """Return the contents of the fenced blocks of a language, in order."""
+    return re.findall(rf"^```{language}\n(.*?)^```", document.read_text(), re.DOTALL | re.MULTILINE)
+
+
+def named_blocks(document: Path) -> dict[str, str]:
+    """Return the fenced blocks whose first line is a comment that names a file, by that name."""
+    found = re.findall(r"^```\w*\n((?:#|//) (\S+\.\w+)\n.*?)^```", document.read_text(), re.DOTALL | re.MULTILINE)
+    return {name: text for text, name in found}
+
+
+def shell(script: str, folder: Path, url: str, timeout_s: float = 300) -> str:
+    """Run a script in ``folder``, with LCM on ``url``; return what it printed. A command that fails fails the test.
+
+    Programs that it leaves behind are killed.
+    """
+    scripts = sysconfig.get_path("scripts")
+    with TemporaryFile("w+") as printed:
+        started = subprocess.Popen(
+            ["bash", "-eu", "-o", "pipefail", "-c", script],
+            cwd=folder,
+            env={**os.environ, "PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}", "LCM_DEFAULT_URL": url},
+            stdout=printed,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            status = started.wait(timeout_s)
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(started.pid, signal.SIGKILL)
+        printed.seek(0)
+        text = printed.read()
+    assert status == 0, text
+    return text
+
+
+@pytest.fixture(scope="session")
+def private_url() -> str:
+    """Return the URL of a multicast group that no other program on this machine uses; skip without a route."""
+    url = f"udpm://239.255.78.{os.getpid() % 250 + 1}:{7800 + os.getpid() % 90}?ttl=0"
+    try:
+        require_route(url)
+    except BusError as error:
+        pytest.skip(str(error))
+    return url
