@@ -1,11 +1,12 @@
 """The navigation graph by hand: one python-lcm loop that calls the same stages, without graphnav's runner.
 
-What `tools/bench_live.py` measures live graphs against: it listens, decodes with lcm-gen's own classes, waits for the
-odometry after each frame, steps, and publishes. It keeps no log, answers for no hang, and counts nothing.
+What `bench_live.py` measures live graphs against: it listens, decodes with lcm-gen's own classes, waits for the
+odometry after each frame, steps, and publishes. It keeps no log, supervises nothing and counts nothing.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Any
 
@@ -19,7 +20,6 @@ from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 
 GRAPH = "navigate_live"
-_PATIENCE = 5
 
 
 class Bare:
@@ -27,13 +27,13 @@ class Bare:
 
     def __init__(self, url: str) -> None:
         self._lcm = lcm.LCM(url)
-        self._stages: dict[str, Any] = load_graph(GRAPH, Catalog()).make_stages()
+        self._stages: dict[str, Any] = dict(load_graph(GRAPH, Catalog()).make_stages())
         for stage in self._stages.values():
             stage.reset(0)
-        self._frame: image_t | None = None
+        self._frame: Any = None
         self._samples: list[tuple[int, Odometry]] = []
-        self._lcm.subscribe("CAMERA", self._see)
-        self._lcm.subscribe("ODOMETRY", self._count)
+        self._lcm.subscribe("CAMERA", self._see).set_queue_capacity(0)
+        self._lcm.subscribe("ODOMETRY", self._count).set_queue_capacity(0)
 
     def run(self) -> None:
         """Handle messages for ever."""
@@ -57,34 +57,25 @@ class Bare:
         if frame is None or not self._samples or self._samples[-1][0] < frame.utime:
             return
         self._frame = None
-        stages = self._stages
-        pixels = np.frombuffer(frame.data, np.uint8).reshape(frame.rows, frame.cols)
-        image = Image(pixels=pixels)
-        flow = stages["flow"].step(image, frame.utime)
+        stages, utime = self._stages, frame.utime
+        image = Image(pixels=np.frombuffer(frame.data, np.uint8).reshape(frame.rows, frame.cols))
+        flow = stages["flow"].step(image, utime)
         if flow is None:
             return
         since, self._samples = Since(tuple(self._samples)), []
-        motion = stages["odometry"].step(flow, since, frame.utime)
+        motion = stages["motion"].step(flow, since, utime)
         if motion is None:
             return
         planar = stages["planar"].step(flow, motion)
-        plane = stages["plane"].step(flow, planar, frame.utime)
-        steering = stages["steer"].step(plane)
-        command = stages["control"].step(steering)
+        plane = stages["plane"].step(flow, planar, utime)
         nothing: Latest[Any] = Latest(is_connected=False)
-        guarded = stages["guard"].step(
-            command, Latest(plane, 0.0), Latest(image, 0.0), nothing, nothing, frame.utime, 0.0
-        )
+        command = stages["control"].step(stages["steer"].step(plane, nothing, nothing).steering, utime)
+        guarded = stages["guard"].step(command, Latest(plane, 0.0), Latest(image, 0.0), nothing, nothing, utime, 0.0)
         out = twist_t()
-        out.utime, out.v_mps, out.omega_radps = frame.utime, guarded.twist.v_mps, guarded.twist.omega_radps
+        out.utime, out.v_mps, out.omega_radps = utime, guarded.twist.v_mps, guarded.twist.omega_radps
         self._lcm.publish("BASE_CMD", out.encode())
 
 
 if __name__ == "__main__":
-    import os
-
     os.environ.update(ONE_THREAD)
-    import cv2
-
-    cv2.setNumThreads(1)
     Bare(sys.argv[1]).run()

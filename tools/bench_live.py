@@ -1,0 +1,136 @@
+"""From image to command: a live graph against a bare python-lcm loop that calls the same stages, taking turns.
+
+A recorded drive is played to both, stamped anew, in real time: the camera at 10 Hz, odometry at 50 Hz. What is timed is
+what a robot would see: from the publication of an image to the arrival of the next command. The graph's guard fires on
+commands alone here, so that every command answers an image.
+"""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import lcm
+from acceptance.drives import GRAPHNAV
+from acceptance.rig import Rig
+
+from graphnav import Recording
+
+BARE = Path(__file__).with_name("bare_navigation.py")
+URL = "udpm://239.255.82.1:7999?ttl=0&recv_buf_size=2097152"
+PLAYED = {"robot.image": "CAMERA", "robot.odometry": "ODOMETRY"}
+ON_COMMANDS = "extends: navigate_live\nstages: {guard: {every_ms: 60000}}\n"
+MAX_RATIO = 1.25
+_WARM_UP = 10
+_MAX_ANSWER_S = 0.09
+
+Event = tuple[int, str, bytes]
+
+
+def record(folder: Path, duration_s: float) -> list[Event]:
+    """Drive live for a while; return what the robot published: stamp, channel, bytes."""
+    options = ["--until", str(duration_s + 4), "--set", "run.record=all"]
+    with Rig(folder, 99, 5, options) as rig:
+        rig.navigate()
+        rig.finish()
+    with Recording(folder / "robot" / "run.lcmlog") as log:
+        events = [
+            (utime, channel, log.event(name, k).data)
+            for name, channel in PLAYED.items()
+            for k, utime in enumerate(log.utimes(name))
+        ]
+    events.sort(key=lambda event: event[0])
+    begin = events[0][0] + 3_000_000
+    return [event for event in events if begin <= event[0] < begin + duration_s * 1e6]
+
+
+def play(events: Sequence[Event]) -> list[float]:
+    """Play a drive once; return the seconds from each answered image to its command."""
+    publisher, listener = lcm.LCM(URL), lcm.LCM(URL)
+    commands: list[float] = []
+    listener.subscribe("BASE_CMD", lambda _channel, _data: commands.append(time.perf_counter()))
+    ending = threading.Event()
+
+    def listen() -> None:
+        while not ending.is_set():
+            listener.handle_timeout(20)
+
+    thread = threading.Thread(target=listen)
+    thread.start()
+    begin_s, first = time.perf_counter(), events[0][0]
+    shift = time.time_ns() // 1000 - first
+    images = []
+    for utime, channel, data in events:
+        wait_s = begin_s + (utime - first) / 1e6 - time.perf_counter()
+        if wait_s > 0:
+            time.sleep(wait_s)
+        stamped = data[:8] + (utime + shift).to_bytes(8, "big", signed=True) + data[16:]
+        if channel == "CAMERA":
+            images.append(time.perf_counter())
+        publisher.publish(channel, stamped)
+    time.sleep(0.2)
+    ending.set()
+    thread.join()
+    answers = []
+    for image_s in images:
+        after = next((command_s for command_s in commands if command_s > image_s), None)
+        if after is not None and after - image_s < _MAX_ANSWER_S:
+            answers.append(after - image_s)
+    return answers
+
+
+@contextmanager
+def running(command: Sequence[str]) -> Iterator[None]:
+    """Run a program while entered."""
+    with tempfile.TemporaryFile() as output:
+        process = subprocess.Popen(command, stdout=output, stderr=output)
+        try:
+            time.sleep(4)
+            yield
+        finally:
+            process.terminate()
+            process.wait(30)
+
+
+def measure(turns: int = 3, duration_s: float = 15.0) -> dict[str, dict[str, float]]:
+    """Return median and 99th percentile in ms and the number of answers, of the graph and of the bare loop."""
+    answers: dict[str, list[float]] = {"graph": [], "bare": []}
+    with tempfile.TemporaryDirectory() as scratch:
+        events = record(Path(scratch) / "drive", duration_s)
+        graph = Path(scratch) / "on_commands.yaml"
+        graph.write_text(ON_COMMANDS)
+        for turn in range(turns):
+            options = ["--url", URL, "--no-pictures", "-o", f"{scratch}/run-{turn}"]
+            with running([str(GRAPHNAV), "run", str(graph), *options]):
+                answers["graph"] += play(events)[_WARM_UP:]
+            with running([sys.executable, str(BARE), URL]):
+                answers["bare"] += play(events)[_WARM_UP:]
+    return {
+        name: {
+            "p50": statistics.median(found) * 1e3,
+            "p99": statistics.quantiles(found, n=100)[98] * 1e3,
+            "answers": len(found),
+        }
+        for name, found in answers.items()
+    }
+
+
+def main() -> int:
+    """Print both and their ratio; return 1 if it is above what is asked."""
+    found = measure()
+    for name, figures in found.items():
+        print(f"{name:6} p50 {figures['p50']:.2f} ms, p99 {figures['p99']:.2f} ms, {figures['answers']} answers")
+    ratio = found["graph"]["p50"] / found["bare"]["p50"]
+    print(f"{'ok  ' if ratio <= MAX_RATIO else 'MISS'} ratio of the medians {ratio:.3f}, at most {MAX_RATIO}")
+    return 0 if ratio <= MAX_RATIO else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
