@@ -49,7 +49,9 @@ def test_an_input_knows_its_type_on_the_wire(load: Load) -> None:
     assert (camera.lcm_class, camera.max_age_s, camera.log) == (graphnav_lcm.image_t, 0.25, None)
     assert base.channel.message is Motion
     assert base.adapter is not None
-    assert base.adapter.from_lcm({"v_mps": 1.0, "omega_radps": 0.5}).forward_m == 1.0
+    motion = base.adapter.from_lcm({"v_mps": 1.0, "omega_radps": 0.5})
+    assert isinstance(motion, Motion)
+    assert motion.forward_m == 1.0
     assert base.max_age_s is None
 
 
