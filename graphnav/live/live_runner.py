@@ -114,7 +114,7 @@ class LiveRunner:
         return max([0.0, *(now_s - timer.due_s for timer, _ in (*self._clocked, *self._sources))])
 
     def run(self, until_s: float | None, keep_going: Callable[[], bool], is_over: Callable[[], bool]) -> str:
-        """Take turns until a source ends the run, ``until_s`` seconds are over, or ``keep_going`` says no.
+        """Take turns until a source ends the run, ``until_s`` seconds from now are over, or ``keep_going`` says no.
 
         ``is_over`` says whether nothing more can come, asked where there is nothing to do.
 
@@ -123,8 +123,9 @@ class LiveRunner:
         StageError
             A stage raised, or returned what it may not.
         """
+        end_s = math.inf if until_s is None else self.clock.now_s() + until_s
         while True:
-            if until_s is not None and self.clock.run_s() >= until_s:
+            if self.clock.now_s() >= end_s:
                 return Outcome.TIMEOUT
             if not keep_going():
                 return Outcome.STOPPED
@@ -137,7 +138,7 @@ class LiveRunner:
             if not fired and is_over():
                 return Outcome.END
             if not fired:
-                self._wake.wait(self._wait_s(until_s))
+                self._wake.wait(self._wait_s(end_s))
 
     def close(self) -> None:
         """Release what the stages hold; each is closed, also if another one fails to.
@@ -189,12 +190,11 @@ class LiveRunner:
         self.firings += 1
         return outcome
 
-    def _wait_s(self, until_s: float | None) -> float:
+    def _wait_s(self, end_s: float) -> float:
         """Return how long nothing can happen but that an input comes."""
         now_s = self.clock.now_s()
         due_s = min((timer.due_s for timer, _ in (*self._clocked, *self._sources)), default=math.inf)
         waking_s = min((unit.wakes_at_s() for unit in self._order), default=math.inf)
-        end_s = math.inf if until_s is None else self.clock.start_s + until_s
         return max(0.0, min(due_s, waking_s, end_s, now_s + _MAX_WAIT_S) - now_s)
 
     def _take_inputs(self) -> None:

@@ -11,8 +11,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import lcm
+import numpy as np
 import pytest
 from graphnav_lcm import twist_t
+
+from graphnav import Image
+from graphnav.codec import encode
 
 from .conftest import DOCS, blocks, named_blocks, shell
 
@@ -45,8 +49,9 @@ sent = pose_t()
 sent.pos, sent.heading_rad, sent.speed_mps = [1.5, -2.5], 0.5, 0.25
 odometry = pose.from_lcm(codec_of(pose.lcm_class).decode(sent.encode()))
 data = codec_of(wheels.lcm_class).encode(wheels.to_lcm(Twist(v_mps=0.3, omega_radps=1.0), 7))
-left = wheels.lcm_class.decode(data)
-print(json.dumps([odometry.x_m, odometry.y_m, odometry.yaw_rad, odometry.v_mps, left.left_mps, left.right_mps, left.utime]))
+out = wheels.lcm_class.decode(data)
+pose = [odometry.x_m, odometry.y_m, odometry.yaw_rad, odometry.v_mps]
+print(json.dumps([*pose, out.left_mps, out.right_mps, out.utime]))
 """
 
 
@@ -80,6 +85,19 @@ def test_a_run_hears_the_base_of_the_document(folder: Path, private_url: str) ->
     assert odometry["accepted"] > 3
     (wheels,) = live["outputs"]
     assert (wheels["channel"], wheels["motor"]) == ("WHEELS", True)
+
+
+def test_a_recorded_channel_may_take_the_place_of_the_camera(folder: Path, private_url: str) -> None:
+    (folder / "drive").mkdir()
+    image = encode(Image(pixels=np.zeros((12, 16), np.uint8)), 0, 0)
+    lcm.EventLog(str(folder / "drive" / "run.lcmlog"), "w", overwrite=True).write_event(0, "camera.image", image)
+    shell(
+        "graphnav run replay.yaml --until 1 --no-tap --no-pictures -o replayed",
+        folder,
+        private_url,
+    )
+    inputs = json.loads((folder / "replayed" / "summary.json").read_text())["live"]["inputs"]
+    assert [found["accepted"] for found in inputs if found["name"] == "camera.image"] == [1]
 
 
 def test_the_driver_takes_commands_and_stops_by_itself(folder: Path, private_url: str) -> None:
