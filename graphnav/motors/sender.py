@@ -53,9 +53,9 @@ class MotorSender:
         assert self._process.stdin is not None
         self._writer = FrameWriter(self._process.stdin)
         self._is_closed = False
-        self._taken_s = time.monotonic()
         try:
             self._set_up(url, channels)
+            self._taken_s = time.monotonic()
         except BaseException:
             self._writer.close()
             assert self._process.stdout is not None
@@ -97,9 +97,8 @@ class MotorSender:
             return False
         now_s = time.monotonic()
         try:
-            if not self._writer.unread_bytes:
-                self._taken_s = now_s
-            is_sent = self._writer.command(index, now_s, data) and now_s - self._taken_s < _STALLED_S
+            is_taken = self._is_taken(now_s)
+            is_sent = self._writer.command(index, now_s, data) and is_taken
         except OSError:
             is_sent = False
         self.refused += not is_sent
@@ -112,6 +111,7 @@ class MotorSender:
         """
         if not self._is_closed:
             with contextlib.suppress(OSError):
+                self._is_taken(time.monotonic())
                 self._writer.order(Kind.STOP, time.monotonic())
 
     def close(self, wait: bool = True) -> None:  # noqa: FBT001, FBT002
@@ -134,6 +134,12 @@ class MotorSender:
         """Wait for the end of the process and give back what it held; raises subprocess.TimeoutExpired."""
         self._process.wait(timeout_s)
         self._counts.close()
+
+    def _is_taken(self, now_s: float) -> bool:
+        """Return whether the process reads: it has now, or a moment ago, read all that was written before."""
+        if not self._writer.unread_bytes:
+            self._taken_s = now_s
+        return now_s - self._taken_s < _STALLED_S
 
     def _set_up(self, url: str, channels: Sequence[MotorChannel]) -> None:
         """Tell the process what it sends and wait until it can; raises BusError."""
