@@ -165,7 +165,13 @@ def _run_lockstep(
             run_id=run_id,
             on_tick=on_tick,
             on_failure=show_cause,
+            notice=_tell,
         )
+
+
+def _tell(notice: str) -> None:
+    """Tell a notice while the run goes on; the progress bar makes room for it."""
+    print(notice, file=sys.stderr, flush=True)
 
 
 def _run_live(

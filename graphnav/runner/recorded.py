@@ -69,13 +69,15 @@ def run_recorded(
     run_id: str = "",
     on_tick: Callable[[int], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
+    notice: Callable[[str], None] = lambda _: None,
 ) -> Summary:
     """Run ``graph`` once into ``folder``, which must exist, and return what ``summary.json`` there says.
 
     A failing stage, a full disk and Ctrl-C end the run, not the record of it: the log holds every whole message up to
     there and the summary says how it ended. ``keep``: the channels that the log holds, None for what the graph's
     ``record`` says. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows.
-    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` every error that ``failure`` tells.
+    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` every error that ``failure`` tells, ``notice`` what
+    is late.
 
     Raises
     ------
@@ -98,7 +100,7 @@ def run_recorded(
         cleanup.callback(bus.close)
         runner = Runner(graph, stages, bus, sinks)
         cleanup.callback(note_failure, failures, on_failure, runner.close)
-        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait)
+        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
 
         def before_tick(utime: int) -> bool:
             on_tick(utime)
@@ -136,6 +138,7 @@ def run_recorded(
         tap_dropped=tap.dropped if tap is not None else 0,
         run_id=run_id,
         versions=versions(),
+        behind_s=round(clock.behind_s, 4),
     )
     write_summary(summary, folder)
     return summary

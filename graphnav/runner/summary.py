@@ -47,6 +47,8 @@ class Summary:
     tap_dropped: int
     run_id: str
     versions: dict[str, str]
+    behind_s: float = 0.0
+    """How far a paced run ended behind the wall clock, seconds; 0 for one that is not paced."""
     live: dict[str, Any] | None = None
     """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
