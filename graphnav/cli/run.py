@@ -68,6 +68,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.folder import make_run_folder  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
+    from graphnav.runner.log_forecast import size_text  # noqa: PLC0415
     from graphnav.runner.recorded import SUMMARY, new_run_id  # noqa: PLC0415
     from graphnav.runner.saved_graph import GRAPH  # noqa: PLC0415
 
@@ -104,6 +105,7 @@ def main(args: argparse.Namespace) -> int:
         except KeyboardInterrupt:
             print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
             raise
+    files[0] = f"{LOG} ({size_text((folder / LOG).stat().st_size)})"
     console.print(f"{folder}: " + ", ".join(files), markup=False)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
 

@@ -19,6 +19,7 @@ from graphnav.record import ABOUT, LOG, LogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Runner, Sink
+from graphnav.runner.log_forecast import LogForecast
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
@@ -77,7 +78,7 @@ def run_recorded(
     there and the summary says how it ended. ``keep``: the channels that the log holds, None for what the graph's
     ``record`` says. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows.
     ``on_tick`` gets the stamp of each tick to come, ``on_failure`` every error that ``failure`` tells, ``notice`` what
-    is late.
+    is late and a log that will be large.
 
     Raises
     ------
@@ -101,9 +102,12 @@ def run_recorded(
         runner = Runner(graph, stages, bus, sinks)
         cleanup.callback(note_failure, failures, on_failure, runner.close)
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
+        forecast = LogForecast(graph.run.until_s, writer, folder, notice) if _keeps_all(graph, keep) else None
 
         def before_tick(utime: int) -> bool:
             on_tick(utime)
+            if forecast is not None:
+                forecast.before_tick(utime)
             clock.advance(utime)
             return not interrupt.asked
 
@@ -173,7 +177,12 @@ def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink
     """Return what takes the messages for the log."""
     if keep is not None:
         return ChannelsOnly(writer, keep)
-    return SmallOnly(writer) if graph.run.record == "small" else writer
+    return writer if _keeps_all(graph, keep) else SmallOnly(writer)
+
+
+def _keeps_all(graph: Graph, keep: Collection[str] | None) -> bool:
+    """Whether the log holds every message."""
+    return keep is None and graph.run.record != "small"
 
 
 def note_failure(failures: list[str], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]) -> None:

@@ -147,7 +147,8 @@ def test_a_picture_that_cannot_be_drawn_costs_nothing_else(
     told = capsys.readouterr()
     assert told.err.startswith("not drawn: ValueError: zero size, in two lines\n")
     assert ("Traceback" in told.err, told.err.count("\n") > 1) == (has_traceback, has_traceback)
-    assert told.out.endswith(f"{out}: run.lcmlog, graph.yaml, summary.json, first.png\n")
+    size = (out / "run.lcmlog").stat().st_size / 1e3
+    assert told.out.endswith(f"{out}: run.lcmlog ({size:.0f} kB), graph.yaml, summary.json, first.png\n")
 
 
 DRAWS_HALF = """
