@@ -41,10 +41,13 @@ def _stages(summary: Summary) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("stage")
     table.add_column("use")
-    for name in ("steps", "p50 ms", "p99 ms", "dropped"):
+    has_deadlines = any(did.missed is not None for did in summary.stages.values())
+    for name in ("steps", "p50 ms", "p99 ms", "dropped", *(["missed"] if has_deadlines else [])):
         table.add_column(name, justify="right")
     for name, did in summary.stages.items():
-        table.add_row(name, did.use, str(did.steps), f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", str(did.dropped))
+        cells = [name, did.use, str(did.steps), f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", str(did.dropped)]
+        missed = "" if did.missed is None else str(did.missed)
+        table.add_row(*cells, *([missed] if has_deadlines else []))
     return table
 
 

@@ -20,13 +20,17 @@ _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm
 
 @dataclass(frozen=True)
 class StageFigures:
-    """What one stage did: ``dropped`` counts sets of inputs that stayed incomplete."""
+    """What one stage did: ``dropped`` counts sets of inputs that stayed incomplete.
+
+    ``missed``: steps that took longer than the stage's deadline, None where it has none.
+    """
 
     use: str
     steps: int
     p50_ms: float
     p99_ms: float
     dropped: int
+    missed: int | None = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,7 @@ def figures_of(units: Mapping[str, Unit]) -> dict[str, StageFigures]:
             round(unit.durations.quantile_s(0.5) * 1e3, 4),
             round(unit.durations.quantile_s(0.99) * 1e3, 4),
             unit.dropped,
+            None if unit.node.deadline_ms is None else unit.missed,
         )
         for name, unit in units.items()
     }

@@ -65,7 +65,7 @@ def test_json_is_the_summary_and_where_it_is(
     assert said == json.loads((tmp_path / "out" / "summary.json").read_text(), parse_constant=no_constant)
     assert {"outcome", "seed", "frames", "wall_s", "stages", "scores", "versions"} <= said.keys()
     assert (said["outcome"], said["seed"], said["frames"]) == ("timeout", 5, 10)
-    assert said["stages"]["s"].keys() == {"use", "steps", "p50_ms", "p99_ms", "dropped"}
+    assert said["stages"]["s"].keys() == {"use", "steps", "p50_ms", "p99_ms", "dropped", "missed"}
     assert said["scores"] == {"s": {"undefined": None, "one": 1.0}}
 
 

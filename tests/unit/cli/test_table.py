@@ -45,6 +45,7 @@ def test_no_name_and_no_number_is_cut(cols: int) -> None:
         scores={"sight": {"recall_at_5_false_alarms_ratio": 0.8781}},
     )
     said = printed(summary, cols)
+    assert "missed" not in said
     assert "behind" not in said
     for word in ("a_stage_of_a_long_name", "control.nonholonomic", "1234.50", "98765.40", "7654321", "0.8781"):
         assert f" {word} " in said
@@ -56,3 +57,14 @@ def test_no_name_and_no_number_is_cut(cols: int) -> None:
 )
 def test_a_paced_run_tells_how_late_it_was(behind_s: float, said: str) -> None:
     assert said in printed(replace(SUMMARY, behind_s=behind_s))
+
+
+def test_missed_deadlines_are_a_column() -> None:
+    late = StageFigures(use="plane.ica", steps=9, p50_ms=9.0, p99_ms=12.0, dropped=0, missed=4)
+    free = StageFigures(use="steer.pca", steps=8, p50_ms=1.0, p99_ms=2.0, dropped=0)
+    lines = printed(replace(SUMMARY, stages={"plane": late, "steer": free})).splitlines()
+    assert [line.split()[-1] for line in lines if line.startswith((" stage", " plane", " steer"))] == [
+        "missed",
+        "4",
+        "0",
+    ]

@@ -1,4 +1,4 @@
-"""A run that is late says so: behind its pace."""
+"""A run that is late says so: behind its pace, over its deadlines."""
 
 from __future__ import annotations
 
@@ -34,3 +34,16 @@ def test_a_run_without_a_pace_is_not_behind(load: Load, tmp_path: Path) -> None:
     graph, notices = load(SLOW), list[str]()
     summary = run_recorded(graph, graph.make_stages(), tmp_path, notice=notices.append)
     assert (summary.behind_s, notices) == (0.0, [])
+
+
+def test_steps_over_their_deadline_are_counted(load: Load, tmp_path: Path) -> None:
+    graph = load("""
+        run: {until_s: 0.5}
+        stages:
+          n: {use: probe.counter, with: {rate_hz: 20}}
+          late: {use: probe.slow, with: {step_ms: 3}, in: {twist: n.twist}, deadline_ms: 2}
+          early: {use: probe.slow, in: {twist: n.twist}, deadline_ms: 60000}
+          free: {use: probe.slow, in: {twist: n.twist}}
+    """)
+    stages = run_recorded(graph, graph.make_stages(), tmp_path).stages
+    assert {name: did.missed for name, did in stages.items()} == {"n": None, "late": 11, "early": 0, "free": None}
