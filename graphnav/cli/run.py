@@ -101,7 +101,7 @@ def main(args: argparse.Namespace) -> int:
             print(f"not drawn: {error}", file=sys.stderr)
             if args.verbose:
                 traceback.print_exception(error.__cause__)
-            files = [*files, *sorted(path.name for path in folder.iterdir() if path.name not in files)]
+            files = [*files, *sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)]
         except KeyboardInterrupt:
             print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
             raise
