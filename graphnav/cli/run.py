@@ -68,6 +68,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.folder import make_run_folder  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
+    from graphnav.runner.log_forecast import size_text  # noqa: PLC0415
     from graphnav.runner.recorded import SUMMARY, new_run_id  # noqa: PLC0415
     from graphnav.runner.saved_graph import GRAPH  # noqa: PLC0415
 
@@ -100,10 +101,11 @@ def main(args: argparse.Namespace) -> int:
             print(f"not drawn: {error}", file=sys.stderr)
             if args.verbose:
                 traceback.print_exception(error.__cause__)
-            files = [*files, *sorted(path.name for path in folder.iterdir() if path.name not in files)]
+            files = [*files, *sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)]
         except KeyboardInterrupt:
             print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
             raise
+    files[0] = f"{LOG} ({size_text((folder / LOG).stat().st_size)})"
     console.print(f"{folder}: " + ", ".join(files), markup=False)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
 
@@ -165,7 +167,13 @@ def _run_lockstep(
             run_id=run_id,
             on_tick=on_tick,
             on_failure=show_cause,
+            notice=_tell,
         )
+
+
+def _tell(notice: str) -> None:
+    """Tell a notice while the run goes on; the progress bar makes room for it."""
+    print(notice, file=sys.stderr, flush=True)
 
 
 def _run_live(

@@ -92,7 +92,7 @@ def _stage(uses: list[str]) -> Schema:
         "deadline_ms": {
             "type": "number",
             "exclusiveMinimum": 0,
-            "description": "live, a step that ends later than this after its newest input is counted as missed",
+            "description": "a step that ends later than this after its newest input is counted as missed",
         },
     }
     which = [

@@ -36,7 +36,6 @@ class LiveUnit(Unit):
         sizes = [queues[f"{node.name}.{port}"] for port in self._plain if f"{node.name}.{port}" in queues]
         bound = MAX_UNMATCHED if not sizes else None if None in sizes else max(size or 0 for size in sizes)
         self.join = Join(self._plain, max_unmatched=bound, in_order=bool(sizes))
-        self.missed = 0
         self.start_utime = 0
         self.birth_s = self.origin_s = math.nan
         """What readers of its newest outputs count age from, and what their latency is counted from, monotonic seconds;
@@ -114,11 +113,6 @@ class LiveUnit(Unit):
         self.birth_s = now_s
         self.origin_s = now_s if origin_s is None else origin_s
         return self._fire(utime, now_s)
-
-    def judge_deadline(self, ready_s: float, done_s: float) -> None:
-        """Count a step that ended later than the graph allows after its newest input was ready."""
-        if self.node.deadline_ms is not None and done_s - ready_s > self.node.deadline_ms / 1e3:
-            self.missed += 1
 
     def is_plain(self, port: str) -> bool:
         """Whether messages on an input fire it."""

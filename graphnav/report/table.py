@@ -8,6 +8,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
+from graphnav.clock import MAX_LATE_S
 from graphnav.runner.summary import Summary
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
@@ -31,6 +32,8 @@ def _headline(summary: Summary) -> Text:
     text = Text(summary.outcome, style=f"bold {_COLOURS.get(summary.outcome, 'default')}")
     text.append(f" after {summary.sim_s:.1f} s: {summary.frames} ticks, seed {summary.seed}", style="default not bold")
     text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} ticks/s)", style="default not bold")
+    if summary.behind_s > MAX_LATE_S:
+        text.append(f", {summary.behind_s:.1f} s behind the wall clock", style="yellow not bold")
     return text
 
 
@@ -38,10 +41,13 @@ def _stages(summary: Summary) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("stage")
     table.add_column("use")
-    for name in ("steps", "p50 ms", "p99 ms", "dropped"):
+    has_deadlines = any(did.missed is not None for did in summary.stages.values())
+    for name in ("steps", "p50 ms", "p99 ms", "dropped", *(["missed"] if has_deadlines else [])):
         table.add_column(name, justify="right")
     for name, did in summary.stages.items():
-        table.add_row(name, did.use, str(did.steps), f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", str(did.dropped))
+        cells = [name, did.use, str(did.steps), f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", str(did.dropped)]
+        missed = "" if did.missed is None else str(did.missed)
+        table.add_row(*cells, *([missed] if has_deadlines else []))
     return table
 
 

@@ -19,6 +19,7 @@ from graphnav.record import ABOUT, LOG, LogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Runner, Sink
+from graphnav.runner.log_forecast import LogForecast
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
@@ -69,13 +70,15 @@ def run_recorded(
     run_id: str = "",
     on_tick: Callable[[int], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
+    notice: Callable[[str], None] = lambda _: None,
 ) -> Summary:
     """Run ``graph`` once into ``folder``, which must exist, and return what ``summary.json`` there says.
 
     A failing stage, a full disk and Ctrl-C end the run, not the record of it: the log holds every whole message up to
     there and the summary says how it ended. ``keep``: the channels that the log holds, None for what the graph's
     ``record`` says. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows.
-    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` every error that ``failure`` tells.
+    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` every error that ``failure`` tells, ``notice`` what
+    is late and a log that will be large.
 
     Raises
     ------
@@ -98,10 +101,13 @@ def run_recorded(
         cleanup.callback(bus.close)
         runner = Runner(graph, stages, bus, sinks)
         cleanup.callback(note_failure, failures, on_failure, runner.close)
-        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait)
+        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
+        forecast = LogForecast(graph.run.until_s, writer, folder, notice) if _keeps_all(graph, keep) else None
 
         def before_tick(utime: int) -> bool:
             on_tick(utime)
+            if forecast is not None:
+                forecast.before_tick(utime)
             clock.advance(utime)
             return not interrupt.asked
 
@@ -136,6 +142,7 @@ def run_recorded(
         tap_dropped=tap.dropped if tap is not None else 0,
         run_id=run_id,
         versions=versions(),
+        behind_s=round(clock.behind_s, 4),
     )
     write_summary(summary, folder)
     return summary
@@ -170,7 +177,12 @@ def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink
     """Return what takes the messages for the log."""
     if keep is not None:
         return ChannelsOnly(writer, keep)
-    return SmallOnly(writer) if graph.run.record == "small" else writer
+    return writer if _keeps_all(graph, keep) else SmallOnly(writer)
+
+
+def _keeps_all(graph: Graph, keep: Collection[str] | None) -> bool:
+    """Whether the log holds every message."""
+    return keep is None and graph.run.record != "small"
 
 
 def note_failure(failures: list[str], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]) -> None:

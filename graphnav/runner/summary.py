@@ -20,13 +20,17 @@ _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm
 
 @dataclass(frozen=True)
 class StageFigures:
-    """What one stage did: ``dropped`` counts sets of inputs that stayed incomplete."""
+    """What one stage did: ``dropped`` counts sets of inputs that stayed incomplete.
+
+    ``missed``: steps that took longer than the stage's deadline, None where it has none.
+    """
 
     use: str
     steps: int
     p50_ms: float
     p99_ms: float
     dropped: int
+    missed: int | None = None
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,8 @@ class Summary:
     tap_dropped: int
     run_id: str
     versions: dict[str, str]
+    behind_s: float = 0.0
+    """How far a paced run ended behind the wall clock, seconds; 0 for one that is not paced."""
     live: dict[str, Any] | None = None
     """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
@@ -68,6 +74,7 @@ def figures_of(units: Mapping[str, Unit]) -> dict[str, StageFigures]:
             round(unit.durations.quantile_s(0.5) * 1e3, 4),
             round(unit.durations.quantile_s(0.99) * 1e3, 4),
             unit.dropped,
+            None if unit.node.deadline_ms is None else unit.missed,
         )
         for name, unit in units.items()
     }

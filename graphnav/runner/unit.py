@@ -21,6 +21,8 @@ class Unit:
     def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
         self.node, self.stage = node, stage
         self.durations = Durations()
+        self.missed = 0
+        """Steps that ended after the stage's deadline."""
         self.last_utime = 0
         self._publish = publish
         self._step: Callable[..., Any] = getattr(stage, "step")  # noqa: B009 - a Stage has no step of its own
@@ -36,6 +38,11 @@ class Unit:
     def dropped(self) -> int:
         """Inputs that came and were never stepped with."""
         return 0
+
+    def judge_deadline(self, ready_s: float, done_s: float) -> None:
+        """Count a step that ended later than the graph allows after its newest input was ready, seconds."""
+        if self.node.deadline_ms is not None and done_s - ready_s > self.node.deadline_ms / 1e3:
+            self.missed += 1
 
     def step(self, utime: int, inputs: Mapping[str, Any], age_s: float = 0.0) -> str | None:
         """Step once with ``inputs`` by port and publish; return the outcome where a source ended the run.

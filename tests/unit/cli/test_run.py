@@ -65,7 +65,7 @@ def test_json_is_the_summary_and_where_it_is(
     assert said == json.loads((tmp_path / "out" / "summary.json").read_text(), parse_constant=no_constant)
     assert {"outcome", "seed", "frames", "wall_s", "stages", "scores", "versions"} <= said.keys()
     assert (said["outcome"], said["seed"], said["frames"]) == ("timeout", 5, 10)
-    assert said["stages"]["s"].keys() == {"use", "steps", "p50_ms", "p99_ms", "dropped"}
+    assert said["stages"]["s"].keys() == {"use", "steps", "p50_ms", "p99_ms", "dropped", "missed"}
     assert said["scores"] == {"s": {"undefined": None, "one": 1.0}}
 
 
@@ -147,7 +147,8 @@ def test_a_picture_that_cannot_be_drawn_costs_nothing_else(
     told = capsys.readouterr()
     assert told.err.startswith("not drawn: ValueError: zero size, in two lines\n")
     assert ("Traceback" in told.err, told.err.count("\n") > 1) == (has_traceback, has_traceback)
-    assert told.out.endswith(f"{out}: run.lcmlog, graph.yaml, summary.json, first.png\n")
+    size = (out / "run.lcmlog").stat().st_size / 1e3
+    assert told.out.endswith(f"{out}: run.lcmlog ({size:.0f} kB), graph.yaml, summary.json, first.png\n")
 
 
 DRAWS_HALF = """

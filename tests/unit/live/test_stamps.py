@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graphnav.live.sender import SenderMonitor
@@ -134,6 +134,7 @@ _STEPS = st.lists(
 )
 
 
+@settings(derandomize=True, deadline=None, max_examples=300)
 @given(steps=_STEPS, max_age_s=st.one_of(st.none(), st.floats(0.05, 5)), counts=st.booleans())
 def test_whatever_comes(steps: list[tuple[float, int | None, int]], max_age_s: float | None, counts: bool) -> None:
     monitor = SenderMonitor(max_age_s)

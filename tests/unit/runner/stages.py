@@ -61,6 +61,18 @@ class Plus(Stage):
         return Twist(v_mps=twist.v_mps + 1, omega_radps=twist.omega_radps)
 
 
+class Slow(Stage):
+    """Takes its time."""
+
+    step_ms: float = param(0.0, ge=0.0, doc="what a step takes at least")
+
+    def step(self, twist: Twist) -> Twist:
+        end_s = time.perf_counter() + self.step_ms / 1e3
+        while (left_s := end_s - time.perf_counter()) > 0:
+            time.sleep(left_s)
+        return twist
+
+
 class Two(NamedTuple):
     """Two ports, the second of which is often silent."""
 
@@ -128,4 +140,4 @@ class Nan(Stage):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Counter, Dice, Noise, Plus, Split, Join, Sampler, Bad, Nan]
+    return [Counter, Dice, Noise, Plus, Split, Join, Sampler, Slow, Bad, Nan]

@@ -1,0 +1,72 @@
+"""How large the log of a run will be, told while the run is young."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+_FROM_TICK, _TO_TICK = 2, 20
+"""The first ticks differ: they hold what is published once, and no flow."""
+_LARGE_BYTES = 1e9
+_MAX_DISK_RATIO = 0.8
+
+
+class SizedLog(Protocol):
+    """A log that knows its size."""
+
+    @property
+    def n_bytes(self) -> int:
+        """The size of the log, with what is not flushed yet."""
+
+
+class LogForecast:
+    """Tells once, after 20 ticks, of a log that will exceed 1 GB or 80 % of what is free on its disk.
+
+    ``until_s``: when the run ends at the latest, None if that is not known; then nothing is told.
+    """
+
+    def __init__(
+        self,
+        until_s: float | None,
+        log: SizedLog,
+        folder: Path,
+        notice: Callable[[str], None],
+        free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+    ) -> None:
+        self._until_s, self._log, self._folder, self._notice = until_s, log, folder, notice
+        self._free_bytes = free_bytes
+        self._ticks = 0
+        self._begin = (0, 0)
+
+    def before_tick(self, utime: int) -> None:
+        """Take the stamp of the tick to come, microseconds."""
+        if self._until_s is None or self._ticks > _TO_TICK:
+            return
+        if self._ticks == _FROM_TICK:
+            self._begin = utime, self._log.n_bytes
+        elif self._ticks == _TO_TICK and utime > self._begin[0]:
+            self._tell(utime, self._until_s)
+        self._ticks += 1
+
+    def _tell(self, utime: int, until_s: float) -> None:
+        rate = (self._log.n_bytes - self._begin[1]) / (utime - self._begin[0])
+        pending_bytes = rate * max(0.0, until_s * 1e6 - utime)
+        n_bytes, free_bytes = self._log.n_bytes + pending_bytes, self._free_bytes(self._folder)
+        is_tight = pending_bytes > _MAX_DISK_RATIO * free_bytes
+        if n_bytes > _LARGE_BYTES or is_tight:
+            free = f", {size_text(free_bytes)} are free" if is_tight else ""
+            self._notice(
+                f"the log will take about {size_text(n_bytes)} by {until_s:g} s{free}; "
+                "for small messages only: --set run.record=small"
+            )
+
+
+def size_text(n_bytes: float) -> str:
+    """Return a size as people read it: ``12 kB``, ``263 MB``, ``1.4 GB``."""
+    for unit in ("B", "kB", "MB"):
+        if n_bytes < 999.5:
+            return f"{n_bytes:.0f} {unit}"
+        n_bytes /= 1e3
+    return f"{n_bytes:.1f} GB"

@@ -1,0 +1,73 @@
+"""A log that will be large is told of while there is time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import pytest
+
+from graphnav.graph import Graph
+from graphnav.runner.log_forecast import LogForecast, size_text
+from graphnav.runner.recorded import run_recorded
+
+SMALLER = "; for small messages only: --set run.record=small"
+
+
+class Log:
+    """A log of some size."""
+
+    n_bytes = 0
+
+
+def told(until_s: float | None, tick_bytes: int, free_bytes: float = 1e12, ticks: int = 100) -> list[str]:
+    """Return what is told of a run at 10 Hz whose first tick holds a large message."""
+    log, notices = Log(), list[str]()
+    forecast = LogForecast(until_s, log, Path(), notices.append, lambda _: int(free_bytes))
+    for k in range(ticks):
+        forecast.before_tick(100_000 * k)
+        log.n_bytes += tick_bytes if k else 40_000_000
+    return notices
+
+
+def test_a_log_above_1_gb_is_told_once() -> None:
+    assert told(600, 700_000) == [f"the log will take about 4.2 GB by 600 s{SMALLER}"]
+
+
+@pytest.mark.parametrize(("until_s", "ticks"), [(60, 100), (None, 100), (600, 20), (1.0, 11)])
+def test_other_logs_are_not(until_s: float | None, ticks: int) -> None:
+    assert told(until_s, 700_000, ticks=ticks) == []
+
+
+def test_a_log_that_takes_most_of_the_disk_is_told() -> None:
+    assert told(60, 700_000, 600e6) == []
+    assert told(60, 700_000, 500e6) == [f"the log will take about 459 MB by 60 s, 500 MB are free{SMALLER}"]
+
+
+@pytest.mark.parametrize(
+    ("n_bytes", "text"),
+    [(0, "0 B"), (999, "999 B"), (1000, "1 kB"), (999_600, "1 MB"), (262_900_000, "263 MB"), (1.44e9, "1.4 GB")],
+)
+def test_sizes_are_short(n_bytes: float, text: str) -> None:
+    assert size_text(n_bytes) == text
+
+
+NOISE = """
+    stages:
+      n: {use: probe.noise, with: {rate_hz: 100, rows: 480}}
+      sink: {use: probe.counter, with: {last: 30, rate_hz: 100}}
+"""
+
+
+@pytest.mark.parametrize(("record", "is_told"), [("all", True), (None, True), ("small", False)])
+def test_a_run_that_keeps_everything_is_forecast(
+    load: Callable[[str], Graph], tmp_path: Path, record: Literal["all", "small"] | None, is_told: bool
+) -> None:
+    graph = load(NOISE)
+    graph = replace(graph, run=replace(graph.run, record=record, until_s=1000.0))
+    notices: list[str] = []
+    summary = run_recorded(graph, graph.make_stages(), tmp_path, notice=notices.append)
+    assert summary.outcome == "goal"
+    assert [notice.startswith("the log will take about 3.1 GB by 1000 s") for notice in notices] == [True] * is_told
