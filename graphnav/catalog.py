@@ -242,7 +242,7 @@ def _check_declaration(cls: type[Stage], origin: str) -> None:
             f"{origin}: {cls.__qualname__} is a Source, but its input '{plain[0]}' is not sampled",
             "annotate it Latest[...], or derive the class from Stage",
         )
-    if not issubclass(cls, Source) and not plain:
+    if not issubclass(cls, Source) and all(port.may_be_open for port in ports_of(cls).inputs):
         raise CatalogError(
             f"{origin}: nothing fires {cls.__qualname__}: it is no Source and all its inputs are sampled",
             "derive it from Source, or annotate an input without Latest",

@@ -80,7 +80,8 @@ def _check_declaration(cls: type[Stage]) -> None:
     if issubclass(cls, Source):
         _require(not plain, cls, f"is a Source, but its input '{plain[:1]}' is not sampled")
     else:
-        _require(bool(plain), cls, "is no Source and has no plain input: nothing fires it")
+        needed = [port.name for port in ports.inputs if not port.may_be_open]
+        _require(bool(needed), cls, "is no Source and has no plain input that must be wired: nothing fires it")
     for name, param in params_of(cls).items():
         _require(bool(param.doc.strip()), cls, f"parameter '{name}' has no doc")
         _require(name.rpartition("_")[2] not in _NO_UNITS, cls, f"parameter '{name}' has no suffix of graphnav's units")

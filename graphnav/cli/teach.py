@@ -7,10 +7,15 @@ import shutil
 import sys
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_run_options, load
+from graphnav.cli.options import add_graph_options, add_run_options, add_url_option, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import UserError
+
+if TYPE_CHECKING:
+    from graphnav.graph import Graph
+    from graphnav.runner.summary import Summary
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,19 +25,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", dest="model", type=Path, required=True, metavar="FILE", help="where the model goes (.lcmlog)"
     )
+    parser.add_argument(
+        "--live", action="store_true", help="teach by the wall clock; a graph with inputs is live by itself"
+    )
+    add_url_option(parser)
     parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: the last planar model that the graph publishes becomes a log of one message."""
+    """Run the command: the last planar model that the graph publishes becomes a log of one message.
+
+    Ctrl-C throws teaching in simulated time away, which has an end of its own; live it is how teaching ends.
+    """
     from rich.console import Console  # noqa: PLC0415
 
-    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
     from graphnav.codec import encode  # noqa: PLC0415
     from graphnav.messages import PlanarModel  # noqa: PLC0415
     from graphnav.record import LOG, LogWriter, Recording  # noqa: PLC0415
     from graphnav.runner import Outcome  # noqa: PLC0415
-    from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} is there already", "choose another file, or replace it with --force")
@@ -45,17 +55,16 @@ def main(args: argparse.Namespace) -> int:
         )
     channel = learning[0].name
     with tempfile.TemporaryDirectory() as scratch:
-        with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-            summary = run_recorded(graph, graph.make_stages(), Path(scratch), keep=[channel], on_tick=on_tick)
+        summary = _run(graph, Path(scratch), channel, args)
         if summary.failure:
             print(summary.failure, file=sys.stderr)
             return FAILED
-        if summary.outcome == Outcome.STOPPED:
+        if summary.outcome == Outcome.STOPPED and summary.live is None:
             print(f"stopped: teaching was not over, and nothing is written to {args.model}", file=sys.stderr)
             return INTERRUPTED
         with Recording(Path(scratch) / LOG) as recording:
             if not recording.count(channel):
-                raise UserError.of(f"{graph.path} published no planar model", "let it run longer with --until")
+                raise UserError.of(f"{graph.path} published no planar model", _why_none(summary))
             utime, _, model = recording.message(channel, -1)
         assert isinstance(model, PlanarModel)
         fresh = Path(scratch) / "model.lcmlog"
@@ -73,3 +82,32 @@ def main(args: argparse.Namespace) -> int:
         markup=False,
     )
     return OK
+
+
+def _run(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> Summary:
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
+    from graphnav.live import live_url, run_live  # noqa: PLC0415
+    from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
+
+    stages = graph.make_stages()
+    if not (args.live or graph.is_live):
+        if args.url is not None:
+            raise UserError.of("--url is for live runs, but this graph runs in lockstep", "add --live, or leave it out")
+        with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
+            return run_recorded(graph, stages, folder, keep=[channel], on_tick=on_tick)
+    until = "Ctrl-C" if graph.run.until_s is None else f"{graph.run.until_s:g} s or Ctrl-C"
+    print(f"teaching live on {live_url(graph, args.url)} until {until}", file=sys.stderr)
+    with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
+        return run_live(
+            graph, stages, folder, url=args.url, keep=[channel], on_time=lambda run_s: on_tick(round(run_s * 1e6))
+        )
+
+
+def _why_none(summary: Summary) -> str:
+    """Return what to do where no model came: live, an input may have been silent."""
+    silent = [one["channel"] for one in (summary.live or {}).get("inputs", ()) if not one["accepted"]]
+    if silent:
+        return f"nothing came on {', '.join(silent)}: start what sends it, or name its URL with --url"
+    return "let it run longer with --until"

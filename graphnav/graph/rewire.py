@@ -90,14 +90,14 @@ class Rewiring:
             same = [r for r, message in channels.items() if message is port.message and r.startswith(f"{writer}.")]
             if len(same) == 1:
                 self._wire(self._spec.stages[reader], port, same[0], f"in place of {ref}")
-            elif not port.is_plain:
+            elif port.may_be_open:
                 self._notices.append(f"{reader}.{port.name}: not connected any more, {ref} is gone")
             else:
                 self._wire_to_only(self._spec.stages[reader], port, channels, ref)
 
     def _wire_new(self, stage: StageSpec, channels: Mapping[str, type[Message]]) -> None:
         for port in ports_of(self._catalog.stage(stage.use)).inputs:
-            if port.is_plain and port.name not in stage.wires and (stage.name, port.name) not in self._given:
+            if not port.may_be_open and port.name not in stage.wires and (stage.name, port.name) not in self._given:
                 self._wire_to_only(stage, port, channels)
 
     def _wire_to_only(

@@ -105,7 +105,7 @@ def _stage(uses: list[str]) -> Schema:
 def _use(cls: type[Stage]) -> Schema:
     params, inputs = params_of(cls), ports_of(cls).inputs
     needed = [name for name, param in params.items() if param.required]
-    plain = [port.name for port in inputs if port.is_plain]
+    plain = [port.name for port in inputs if not port.may_be_open]
     wires = {
         port.name: {"type": "string", "pattern": _REF, "description": f"a channel of {port.message.__name__}"}
         for port in inputs

@@ -39,7 +39,7 @@ class Wires:
         """Return an input; ``said``: something is wrong with it already."""
         entry = stage.wires.get(port.name)
         if entry is None:
-            if not port.is_plain:
+            if port.may_be_open:
                 return Input(port, None)
             if not said:
                 what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) is not connected"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -42,12 +42,15 @@ class Intake:
         self.monitor = SenderMonitor(source.max_age_s)
         self.mailbox = Mailbox(fingerprint(source.lcm_class), GATHERED if needs_all else NEWEST)
         self.needs_all = needs_all
+        self.used = 0
+        """Messages that were handed on."""
         self.overtaken = 0
         """Messages that were fit for use, but older than the newest."""
         self._clock = clock
         self._codec = codec_of(source.lcm_class)
         self._sizes: tuple[tuple[int, ...], ...] | None = None
         self._seen_wrong = self._seen_overflowed = 0
+        self._birth_s = -math.inf
 
     def take(self) -> Iterator[Received]:
         """Yield what is fit for use, oldest first; everything else is counted."""
@@ -72,10 +75,9 @@ class Intake:
                 yield self._received(arrival, message, verdict, anew=anew)
                 return
 
-    @property
-    def rejected(self) -> Counter[str]:
-        """Messages that were not used, by reason."""
-        return self.monitor.rejected
+    def age_s(self, now_s: float) -> float:
+        """Return the age of the newest message that was handed on, infinite before the first."""
+        return now_s - self._birth_s
 
     def _judge(self, arrival: Arrival) -> tuple[Mapping[str, Any], Verdict] | None:
         try:
@@ -118,6 +120,8 @@ class Intake:
         return message
 
     def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, anew: bool) -> Received:
+        self._birth_s = verdict.birth_s
+        self.used += 1
         raw = arrival.data if self.source.adapter is None else None
         return Received(verdict.utime, message, verdict.birth_s, raw, anew)
 

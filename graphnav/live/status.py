@@ -82,14 +82,13 @@ class StatusReporter:
 
     def _input(self, intake: Intake, now_s: float, elapsed_s: float) -> dict[str, Any]:
         source, monitor = intake.source, intake.monitor
-        age_s = monitor.age_s(now_s)
         reasons = sorted(monitor.rejected.items())
         return {
             "name": source.channel.ref,
             "channel": f"{source.log}:{source.name}" if source.log is not None else source.name,
-            "accepted": monitor.accepted,
-            "rate_hz": self._since(f"{source.channel.ref} accepted", monitor.accepted) / elapsed_s,
-            "age_s": age_s if monitor.accepted else -1.0,
+            "accepted": intake.used + intake.overtaken,
+            "rate_hz": self._since(f"{source.channel.ref} used", intake.used + intake.overtaken) / elapsed_s,
+            "age_s": intake.age_s(now_s) if intake.used else -1.0,
             "max_age_s": monitor.max_age_s,
             "offset_s": monitor.offset_s,
             "fault": monitor.fault(now_s),

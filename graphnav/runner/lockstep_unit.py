@@ -20,7 +20,7 @@ class LockstepUnit(Unit):
         self._inbox: dict[str, Message] = {}
         self._newest: dict[str, tuple[int, Message]] = {}
         self._gathered: dict[str, list[tuple[int, Message]]] = {port: [] for port in self._since}
-        self._open = {i.port.name for i in node.inputs if i.channel is None}
+        self._unconnected = {i.port.name for i in node.inputs if i.channel is None}
 
     def deliver(self, port: str, utime: int, message: Message) -> None:
         """Put a message into the inbox; what comes on a plain port is of the tick's stamp."""
@@ -69,6 +69,6 @@ class LockstepUnit(Unit):
 
     def _sample(self, port: str, utime: int) -> Latest[Any]:
         if port not in self._newest:
-            return Latest(is_connected=port not in self._open)
+            return Latest(is_connected=port not in self._unconnected)
         sent, message = self._newest[port]
         return Latest(message, (utime - sent) / 1e6)

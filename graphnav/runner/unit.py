@@ -29,7 +29,8 @@ class Unit:
         ports = ports_of(node.stage_class)
         self._stamps, self._ages = ports.stamps, ports.ages
         self._result = ports.result
-        self._plain = [i.port.name for i in node.inputs if i.port.is_plain]
+        self._plain = [i.port.name for i in node.inputs if i.port.is_plain and i.channel is not None]
+        self._open = [i.port.name for i in node.inputs if i.port.is_plain and i.channel is None]
         self._latest = [i.port.name for i in node.inputs if i.port.latest]
         self._since = [i.port.name for i in node.inputs if i.port.since]
         self._outputs = [(port, node.outputs[port.name]) for port in ports.outputs]
@@ -53,7 +54,7 @@ class Unit:
             The step raised, or returned what it may not.
         """
         self.last_utime = utime
-        arguments: dict[str, Any] = dict(inputs)
+        arguments: dict[str, Any] = {**dict.fromkeys(self._open), **inputs}
         for name in self._stamps:
             arguments[name] = utime
         for name in self._ages:

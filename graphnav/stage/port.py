@@ -70,7 +70,8 @@ class Port:
     """One input or output: its name, its message type, how it is read.
 
     ``latest``: sampled (`Latest`). ``since``: holds everything since the last firing (`Since`). ``optional``: a plain
-    input annotated ``T | None``: a timer may fire the stage before there is a message.
+    input annotated ``T | None``: a timer may fire the stage before there is a message. ``defaulted``: a plain input
+    declared ``T | None = None``.
     """
 
     name: str
@@ -78,11 +79,17 @@ class Port:
     latest: bool = False
     since: bool = False
     optional: bool = False
+    defaulted: bool = False
 
     @property
     def is_plain(self) -> bool:
         """Whether a message on it fires the stage."""
         return not (self.latest or self.since)
+
+    @property
+    def may_be_open(self) -> bool:
+        """Whether a graph need not connect it."""
+        return self.defaulted or not self.is_plain
 
     @property
     def reading(self) -> str:
@@ -142,7 +149,8 @@ def _ports_of(cls: Any) -> Ports:
                 "use a Message type, Latest[...] or Since[...] of one, Stamp or Age"
             )
         optional = not (latest or since) and message is not hint
-        inputs.append(Port(name, message, latest, since, optional))
+        defaulted = optional and parameter.default is None
+        inputs.append(Port(name, message, latest, since, optional, defaulted))
     outputs, result = _outputs(cls, hints.get("return", inspect.Signature.empty))
     return Ports(tuple(inputs), outputs, tuple(stamps), tuple(ages), result)
 

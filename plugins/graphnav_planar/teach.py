@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from graphnav import Flow, Latest, Motion, PlanarModel, Stage, coarsen, param
+from graphnav import Flow, Motion, PlanarModel, Stage, coarsen, param
 from graphnav_planar.interval import check_interval
 from graphnav_planar.normal_equations import Doubles, NormalEquations
 from graphnav_planar.terms import MEAN, Term, driving_terms, factors
@@ -52,7 +52,7 @@ class Teach(Stage):
         self._forward_m = self._turn_rad = np.zeros(2)
         self._model: PlanarModel | None = None
 
-    def step(self, flow: Flow, motion: Latest[Motion]) -> PlanarModel | None:
+    def step(self, flow: Flow, motion: Motion | None = None) -> PlanarModel | None:
         """Add a frame.
 
         Raises
@@ -61,13 +61,12 @@ class Teach(Stage):
             There are terms to teach that need the motion of this frame, and it is not there or covers another interval
             than the flow; or the flow changes size.
         """
-        moved = motion.value if motion.age_s == 0.0 else None
-        if moved is None and self._driving:
+        if motion is None and self._driving:
             wanted = ", ".join(self._driving)
             raise ValueError(f"the terms {wanted} need the motion of each frame: wire 'motion', or teach only mean")
-        if moved is not None:
-            check_interval(flow, moved)
-        self._add(coarsen(flow, self.cell_px), moved)
+        if motion is not None:
+            check_interval(flow, motion)
+        self._add(coarsen(flow, self.cell_px), motion)
         if self._frames % self.every_frames:
             return None
         self._model = self._solve(flow.interval_us)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 from graphnav_planar.teach import Teach
 
-from graphnav import Flow, Latest, Motion, PlanarModel
+from graphnav import Flow, Motion, PlanarModel
 from graphnav.codec import encode
 from graphnav.record import LogWriter
 
@@ -57,7 +57,7 @@ class Floor:
         for frame in range(frames):
             forward_m, turn_rad = rng.uniform(0, 0.04), rng.uniform(-0.16, 0.16) * (frame % 4 > 0)
             uv_px = self.uv_px(forward_m, turn_rad) + rng.normal(0, noise_px, (ROWS, COLS, 2))
-            last = stage.step(self.flow(uv_px), Latest(self.motion(forward_m, turn_rad), 0.0)) or last
+            last = stage.step(self.flow(uv_px), self.motion(forward_m, turn_rad)) or last
         return last
 
 

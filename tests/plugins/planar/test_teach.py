@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from graphnav_planar.teach import Teach
 
-from graphnav import Latest, ParamError, PlanarModel
+from graphnav import ParamError, PlanarModel
 
 if TYPE_CHECKING:
     from tests.plugins.planar.conftest import Floor
@@ -49,8 +49,8 @@ def test_the_model_says_what_it_was_taught_from(model: PlanarModel) -> None:
 def test_nothing_is_published_before_the_motion_tells_the_fields_apart(floor: Floor) -> None:
     stage = Teach(terms=("v", "w"), every_frames=1)
     stage.reset(0)
-    straight = floor.flow(floor.uv_px(0.03, 0.0)), Latest(floor.motion(0.03, 0.0), 0.0)
-    turning = floor.flow(floor.uv_px(0.03, 0.1)), Latest(floor.motion(0.03, 0.1), 0.0)
+    straight = floor.flow(floor.uv_px(0.03, 0.0)), floor.motion(0.03, 0.0)
+    turning = floor.flow(floor.uv_px(0.03, 0.1)), floor.motion(0.03, 0.1)
     assert stage.step(*straight) is None
     assert stage.step(*straight) is None
     assert stage.step(*turning) is not None
@@ -60,8 +60,8 @@ def test_a_video_without_motion_teaches_the_mean(floor: Floor) -> None:
     stage = Teach(terms=("mean",), every_frames=2)
     stage.reset(0)
     slow, fast = floor.uv_px(0.01, 0.0), floor.uv_px(0.03, 0.0)
-    assert stage.step(floor.flow(slow), Latest()) is None
-    model = stage.step(floor.flow(fast), Latest())
+    assert stage.step(floor.flow(slow)) is None
+    model = stage.step(floor.flow(fast))
     assert model is not None
     assert np.allclose(model.basis[0], (slow + fast) / 2, atol=1e-5)
 
@@ -70,7 +70,7 @@ def test_terms_of_the_motion_need_the_motion(floor: Floor) -> None:
     stage = Teach()
     stage.reset(0)
     with pytest.raises(ValueError, match="wire 'motion', or teach only mean"):
-        stage.step(floor.flow(floor.uv_px(0.03, 0.0)), Latest())
+        stage.step(floor.flow(floor.uv_px(0.03, 0.0)))
 
 
 def test_cells_that_were_seldom_valid_are_not_taught(floor: Floor) -> None:
@@ -79,7 +79,7 @@ def test_cells_that_were_seldom_valid_are_not_taught(floor: Floor) -> None:
     whole = floor.flow(floor.uv_px(0.03, 0.0))
     holed = replace(whole, valid=np.where(np.arange(40) < 10, 0, whole.valid).astype(np.uint8))
     for flow in (whole, holed, holed):
-        model = stage.step(flow, Latest())
+        model = stage.step(flow)
     assert model is not None
     assert not model.valid[:, :10].any()
     assert model.valid[:, 10:].all()
@@ -89,9 +89,9 @@ def test_the_picture_may_not_change_its_size(floor: Floor) -> None:
     stage = Teach(terms=("mean",))
     stage.reset(0)
     whole = floor.flow(floor.uv_px(0.03, 0.0))
-    stage.step(whole, Latest())
+    stage.step(whole)
     with pytest.raises(ValueError, match="was 40x30 cells of 4 px, but is 40x20 now"):
-        stage.step(replace(whole, uv_px=whole.uv_px[:20], valid=whole.valid[:20]), Latest())
+        stage.step(replace(whole, uv_px=whole.uv_px[:20], valid=whole.valid[:20]))
 
 
 def test_an_unknown_term_is_refused() -> None:
@@ -104,4 +104,4 @@ def test_a_motion_of_another_interval_teaches_nothing(floor: Floor) -> None:
     stage.reset(0)
     moved = replace(floor.motion(0.03, 0.0), interval_us=200_000)
     with pytest.raises(ValueError, match=r"^the motion covers 200000 us, but the flow 100000 us; use odometry.motion"):
-        stage.step(floor.flow(floor.uv_px(0.03, 0.0)), Latest(moved, 0.0))
+        stage.step(floor.flow(floor.uv_px(0.03, 0.0)), moved)
