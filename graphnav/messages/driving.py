@@ -67,10 +67,11 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
     ``may_move``: whether any motion is let through; ``may_advance``: whether motion forward is. ``overridden``: an
     override drives. ``stopped``: a stop was asked for and the guard was not armed again since.
 
-    ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that forbids something now: "waiting" (no
-    message yet), "stale", "fault" (of the sender's stamps), "blind", "obstacle" or "stop"; the guard's input port that
-    it is about; what was found and what is allowed (seconds for waiting and stale, a ratio for blind and obstacle,
-    else 0).
+    ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that forbids something now, or would if no
+    override drove: "waiting" (no message yet), "stale", "fault" (of the sender's stamps, or a value that is not
+    finite), "blind", "obstacle" or "stop"; the guard's input port that it is about; what was found and what is allowed
+    (seconds for waiting and stale; for blind a ratio of a plane or gray levels of an image; a ratio for obstacle; else
+    0).
     """
 
     may_move: bool

@@ -64,7 +64,8 @@ class guard_state_t(object):
 
         self.values = []
         """
-        What was found and what is allowed: seconds for stale and waiting, a ratio for blind and obstacle, else 0.
+        What was found and what is allowed: seconds for waiting and stale; for blind a ratio (of a plane) or gray levels
+        (of an image), for obstacle a ratio, else 0.
         LCM Type: double[n_causes]
         """
 

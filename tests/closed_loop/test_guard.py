@@ -1,0 +1,52 @@
+"""In lockstep the guard changes nothing while the robot sees, and stops it when it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from graphnav import GuardState, Recording, State, Twist
+from graphnav.runner.summary import Summary
+
+Drive = Callable[..., tuple[Summary, Recording]]
+
+
+def speeds(log: Recording, channel: str) -> npt.NDArray[np.float64]:
+    """Return stamp, speed and turning rate of every twist, (n, 3)."""
+    rows = []
+    for utime, _, twist in log.messages(channel):
+        assert isinstance(twist, Twist)
+        rows.append((utime, twist.v_mps, twist.omega_radps))
+    return np.array(rows)
+
+
+def states(log: Recording) -> list[GuardState]:
+    found = [message for _, _, message in log.messages("guard.state")]
+    assert all(isinstance(state, GuardState) for state in found)
+    return found  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("graph", ["corridor_ccw", "pillars", "approach", "paper_corridor_cw", "measure_detectors"])
+def test_every_command_leaves_bit_for_bit(graph: str, drive: Drive) -> None:
+    _, log = drive(graph, 1004, "run.until_s=8")
+    with log:
+        given, left = speeds(log, "control.twist"), speeds(log, "guard.twist")
+        assert given.tobytes() == left.tobytes()
+        assert len(left) > 70
+        assert all(state.may_move for state in states(log))
+
+
+@pytest.mark.parametrize("blinding", ["robot.contrast_ratio=0", "guard.min_contrast=255", "guard.min_judged_ratio=1"])
+def test_a_robot_that_sees_nothing_stands(blinding: str, drive: Drive) -> None:
+    _, log = drive("corridor_ccw", 1004, "run.until_s=2", blinding)
+    with log:
+        assert not speeds(log, "guard.twist")[:, 1:].any()
+        assert all("blind" in state.causes and not state.may_move for state in states(log))
+        poses = [message for _, _, message in log.messages("robot.state")]
+        first, last = poses[0], poses[-1]
+        assert isinstance(first, State)
+        assert isinstance(last, State)
+        assert (first.x_m, first.y_m, first.yaw_rad) == (last.x_m, last.y_m, last.yaw_rad)
