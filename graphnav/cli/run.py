@@ -100,7 +100,8 @@ def main(args: argparse.Namespace) -> int:
             print(f"not drawn: {error}", file=sys.stderr)
             if args.verbose:
                 traceback.print_exception(error.__cause__)
-            files = [*files, *sorted(path.name for path in folder.iterdir() if path.name not in files)]
+            drawn = (path.name for path in folder.iterdir() if path.is_file() and path.name not in files)
+            files = [*files, *sorted(drawn)]
         except KeyboardInterrupt:
             print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
             raise
