@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; nothing is overwritten."""
-    from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.catalog import ADAPTERS, Catalog  # noqa: PLC0415
     from graphnav.cli.stage_hints import hints  # noqa: PLC0415
     from graphnav.cli.stage_templates import stage_text, test_text  # noqa: PLC0415
     from graphnav.messages import snake_case  # noqa: PLC0415
@@ -29,6 +29,8 @@ def main(args: argparse.Namespace) -> int:
     for word in (args.family, args.name):
         if not STAGE_NAME.fullmatch(word) or keyword.iskeyword(word):
             raise UserError.of(f"'{word}' cannot be a name", "use small letters, digits and _, beginning with a letter")
+    if args.family == ADAPTERS:
+        raise UserError.of(f"the family '{ADAPTERS}' is reserved for adapters", "choose another family")
     cls = "".join(part.capitalize() for part in args.name.split("_"))
     if snake_case(cls) != args.name:
         what = f"'{args.name}' cannot be a name: its class {cls} would be called '{snake_case(cls)}'"

@@ -30,7 +30,7 @@ class Merged:
     swapped: Collection[str] = ()
     """Stages that use another stage than in an extended file."""
     removed: dict[str, Place] = field(default_factory=dict)
-    """Stages that are removed, and where that is said."""
+    """Stages and inputs that are removed, and where that is said."""
     given: Collection[tuple[str, str]] = ()
     """(stage, input port) of the wires that are given with the swaps."""
     read_before: frozenset[str] = frozenset()
@@ -80,6 +80,8 @@ def _merged(base: Value, over: Value, stages: StageMerge, problems: list[Problem
             words[key] = stages.merge(old, entry)
         elif key in (*_VALUES, *_SECTIONS) and old is not None:
             words[key] = merge_entries(old, entry, f"'{key}'", problems, null_removes=key in _SECTIONS)
+            if key == "inputs":
+                stages.note_removed(old, entry)
         else:
             words[key] = entry
     return Value(words, over.place)

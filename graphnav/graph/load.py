@@ -22,7 +22,7 @@ def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] =
     """Return the checked graph of a file, or of the name of one in the working folder or among those that ship.
 
     ``sets`` are swaps as the command line takes them: ``plane=plane.affine``, ``plane.mad_ratio=3``,
-    ``plane.in.truth=robot.truth``, ``run.until_s=5``.
+    ``plane.in.truth=robot.truth``, ``run.until_s=5``, ``twin+=plane.affine``, which adds a stage.
 
     Raises
     ------

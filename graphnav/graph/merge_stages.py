@@ -36,6 +36,7 @@ class StageMerge:
         self.swapped: dict[str, None] = {}
         """Stages whose ``use`` changed, in order."""
         self.removed: dict[str, Place] = {}
+        """Stages and inputs that are null in a later file, and where that is said."""
         self.given: set[tuple[str, str]] = set()
         """(stage, input port) of the wires that are given since the last swap."""
         self.read_before: set[str] = set()
@@ -67,6 +68,14 @@ class StageMerge:
                 words = self._swapped(name, before, entry) if name in changed else dict(_mapping(before))
                 stages[name] = Entry(entry.place, Value(self._over(name, words, entry), entry.value.place))
         return Entry(new.place, Value(stages, new.value.place))
+
+    def note_removed(self, old: Entry, new: Entry) -> None:
+        """Note which entries of ``inputs`` in ``old`` are null in ``new``, and which are put back."""
+        for name, entry in _mapping(new).items():
+            if entry.value.data is not None:
+                self.removed.pop(name, None)
+            elif name in _mapping(old):
+                self.removed[name] = entry.place
 
     def notices(self, stages: Entry | None) -> Iterator[str]:
         """Yield what was swapped, lost and removed; ``stages``: what all files say together."""

@@ -43,9 +43,9 @@ class Rewiring:
                 self._wire_new(self._spec.stages[stage], channels)
 
     def remove(self, removed: Mapping[str, Place]) -> None:
-        """Disconnect the readers of stages that were removed, each at its place."""
+        """Disconnect the readers of stages and inputs that were removed, each at its place."""
         for reader, port, ref in list(self.wires()):
-            place, stage = removed.get(ref.partition(".")[0]), self._spec.stages[reader]
+            place, stage = self._removal(ref, removed), self._spec.stages[reader]
             if place is None:
                 continue
             wire = stage.wires.pop(port.name).value.place
@@ -60,6 +60,13 @@ class Rewiring:
                 self._notices.append(f"{reader}.{port.name}: not connected any more, {ref} is gone")
                 continue
             stage.unwired.add(port.name)
+
+    def _removal(self, ref: str, removed: Mapping[str, Place]) -> Place | None:
+        """Return where the stage or the input that a reference means was removed, None if it was not."""
+        stem, dot, _ = ref.partition(".")
+        if dot or any(name.partition(".")[0] == stem for name in self._spec.inputs):
+            return removed.get(ref) or removed.get(stem)
+        return removed.get(stem) or next((p for name, p in removed.items() if name.partition(".")[0] == stem), None)
 
     def wires(self) -> Iterator[tuple[str, Port, str]]:
         """Yield (reader, input port, reference) of every wire of a known stage."""

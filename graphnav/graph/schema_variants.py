@@ -8,6 +8,8 @@ Schema = dict[str, Any]
 
 FAMILY_STAGE = r"^[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*$"
 _NULL: Schema = {"type": "null"}
+_CONDITIONS = ("required", "allOf", "anyOf", "dependentSchemas")
+"""What may make a key of a mapping necessary."""
 _KEPT = ("about", "extends", "plugins", "run")
 """Keys that mean the same where a graph extends another."""
 
@@ -28,7 +30,6 @@ def stage_variants(stage: Schema) -> dict[str, Schema]:
     words = {key: word for key, word in plugin_stage["properties"].items() if key != "use"}
     changed = {**_loose({**plugin_stage, "properties": words}), "type": ["object", "null"]}
     changed["properties"] = {"use": use, **changed["properties"]}
-    del changed["allOf"]
     return {"plugin_stage": plugin_stage, "extending_stage": changed}
 
 
@@ -48,8 +49,9 @@ def _extending(graph: Schema) -> Schema:
 
 def _loose(schema: Schema) -> Schema:
     """Return a mapping's schema in which nothing is required and null may be under every key."""
-    found = {key: word for key, word in schema.items() if key != "required"}
+    found = dict(schema)
     if "properties" in schema:
+        found = {key: word for key, word in schema.items() if key not in _CONDITIONS}
         found["properties"] = {key: {"anyOf": [_NULL, _loose(word)]} for key, word in schema["properties"].items()}
     if isinstance(schema.get("additionalProperties"), dict):
         found["additionalProperties"] = {"anyOf": [_NULL, _loose(schema["additionalProperties"])]}

@@ -105,6 +105,11 @@ def test_a_name_that_its_class_would_not_have_is_refused(name: str, capsys: pyte
     assert list(Path().iterdir()) == []
 
 
+def test_the_family_of_adapters_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new-stage", "adapters", "mine"]) == 2
+    assert capsys.readouterr().err == "the family 'adapters' is reserved for adapters\n  choose another family\n"
+
+
 def test_a_name_that_hides_a_module_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new-stage", "plane", "numpy"]) == 2
     assert capsys.readouterr().err == (

@@ -82,11 +82,14 @@ EXTENDS = {
     "plugins": ["mine.py"],
     "stages": {
         "plane": {"use": "mine.detector"},
-        "flow": {"with": {"layers": 2}, "in": {"goal": None}},
+        "flow": {"with": {"layers": 2}, "in": {"goal": None}, "every_ms": None, "deadline_ms": 20},
         "sight": None,
     },
     "channels": {"robot.image": None, "plane.plane": "PLANE"},
-    "deploy": {"eyes": None},
+    "deploy": {"eyes": None, "nose": {"host": None}},
+    "inputs": {"camera.image": {"max_age_s": 0.3, "channel": None}, "base.odometry": None},
+    "outputs": {"guard.twist": {"channel": "BASE", "stop": None}, "control.twist": None},
+    "queues": {"plane.flow": None, "plane.planar": {"keep": 2}},
 }
 
 
@@ -95,6 +98,7 @@ def test_a_graph_that_extends_another_says_only_what_differs(toy_schema: dict[st
     assert is_valid({"extends": "corridor_ccw"}, toy_schema)
     assert not is_valid({key: word for key, word in EXTENDS.items() if key != "extends"}, toy_schema)
     assert not is_valid(EXTENDS | {"channels": {"robot.image": 3}}, toy_schema)
+    assert not is_valid(EXTENDS | {"inputs": {"camera.image": {"max_age_s": 0}}}, toy_schema)
     assert not is_valid(EXTENDS | {"stages": {"plane": {"uses": "mine.detector"}}}, toy_schema)
 
 

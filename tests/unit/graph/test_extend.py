@@ -193,6 +193,44 @@ def test_what_else_is_said_of_a_stage_is_replaced_and_null_takes_it_away() -> No
     assert value == {"stages": {"plane": {"use": "a.b", "every_ms": 20, "with": {"x": None, "y": 2}}}}
 
 
+def test_a_live_graph_is_extended(write: Write) -> None:
+    path = write(
+        mine="""\
+extends: navigate_live
+inputs: {camera.image: {channel: FRONT}}
+outputs: {guard.twist: {max_age_s: 0.25}}
+queues: {plane.flow: {keep: 4}}
+stages: {guard: {every_ms: 20, deadline_ms: 10}}
+"""
+    )
+    graph = load_graph(path, Catalog())
+    camera, before = graph.inputs["camera.image"], load_graph("navigate_live", Catalog()).inputs["camera.image"]
+    assert (camera.name, camera.type_name, camera.max_age_s) == ("FRONT", before.type_name, before.max_age_s)
+    assert (graph.outputs["guard.twist"].max_age_s, graph.outputs["guard.twist"].motor) == (0.25, True)
+    assert graph.queues == {"plane.flow": 4}
+    assert (graph.node("guard").every_ms, graph.node("guard").deadline_ms) == (20, 10)
+
+
+def test_inputs_give_way_to_a_world(write: Write) -> None:
+    path = write(
+        mine="""\
+extends: navigate_live
+inputs: {camera.image: null, base.odometry: null}
+outputs: {guard.twist: null}
+stages:
+  robot: {use: world.pymunk, with: {map: maps/corridor_ccw.yaml}, in: {command: guard.twist}}
+  flow: {in: {image: robot.image}}
+  motion: null
+  planar: {in: {motion: robot.motion}}
+  guard: {in: {image: null}, every_ms: null}
+"""
+    )
+    graph = load_graph(path, Catalog())
+    assert not graph.is_live
+    assert [source.name for source in graph.sources] == ["robot"]
+    assert graph.node("guard").every_ms is None
+
+
 def test_plugins_of_all_files_are_loaded(tmp_path: Path) -> None:
     (tmp_path / "lib").mkdir()
     for path, name in ((tmp_path / "lib" / "one.py", "One"), (tmp_path / "two.py", "Two")):
