@@ -7,7 +7,9 @@ import sys
 
 from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
+from acceptance.guarding import guard_item
 from acceptance.live_drives import live_item
+from acceptance.live_load import load_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
@@ -26,7 +28,9 @@ ITEMS = {
     "interrupt": interrupt_item,
     "bench": bench_item,
     "fresh": fresh_item,
+    "guard": guard_item,
     "live": live_item,
+    "load": load_item,
 }
 
 
