@@ -193,42 +193,44 @@ def test_what_else_is_said_of_a_stage_is_replaced_and_null_takes_it_away() -> No
     assert value == {"stages": {"plane": {"use": "a.b", "every_ms": 20, "with": {"x": None, "y": 2}}}}
 
 
-def test_a_live_graph_is_extended(write: Write) -> None:
-    path = write(
-        mine="""\
-extends: navigate_live
-inputs: {camera.image: {channel: FRONT}}
-outputs: {guard.twist: {max_age_s: 0.25}}
-queues: {plane.flow: {keep: 4}}
-stages: {guard: {every_ms: 20, deadline_ms: 10}}
-"""
-    )
-    graph = load_graph(path, Catalog())
-    camera, before = graph.inputs["camera.image"], load_graph("navigate_live", Catalog()).inputs["camera.image"]
-    assert (camera.name, camera.type_name, camera.max_age_s) == ("FRONT", before.type_name, before.max_age_s)
-    assert (graph.outputs["guard.twist"].max_age_s, graph.outputs["guard.twist"].motor) == (0.25, True)
-    assert graph.queues == {"plane.flow": 4}
-    assert (graph.node("guard").every_ms, graph.node("guard").deadline_ms) == (20, 10)
-
-
-def test_inputs_give_way_to_a_world(write: Write) -> None:
-    path = write(
-        mine="""\
-extends: navigate_live
-inputs: {camera.image: null, base.odometry: null}
-outputs: {guard.twist: null}
+LIVE = """\
+inputs: {camera.image: {channel: CAMERA, type: graphnav_lcm.image_t, max_age_s: 0.5}}
+outputs: {plane.plane: {channel: PLANE}}
 stages:
-  robot: {use: world.pymunk, with: {map: maps/corridor_ccw.yaml}, in: {command: guard.twist}}
-  flow: {in: {image: robot.image}}
-  motion: null
-  planar: {in: {motion: robot.motion}}
-  guard: {in: {image: null}, every_ms: null}
+  flow: {use: toy.matcher, in: {image: camera}}
+  plane: {use: toy.detector, every_ms: 50, in: {flow: flow.flow}}
 """
-    )
-    graph = load_graph(path, Catalog())
-    assert not graph.is_live
+
+
+def test_a_live_graph_is_extended(toys: Catalog, write: Write) -> None:
+    over = """\
+extends: live
+inputs: {camera.image: {channel: FRONT}}
+outputs: {plane.plane: {type: graphnav_lcm.plane_t}}
+queues: {plane.flow: {keep: 4}}
+stages: {plane: {every_ms: 20, deadline_ms: 10}}
+"""
+    graph = load_graph(write(live=LIVE, mine=over), toys)
+    camera, sent, plane = graph.inputs["camera.image"], graph.outputs["plane.plane"], graph.node("plane")
+    assert (camera.name, camera.type_name, camera.max_age_s) == ("FRONT", "graphnav_lcm.image_t", 0.5)
+    assert (sent.name, sent.type_name, graph.queues) == ("PLANE", "graphnav_lcm.plane_t", {"plane.flow": 4})
+    assert (plane.every_ms, plane.deadline_ms) == (20, 10)
+
+
+def test_inputs_give_way_to_a_world(toys: Catalog, write: Write) -> None:
+    over = """\
+extends: live
+inputs: {camera.image: null}
+outputs: {plane.plane: null}
+stages:
+  robot: {use: toy.robot}
+  flow: {in: {image: robot.image}}
+  plane: {every_ms: null}
+"""
+    graph = load_graph(write(live=LIVE, mine=over), toys)
+    assert (graph.is_live, graph.outputs) == (False, {})
     assert [source.name for source in graph.sources] == ["robot"]
-    assert graph.node("guard").every_ms is None
+    assert graph.node("plane").every_ms is None
 
 
 def test_plugins_of_all_files_are_loaded(tmp_path: Path) -> None:
