@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from graphnav.spy import Feed, Health
 
 _REFRESH_S = 0.5
+_PIPED_COLS = 160
 _EVERY_RUN_S = 1.5
 """Every run that is healthy sends a status within this time."""
 
@@ -45,6 +46,8 @@ def main(args: argparse.Namespace) -> int:
     feed = Feed(args.feed)
     health = Health(feed.clock)
     console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=_PIPED_COLS)
     if feed.is_live and not (args.once or args.json):
         _watch(feed, health, console, args.for_s)
     else:

@@ -129,6 +129,7 @@ def run_live(
         tap_dropped=status.tap_dropped,
         run_id=run_id,
         versions=versions(),
+        behind_s=status.behind_s,
         live=_live_part(status, writer, url),
     )
     write_summary(summary, folder)

@@ -15,6 +15,8 @@ from graphnav.live.outlet import Outlet
 from graphnav.messages import Status
 
 _PERIOD_S = 1.0
+_MIN_TOLD = 3
+"""Fewer messages overtaken within a second are counted, but not told."""
 _PAGE_MB = os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
@@ -111,7 +113,8 @@ class StatusReporter:
         slowest = max(spent_s, key=lambda name: spent_s[name])
         step_ms = units[slowest].durations.quantile_s(0.5) * 1e3
         for edge, count in overtaken.items():
-            if count >= max(2, 2 * self._told.get(edge, 0)):
+            grown, self._overtaken[edge] = count - self._overtaken[edge], count
+            if grown >= _MIN_TOLD and count >= 2 * self._told.get(edge, 0):
                 self._told[edge] = count
                 share = f"{slowest} took {spent_s[slowest] / elapsed_s:.0%} of the last second, {step_ms:.0f} ms a step"
                 yield f"late: {count} messages overtaken on {edge}; {share}"
