@@ -9,10 +9,8 @@ import graphnav_lcm
 from graphnav.codec import lcm_name, lcm_text_of
 from graphnav.graph import Graph
 from graphnav.messages import About
+from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recorded import about_of
-
-STATUS = "graphnav.status"
-"""The channel on which a run publishes its health once a second."""
 
 
 def live_about(graph: Graph, *, by_outside_names: bool) -> About:

@@ -13,7 +13,7 @@ from graphnav.bus import GROUP, same_group, with_defaults
 from graphnav.codec import encode
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
-from graphnav.live.about import STATUS, live_about
+from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
 from graphnav.live.intake import Intake
 from graphnav.live.live_runner import LiveRunner
@@ -26,6 +26,7 @@ from graphnav.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Sink
+from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recorded import LiveSink, note_failure, write_summary
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions

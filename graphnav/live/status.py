@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 from graphnav.live.intake import Intake
 from graphnav.live.live_runner import LiveRunner
-from graphnav.live.live_unit import LiveUnit
 from graphnav.live.outlet import Outlet
 from graphnav.messages import Status
+from graphnav.runner.stage_health import Rates, memory_mb, stage_statuses
 
 _PERIOD_S = 1.0
 _MIN_TOLD = 3
 """Fewer messages overtaken within a second are counted, but not told."""
-_PAGE_MB = os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 class StatusReporter:
@@ -32,7 +29,7 @@ class StatusReporter:
         self._runner, self._run_id, self._dropped, self._notice = runner, run_id, dropped, notice
         self._due_s = runner.clock.now_s() + _PERIOD_S
         self._last_s = runner.clock.now_s()
-        self._counts: Counter[str] = Counter()
+        self._rates = Rates()
         self._busy_s: dict[str, float] = {}
         self._told: dict[str, int] = {}
         self._overtaken: Counter[str] = Counter()
@@ -59,7 +56,7 @@ class StatusReporter:
             memory_mb=memory_mb(),
             tap_dropped=tap_dropped,
             log_dropped=log_dropped,
-            stages=tuple(self._stage(unit, elapsed_s) for unit in self._runner.units.values()),
+            stages=stage_statuses(self._runner.units, self._rates, elapsed_s),
             inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._runner.intakes.values()),
             outputs=tuple(_output(one) for one in self._runner.outlets.values()),
             edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),
@@ -68,20 +65,6 @@ class StatusReporter:
             self._notice(line)
         return status
 
-    def _stage(self, unit: LiveUnit, elapsed_s: float) -> dict[str, Any]:
-        name = unit.node.name
-        return {
-            "name": name,
-            "use": unit.node.use,
-            "steps": unit.durations.count,
-            "rate_hz": self._since(name, unit.durations.count) / elapsed_s,
-            "p50_ms": unit.durations.quantile_s(0.5) * 1e3,
-            "p99_ms": unit.durations.quantile_s(0.99) * 1e3,
-            "deadline_ms": unit.node.deadline_ms or 0.0,
-            "missed": unit.missed,
-            "overtaken": unit.dropped,
-        }
-
     def _input(self, intake: Intake, now_s: float, elapsed_s: float) -> dict[str, Any]:
         source, monitor = intake.source, intake.monitor
         reasons = sorted(monitor.rejected.items())
@@ -89,7 +72,7 @@ class StatusReporter:
             "name": source.channel.ref,
             "channel": f"{source.log}:{source.name}" if source.log is not None else source.name,
             "accepted": intake.used + intake.overtaken,
-            "rate_hz": self._since(f"{source.channel.ref} used", intake.used + intake.overtaken) / elapsed_s,
+            "rate_hz": self._rates.since(f"{source.channel.ref} used", intake.used + intake.overtaken) / elapsed_s,
             "age_s": intake.age_s(now_s) if intake.used else -1.0,
             "max_age_s": monitor.max_age_s,
             "offset_s": monitor.offset_s,
@@ -97,12 +80,6 @@ class StatusReporter:
             "reasons": tuple(reason for reason, _ in reasons),
             "rejected": tuple(count for _, count in reasons),
         }
-
-    def _since(self, key: str, count: int) -> int:
-        """Return how much a count has grown since the last status."""
-        grown = count - self._counts[key]
-        self._counts[key] = count
-        return grown
 
     def _late(self, overtaken: Counter[str], elapsed_s: float) -> Iterator[str]:
         """Yield what to tell: on which edges messages were overtaken, and which stage took the time."""
@@ -122,14 +99,6 @@ class StatusReporter:
             if unit.missed >= max(1, 2 * self._told.get(f"{name} missed", 0)):
                 self._told[f"{name} missed"] = unit.missed
                 yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
-
-
-def memory_mb() -> float:
-    """Return the resident memory of this process, megabytes; 0 where the kernel does not tell."""
-    try:
-        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * _PAGE_MB
-    except (OSError, ValueError, IndexError):
-        return 0.0
 
 
 def _output(outlet: Outlet) -> dict[str, Any]:

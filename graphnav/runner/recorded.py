@@ -19,6 +19,7 @@ from graphnav.record import ABOUT, LOG, LogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Runner, Sink
+from graphnav.runner.lockstep_status import LockstepStatus
 from graphnav.runner.log_forecast import LogForecast
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
@@ -102,6 +103,7 @@ def run_recorded(
         runner = Runner(graph, stages, bus, sinks)
         cleanup.callback(note_failure, failures, on_failure, runner.close)
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
+        status = None if tap is None else LockstepStatus(runner, tap, run_id, lambda: tap.dropped)
         forecast = LogForecast(graph.run.until_s, writer, folder, notice) if _keeps_all(graph, keep) else None
 
         def before_tick(utime: int) -> bool:
@@ -109,6 +111,8 @@ def run_recorded(
             if forecast is not None:
                 forecast.before_tick(utime)
             clock.advance(utime)
+            if status is not None:
+                status.before_tick(utime, clock.behind_s)
             return not interrupt.asked
 
         try:
