@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -134,10 +135,24 @@ def test_two_runs_on_one_group_notice_each_other(group: str) -> None:
     said = {name: notices[name].get(timeout=10) for name in notices}
     for tap in taps:
         tap.close()
-    assert said["run-1"].startswith("run run-1 shares udpm://239.255.77.")
-    assert "with run run-2" in said["run-1"]
-    assert "with run run-1" in said["run-2"]
+    assert said["run-1"].startswith(
+        f"run run-1 and run run-2 both publish {', '.join(sorted(SAID.channels)[:3])} on udpm:"
+    )
+    assert said["run-2"].startswith("run run-2 and run run-1 both publish ")
     assert all(notice.empty() for notice in notices.values())
+
+
+def test_runs_whose_channels_differ_share_a_group_in_peace(group: str) -> None:
+    notices: queue.Queue[str] = queue.Queue()
+    first, second, third = (Tap("thin", f"run-{k}", group, notices.put) for k in range(3))
+    first.announce(SAID, shareable=SAID.channels)
+    second.announce(replace(SAID, channels=("base.twist",), types=("graphnav_lcm.twist_t",)))
+    third.announce(replace(SAID, channels=("base.twist",), types=("graphnav_lcm.twist_t",)))
+    told = {notices.get(timeout=10).partition(" and ")[0] for _ in range(2)}
+    for tap in (first, second, third):
+        tap.close()
+    assert told == {"run run-1", "run run-2"}
+    assert notices.empty()
 
 
 def test_what_cannot_be_sent_in_time_is_dropped_and_counted(group: str) -> None:
