@@ -88,6 +88,8 @@ class Intake:
         adapter = self.source.adapter
         utime = adapter.utime(fields) if adapter is not None else fields.get("utime")
         seq = fields.get("seq")
+        if self.source.channel.message.many_writers:
+            utime = seq = None
         verdict = self.monitor.judge(
             arrival.at_s,
             self._clock.utime_at(arrival.at_s),

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 from graphnav.bus import Bus
-from graphnav.codec import EncodeError, codec_of
-from graphnav.errors import BusError
+from graphnav.codec import codec_of
+from graphnav.errors import BusError, one_line
 from graphnav.graph import OutputChannel, stop_fields
 from graphnav.live.clock import LiveClock
 from graphnav.messages import Message
@@ -61,8 +61,8 @@ def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
     assert target.adapter is not None
     try:
         return codec_of(target.lcm_class).encode(target.adapter.to_lcm(message, utime))
-    except EncodeError as error:
-        raise ValueError(f"{type(target.adapter).__name__}: {error}") from error
+    except Exception as error:
+        raise ValueError(f"{type(target.adapter).__name__}: {one_line(error)}") from error
 
 
 def motor_channel(target: OutputChannel) -> MotorChannel:

@@ -104,6 +104,7 @@ def run_live(
                 try:
                     outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
                 finally:
+                    interrupt.settle()
                     status = reporter.make()
         except KeyboardInterrupt:
             outcome = Outcome.STOPPED

@@ -159,6 +159,9 @@ class SenderMonitor:
         """Judge a message of another writer; a sender that was restarted is one, too."""
         max_age_s, arrival_s = self.max_age_s, message.arrival_s
         self._note(f"a second writer: seq {seq} does not go on from {own.seq}", message)
+        if arrival_s - own.arrival_s > max_age_s and self._other is None:
+            self._periods.forget()
+            return self._adopt(message, message.delay_s, begins_anew=True)
         if self._other is None or arrival_s - self._other[0].arrival_s > max_age_s:
             fresh = Candidate(message.stamp, arrival_s, message.delay_s)
             self._other = WriterStream(seq, message.stamp, arrival_s), fresh

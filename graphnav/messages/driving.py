@@ -5,6 +5,8 @@ Frames: W world, R robot (x forward, y left). Counterclockwise is positive.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import graphnav_lcm
 
 from graphnav.messages.message import Bytes, Doubles, Ints, Message
@@ -55,7 +57,12 @@ class Odometry(Message, lcm=graphnav_lcm.odometry_t):
 
 
 class Stop(Message, lcm=graphnav_lcm.stop_t):
-    """Stop the robot (``engaged``), or arm it again; ``reason`` is for people."""
+    """Stop the robot (``engaged``), or arm it again; ``reason`` is for people.
+
+    Every program may send it on one channel: a stop is never refused because another one sent before.
+    """
+
+    many_writers: ClassVar[bool] = True
 
     engaged: bool
     reason: str = ""

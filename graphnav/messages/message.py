@@ -44,6 +44,9 @@ class Message:
     __dataclass_fields__: ClassVar[dict[str, Any]]
     lcm_class: ClassVar[type]
     grid: ClassVar[tuple[str, ...]] = ()
+    many_writers: ClassVar[bool] = False
+    """Whether several programs may write one channel of it: then neither stamps nor numbers of messages are compared,
+    and each one counts from its arrival."""
     _names: ClassVar[tuple[str, ...]]
     _floats: ClassVar[tuple[str, ...]]
 

@@ -30,6 +30,11 @@ class Interrupt:
         """Sleep, but no longer than until the user asks to stop."""
         self._asked.wait(seconds)
 
+    def settle(self) -> None:
+        """Let what follows take its time: the run itself has ended. A further Ctrl-C still breaks it off."""
+        if self._old:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
             self._old = {s: signal.signal(s, self._ask) for s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from graphnav import Image, Odometry, Twist
+from graphnav import Image, Odometry, Stop, Twist
 from graphnav.codec import encode
 
 if TYPE_CHECKING:
@@ -103,3 +103,31 @@ def test_a_flood_is_survived_and_its_messages_are_not_queued(live: Begin, outsid
         program.say_bytes("BASE", standing)
     show_until_heard(program, 6)
     assert rejected(run, "base.twist")["wrong type"] >= 1000
+
+
+def test_a_stop_counts_whoever_sends_it_and_whatever_its_stamp_and_number(live: Begin, outside: Program) -> None:
+    program = outside("GUARDED")
+    run = live(
+        """
+        inputs:
+          camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}
+          operator.stop: {channel: STOP, type: graphnav_lcm.stop_t}
+        stages:
+          see: {use: probe.brightness, in: {image: camera.image}}
+          guard: {use: control.guard, every_ms: 20, in: {command: see.twist, stop: operator.stop}}
+        outputs: {guard.twist: {channel: GUARDED, motor: true}}
+        """
+    )
+
+    def is_moving() -> bool:
+        program.show("CAMERA", 3)
+        time.sleep(0.02)
+        return program.speeds("GUARDED")[-1:] != [] and program.speeds("GUARDED")[-1][1] == 3.0
+
+    program.wait_for(is_moving)
+    for stamp, seq in ((10**15, 50), (5, 0), (10**15, 7)):
+        program.say_bytes("STOP", encode(Stop(engaged=True), stamp, seq))
+        program.wait_for(lambda: not is_moving())
+        program.say_bytes("STOP", encode(Stop(engaged=False), 1, 3))
+        program.wait_for(is_moving)
+    assert not rejected(run, "operator.stop")

@@ -78,7 +78,7 @@ def test_a_sender_that_restarts_with_another_clock_is_adopted() -> None:
     camera.send(100)
     camera.pause(3)
     camera.seq, camera.offset_s = 0, -camera.frame / 20 - 1.7e9
-    assert reasons(camera.send(10)) == ["second writer"] + [""] * 9
+    assert not any(reasons(camera.send(10)))
 
 
 def test_of_two_writers_the_second_is_adopted_once_the_first_is_silent() -> None:
