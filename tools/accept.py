@@ -8,6 +8,7 @@ import sys
 from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.live_drives import live_item
+from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
@@ -27,6 +28,7 @@ ITEMS = {
     "bench": bench_item,
     "fresh": fresh_item,
     "live": live_item,
+    "safety": safety_item,
 }
 
 
