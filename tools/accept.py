@@ -10,6 +10,7 @@ from acceptance.driving import drives_item, sign_item
 from acceptance.guarding import guard_item
 from acceptance.live_drives import live_item
 from acceptance.live_load import load_item
+from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
@@ -31,6 +32,7 @@ ITEMS = {
     "guard": guard_item,
     "live": live_item,
     "load": load_item,
+    "safety": safety_item,
 }
 
 

@@ -1,9 +1,10 @@
 """A relay between two LCM groups that can be told, line by line on its standard input, what to do to the camera.
 
-Robot and navigation each have a group of their own; all crosses here, so that a fault of the camera, its edge or its
-clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"drop": "half"}``, ``{"silent": true}``, ``{"repeat": true}``,
-``{"jump_s": 3600}``, ``{"picture": "white"}``, ``{"picture": "covered"}``; ``{}`` is no fault. Each line replaces the
-one before. It imports nothing of the runner: what it tests is not what it is made of.
+Robot and navigation each have a group of their own, and relays carry the channels named from one to the other, so that
+a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"drop": "half"}``,
+``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"picture": "white"}``, ``{"picture": "covered"}``;
+``{}`` is no fault. Each line replaces the one before. It imports nothing of the runner: what it tests is not what it is
+made of.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import json
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import lcm
@@ -23,38 +25,29 @@ from graphnav import Image
 from graphnav.codec import decode, encode
 
 CAMERA = "CAMERA"
-FORTH = (CAMERA, "ODOMETRY", "BEACON")
-BACK = ("BASE_CMD",)
-_MAX_WAIT_S = 0.002
+_LEVEL = {"white": 255, "covered": 4}
 
 
 class Relay:
-    """Carries messages from one group to the other, the camera's with the fault that was asked for."""
+    """Carries messages from one group to another, the camera's with the fault that was asked for."""
 
-    def __init__(self, robot_url: str, graph_url: str) -> None:
+    def __init__(self, source_url: str, target_url: str, channels: Sequence[str]) -> None:
         self.fault: dict[str, Any] = {}
-        self._robot, self._graph = lcm.LCM(robot_url), lcm.LCM(graph_url)
+        self._source, self._target = lcm.LCM(source_url), lcm.LCM(target_url)
         self._waiting: list[tuple[float, int, str, bytes]] = []
         self._count = self._images = 0
         self._last: bytes | None = None
-        self._lock = threading.Lock()
-        for channel in FORTH:
-            self._robot.subscribe(channel, self._forth).set_queue_capacity(0)
-        for channel in BACK:
-            self._graph.subscribe(channel, self._robot.publish).set_queue_capacity(0)
+        self._condition = threading.Condition()
+        for channel in channels:
+            self._source.subscribe(channel, self._hear).set_queue_capacity(0)
 
     def run(self) -> None:
         """Carry for ever."""
-        threading.Thread(target=self._carry_back, daemon=True).start()
         threading.Thread(target=self._send_when_due, daemon=True).start()
         while True:
-            self._robot.handle()
+            self._source.handle()
 
-    def _carry_back(self) -> None:
-        while True:
-            self._graph.handle()
-
-    def _forth(self, channel: str, data: bytes) -> None:
+    def _hear(self, channel: str, data: bytes) -> None:
         delay_s = 0.0
         if channel == CAMERA:
             delay_s = float(self.fault.get("delay_s", 0.0))
@@ -62,10 +55,13 @@ class Relay:
             if faulty is None:
                 return
             data = faulty
-        with self._lock:
+        if delay_s == 0.0:
+            self._target.publish(channel, data)
+            return
+        with self._condition:
             self._count += 1
             heapq.heappush(self._waiting, (time.monotonic() + delay_s, self._count, channel, data))
-        self._flush()
+            self._condition.notify()
 
     def _faulty(self, data: bytes) -> bytes | None:
         """Return a picture as the fault makes it, None where it is lost."""
@@ -80,32 +76,33 @@ class Relay:
             data = data[:8] + utime.to_bytes(8, "big", signed=True) + data[16:]
         if picture := fault.get("picture"):
             utime, seq, image = decode(Image, data)
-            level = {"white": 255, "covered": 4}[picture]
             noise = np.random.default_rng(self._images).normal(0.0, 1.0, image.pixels.shape)
-            pixels = np.clip(level + noise, 0, 255).astype(np.uint8)
+            pixels = np.clip(_LEVEL[picture] + noise, 0, 255).astype(np.uint8)
             data = encode(Image(pixels=pixels, step_px=image.step_px), utime, seq)
         self._last = data
         return data
 
     def _send_when_due(self) -> None:
         while True:
-            self._flush()
-            time.sleep(_MAX_WAIT_S)
-
-    def _flush(self) -> None:
-        with self._lock:
-            while self._waiting and self._waiting[0][0] <= time.monotonic():
+            with self._condition:
+                while not self._waiting:
+                    self._condition.wait()
+                wait_s = self._waiting[0][0] - time.monotonic()
+                if wait_s > 0:
+                    self._condition.wait(wait_s)
+                    continue
                 _, _, channel, data = heapq.heappop(self._waiting)
-                self._graph.publish(channel, data)
+            self._target.publish(channel, data)
 
 
 def main() -> None:
     """Relay until standard input closes."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("robot_url")
-    parser.add_argument("graph_url")
+    parser.add_argument("source_url")
+    parser.add_argument("target_url")
+    parser.add_argument("channels", nargs="+")
     args = parser.parse_args()
-    relay = Relay(args.robot_url, args.graph_url)
+    relay = Relay(args.source_url, args.target_url, args.channels)
     threading.Thread(target=relay.run, daemon=True).start()
     for line in sys.stdin:
         relay.fault = json.loads(line)
