@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import time
+from typing import ClassVar
 
 from graphnav import (
     Age,
@@ -38,6 +40,26 @@ class Brightness(Stage):
             raise ValueError("told to fail")
         time.sleep(self.dawdle_s)
         return Twist(v_mps=float(image.pixels.mean()), omega_radps=0.0)
+
+
+class Trouble(Stage):
+    """Publishes 1 m/s, until a picture of a certain gray level tells it to misbehave."""
+
+    RAISE: ClassVar[int] = 201
+    HANG: ClassVar[int] = 202
+    HOLD_THE_GIL: ClassVar[int] = 203
+
+    def step(self, image: Image) -> Twist:
+        match int(image.pixels[0, 0]):
+            case Trouble.RAISE:
+                raise ValueError("told to fail")
+            case Trouble.HANG:
+                while True:
+                    time.sleep(1)
+            case Trouble.HOLD_THE_GIL:
+                while True:
+                    ctypes.PyDLL(None).usleep(900_000)
+        return Twist(v_mps=1.0, omega_radps=0.0)
 
 
 class Both(Stage):
@@ -84,4 +106,4 @@ class Ticker(Source):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Brightness, Both, Pass, Gather, Ticker]
+    return [Brightness, Trouble, Both, Pass, Gather, Ticker]
