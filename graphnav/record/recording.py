@@ -73,6 +73,11 @@ class Recording:
         }
 
     @property
+    def begin_us(self) -> int:
+        """The stamp of the first event, microseconds: 0 in lockstep, the time of day live; 0 for an empty log."""
+        return self._index[0].utime if len(self._index) else 0
+
+    @property
     def n_events(self) -> int:
         """The number of events on all channels."""
         return len(self._index)

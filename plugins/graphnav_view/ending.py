@@ -59,7 +59,7 @@ def _last_utime(signals: Signals) -> int | None:
 def _headline(signals: Signals, track: Track | None, frame: Frame) -> str:
     words = [] if track is None else [outcome_text(signals.graph, track.last, float(track.time_s[-1]))]
     words += [] if signals.seed is None else [f"seed {signals.seed}"]
-    return " · ".join([*words, f"frame at {frame.utime / 1e6:.2f} s", *frame_texts(frame)])
+    return " · ".join([*words, f"frame at {frame.time_s:.2f} s", *frame_texts(frame)])
 
 
 def _panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:

@@ -18,7 +18,7 @@ CLOUD = "cloud of gradients"
 def frame_panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:
     """Yield the panels that the log is enough for: the paper's with their letters, the flow without one."""
     if world is not None and track is not None and frame.state is not None:
-        scene = Scene(world, track, frame.state, frame.utime / 1e6)
+        scene = Scene(world, track, frame.state, frame.time_s)
         yield Panel("scene", partial(draw_scene, scene=scene), letter="a")
     if frame.image is not None:
         yield Panel("image", partial(sights.draw_image, frame=frame), letter="b")

@@ -31,4 +31,4 @@ def draw_panels(signals: Signals, path: Path) -> Path | None:
 
 
 def _headline(frame: Frame) -> str:
-    return " · ".join([f"Frame at {frame.utime / 1e6:.2f} s", *frame_texts(frame)])
+    return " · ".join([f"Frame at {frame.time_s:.2f} s", *frame_texts(frame)])

@@ -26,6 +26,8 @@ class Signals:
     def __init__(self, recording: Recording) -> None:
         self.graph: Mapping[str, Any] = recording.graph if recording.about is not None else {}
         self.seed: int | None = recording.about.seed if recording.about is not None else None
+        self.begin_us = recording.begin_us
+        """What times are counted from."""
         self._recording = recording
         self._order = list(_by_relevance(self.graph, recording.channels))
 

@@ -28,6 +28,8 @@ class Frame:
     potential: Potential | None
     steering: Steering | None
     state: State | None
+    time_s: float = 0.0
+    """Since the log begins."""
 
     @property
     def shape_px(self) -> tuple[int, int]:
@@ -105,6 +107,7 @@ def frame_at(signals: Signals, utime: int) -> Frame:
         potential=signals.at(Potential, utime),
         steering=signals.at(Steering, utime),
         state=signals.at(State, utime),
+        time_s=(utime - signals.begin_us) / 1e6,
     )
 
 

@@ -39,7 +39,7 @@ def track_of(signals: Signals) -> Track | None:
     if not states:
         return None
     return Track(
-        time_s=np.array([utime for utime, _ in states]) / 1e6,
+        time_s=np.array([utime - signals.begin_us for utime, _ in states]) / 1e6,
         pose=np.array([(s.x_m, s.y_m, s.yaw_rad) for _, s in states]),
         clearance_m=min(s.clearance_m for _, s in states),
         moving=np.array([s.moving for _, s in states]).reshape(len(states), -1, 3),

@@ -72,7 +72,7 @@ def _frames(signals: Signals) -> Iterator[Bytes]:
     page = _Page([title for title, _ in tiles], tile_rows, _TILE_COLS)
     for utime, messages in signals.joined(*_KINDS):
         of = dict(zip(_KINDS, messages, strict=True))
-        yield page.draw([draw(of) for _, draw in tiles], caption(utime, of))
+        yield page.draw([draw(of) for _, draw in tiles], caption(utime - signals.begin_us, of))
 
 
 def _tiles(signals: Signals, stretch: Stretch) -> list[tuple[str, Callable[[Messages], Bytes]]]:
@@ -115,9 +115,9 @@ def _full_px(signals: Signals) -> float:
     return float(np.median(scales)) if scales else 1.0
 
 
-def caption(utime: int, of: Messages) -> list[str]:
+def caption(time_us: int, of: Messages) -> list[str]:
     """Return the words below a frame, from its messages by type; what rounds to zero has no minus."""
-    words = [f"t = {utime / 1e6:6.2f} s"]
+    words = [f"t = {time_us / 1e6:6.2f} s"]
     steering, plane, twist, state = of[Steering], of[Plane], of[Twist], of[State]
     if steering is not None:
         words.append(f"theta = {math.degrees(steering.theta_rad):+z4.0f} deg")
