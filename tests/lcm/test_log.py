@@ -264,3 +264,16 @@ def test_stamps_are_those_of_the_messages_where_a_logger_wrote_the_time_of_day(t
     with Recording(tmp_path / "log") as recording:
         assert recording.utimes("control.twist") == [utime for utime, _, _ in recording.messages("control.twist")]
         assert recording.utimes("stranger")[:2] == [1_700_000_000_000_000, 1_700_000_000_000_007]
+
+
+def test_a_log_begins_with_its_first_event(tmp_path: Path) -> None:
+    for name, stamps in (
+        ("lockstep", [0, 100_000]),
+        ("live", [1_700_000_000_000_000, 1_700_000_000_100_000]),
+        ("no", []),
+    ):
+        with LogWriter(tmp_path / name) as writer:
+            for stamp in stamps:
+                writer.write("x", stamp, b"12345678")
+        with Recording(tmp_path / name) as recording:
+            assert recording.begin_us == (stamps[0] if stamps else 0)
