@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from graphnav.record import Recording
     from graphnav.stage import Age, Finished, Latest, Role, Since, Source, Stage, Stamp, Stamped, param
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "graphnav.adapter": ("Adapter",),

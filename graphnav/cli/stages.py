@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from graphnav.cli.options import add_plugin_option, catalog_of
@@ -81,8 +82,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     console.print(_flowing(described["doc"]), markup=False)
     ports = _table("port", "type", "")
     for port in described["inputs"]:
-        fires = "read when something else fires; may stay open" if port["latest"] else "fires the stage"
-        _row(ports, port["name"], port["type"], f"input, {fires}")
+        _row(ports, port["name"], port["type"], f"input, {_reading(port)}")
     for port in described["outputs"]:
         _row(ports, port["name"], port["type"], "output")
     if ports.row_count:
@@ -99,6 +99,15 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     console.print()
     console.print("In a graph:")
     console.print(_snippet(described), markup=False)
+
+
+def _reading(port: Mapping[str, Any]) -> str:
+    """Return how an input is read."""
+    if port["latest"]:
+        return "read when something else fires; may stay open"
+    if port["since"]:
+        return "all that came since the last firing; may stay open"
+    return "fires the stage; may stay open" if port["open"] else "fires the stage"
 
 
 def _flowing(doc: str) -> str:
@@ -133,7 +142,7 @@ def _snippet(described: dict[str, Any]) -> str:
     if described["inputs"]:
         lines.append("    in:")
     for port in described["inputs"]:
-        note = "may be left out" if port["latest"] else "needed"
+        note = "may be left out" if port["open"] else "needed"
         lines.append(f"      {port['name']}: STAGE.PORT  # {note}: a port that writes {port['type']}")
     return "\n".join(lines)
 

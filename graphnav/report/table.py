@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
 from rich import box
 from rich.console import Console, Group
 from rich.measure import Measurement
@@ -19,7 +22,7 @@ _MOST_COLS = 1000
 def print_summary(console: Console, summary: Summary) -> None:
     """Print how the run ended, what each stage did and what was scored."""
     console.print(_headline(summary))
-    tables = [_stages(summary)]
+    tables = [_stages(summary), *_outside(summary.live or {})]
     if any(summary.scores.values()):
         tables.append(_scores(summary))
     for table in tables:
@@ -29,9 +32,12 @@ def print_summary(console: Console, summary: Summary) -> None:
 
 def _headline(summary: Summary) -> Text:
     rate = summary.frames / summary.wall_s if summary.wall_s else 0.0
+    counted = "ticks" if summary.live is None else "firings"
     text = Text(summary.outcome, style=f"bold {_COLOURS.get(summary.outcome, 'default')}")
-    text.append(f" after {summary.sim_s:.1f} s: {summary.frames} ticks, seed {summary.seed}", style="default not bold")
-    text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} ticks/s)", style="default not bold")
+    text.append(
+        f" after {summary.sim_s:.1f} s: {summary.frames} {counted}, seed {summary.seed}", style="default not bold"
+    )
+    text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} {counted}/s)", style="default not bold")
     if summary.behind_s > MAX_LATE_S:
         text.append(f", {summary.behind_s:.1f} s behind the wall clock", style="yellow not bold")
     return text
@@ -48,6 +54,31 @@ def _stages(summary: Summary) -> Table:
         cells = [name, did.use, str(did.steps), f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", str(did.dropped)]
         missed = "" if did.missed is None else str(did.missed)
         table.add_row(*cells, *([missed] if has_deadlines else []))
+    return table
+
+
+def _outside(live: Mapping[str, Any]) -> Iterator[Table]:
+    """Yield tables of what came in and left in a live run, where anything could."""
+    if live.get("inputs"):
+        table = _right_table(("input", "channel"), ("accepted", "rejected"))
+        for one in live["inputs"]:
+            rejected = ", ".join(f"{n} {why}" for why, n in zip(one["reasons"], one["rejected"], strict=True))
+            table.add_row(one["name"], one["channel"], str(one["accepted"]), rejected or "0")
+        yield table
+    if live.get("outputs"):
+        table = _right_table(("output", "channel"), ("sent", "latency p50 ms", "p99 ms", "max ms"))
+        for one in live["outputs"]:
+            times = (f"{one[f'latency_{what}_ms']:.1f}" for what in ("p50", "p99", "max"))
+            table.add_row(one["name"], one["channel"], str(one["sent"]), *times)
+        yield table
+
+
+def _right_table(names: Sequence[str], values: Sequence[str]) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in names:
+        table.add_column(name)
+    for value in values:
+        table.add_column(value, justify="right")
     return table
 
 

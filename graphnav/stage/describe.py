@@ -61,7 +61,13 @@ def plain_data(value: Any) -> Any:
 
 
 def _port(port: Port) -> dict[str, Any]:
-    return {"name": port.name, "type": port.message.__name__, "latest": port.latest, "since": port.since}
+    return {
+        "name": port.name,
+        "type": port.message.__name__,
+        "latest": port.latest,
+        "since": port.since,
+        "open": port.may_be_open,
+    }
 
 
 def _param(param: Param) -> dict[str, Any]:

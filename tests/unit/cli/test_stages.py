@@ -58,7 +58,7 @@ def test_json_holds_the_same(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stages", "plane.affine", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["name"] == "plane.affine"
-    assert {"name": "flow", "type": "Flow", "latest": False, "since": False} in told["inputs"]
+    assert {"name": "flow", "type": "Flow", "latest": False, "since": False, "open": False} in told["inputs"]
     assert [p["name"] for p in told["parameters"]] == list(params_of(Catalog().stage("plane.affine")))
     assert all(param["doc"] for param in told["parameters"])
 
