@@ -37,9 +37,7 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
 def add_run_options(parser: argparse.ArgumentParser) -> None:
     """Declare ``--seed`` and ``--until``, for `load`."""
     parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
-    parser.add_argument(
-        "--until", type=float, metavar="S", help="stop after S seconds: of simulated time, live of wall time"
-    )
+    parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds: simulated, or live")
 
 
 def add_plugin_option(parser: argparse.ArgumentParser) -> None:
