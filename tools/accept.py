@@ -9,6 +9,8 @@ from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.guarding import guard_item
 from acceptance.live_drives import live_item
+from acceptance.live_interop import interop_item
+from acceptance.live_late import late_item
 from acceptance.live_load import load_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
@@ -31,6 +33,8 @@ ITEMS = {
     "guard": guard_item,
     "live": live_item,
     "load": load_item,
+    "interop": interop_item,
+    "late": late_item,
 }
 
 
