@@ -9,6 +9,8 @@ from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.guarding import guard_item
 from acceptance.live_drives import live_item
+from acceptance.live_interop import interop_item
+from acceptance.live_late import late_item
 from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
@@ -33,6 +35,8 @@ ITEMS = {
     "live": live_item,
     "load": load_item,
     "safety": safety_item,
+    "interop": interop_item,
+    "late": late_item,
 }
 
 

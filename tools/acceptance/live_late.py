@@ -1,0 +1,79 @@
+"""A live graph with a stage that takes three periods of the camera: it is told, and nothing is queued."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from acceptance.drives import GRAPHNAV, say
+from acceptance.processes import hear
+from acceptance.rig import Rig
+from graphnav import Recording, Status
+
+GRAPH = Path(__file__).with_name("late_navigation.yaml")
+BUSY_S, PERIOD_S, OTHERS_S = 0.3, 0.1, 0.1
+MAX_AGE_S = BUSY_S + PERIOD_S + OTHERS_S
+"""A frame waits at most for the next one, and is then worked on; other stages take a tenth of a second at most."""
+MAX_GROWTH_MB = 5.0
+LOOKS_S = (10.0, 30.0)
+LOOK_S = 5.0
+"""Ages are those of the commands in so many seconds before a look."""
+
+
+def late_item(seeds: Sequence[int], _jobs: int) -> bool:
+    """Drive for 32 s with a stage that is late; print where that is reported, and what could grow but does not."""
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        with Rig(folder, 211, seeds[0], ("--set", "robot.ends=false", "--until", "45")) as rig:
+            navigation = rig.navigate(str(GRAPH), ("--tap", "thin", "--until", "32"))
+            hear(rig.graph_url, "BASE_CMD")
+            time.sleep(LOOKS_S[0])
+            top = subprocess.run([str(GRAPHNAV), "top", "--once", "--json"], capture_output=True, text=True, check=True)
+            navigation.wait(90)
+        printed = (folder / "navigation-0.txt").read_text().splitlines()
+        summary = json.loads((folder / "navigation-0" / "summary.json").read_text())
+        with Recording(folder / "navigation-0" / "run.lcmlog") as log:
+            ages = _ages(log)
+            memory = [(m.run_s, m.memory_mb) for _, _, m in log.messages("graphnav.status") if isinstance(m, Status)]
+    told = [line for line in printed if line.startswith("late: ")]
+    runs = [run["status"] for run in json.loads(top.stdout)["runs"] if run["run_id"] == summary["run_id"]]
+    in_top = _reported(runs[0]["stages"], runs[0]["edges"]) if runs else (0, 0)
+    stage = {"name": "slow"} | summary["stages"]["slow"]
+    in_summary = _reported([stage], summary["live"]["edges"])
+    memory_mb = [max(mb for run_s, mb in memory if run_s <= look_s) for look_s in LOOKS_S]
+    ages_s = [max(age for run_s, age in ages if look_s - LOOK_S < run_s <= look_s) for look_s in LOOKS_S]
+    checks = {
+        f"told while it ran: {len(told)} notices, the last: {told[-1] if told else 'none'}": len(told) >= 2,
+        f"in top: {in_top[0]} deadlines missed, {in_top[1]} frames overtaken": min(in_top) > 0,
+        f"in the summary: {in_summary[0]} deadlines missed, {in_summary[1]} frames overtaken": min(in_summary) > 0,
+        f"memory at 10 s {memory_mb[0]:.1f} MB, at 30 s {memory_mb[1]:.1f} MB": (
+            memory_mb[1] - memory_mb[0] <= MAX_GROWTH_MB
+        ),
+        f"oldest frame that steered, at 10 s {ages_s[0]:.3f} s, at 30 s {ages_s[1]:.3f} s (limit {MAX_AGE_S:g} s)": (
+            max(ages_s) <= MAX_AGE_S
+        ),
+    }
+    for what, holds in checks.items():
+        say(f"{'ok  ' if holds else 'MISS'} {what}")
+    return all(checks.values())
+
+
+def _ages(log: Recording) -> list[tuple[float, float]]:
+    """Return, for every command, when it was given and how old its frame was then, seconds."""
+    begin = next(log.events()).utime
+    events = (event for event in log.events() if event.channel == "control.twist")
+    return [
+        ((event.utime - begin) * 1e-6, (event.utime - int.from_bytes(event.data[8:16], "big", signed=True)) * 1e-6)
+        for event in events
+    ]
+
+
+def _reported(stages: Sequence[dict[str, Any]], edges: Sequence[dict[str, Any]]) -> tuple[int, int]:
+    """Return the deadlines that the slow stage missed, and the frames that were overtaken before it."""
+    missed = next(stage["missed"] for stage in stages if stage["name"] == "slow")
+    return missed, sum(edge["overtaken"] for edge in edges if edge["name"] == "slow.image")
