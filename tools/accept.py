@@ -8,6 +8,7 @@ import sys
 from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.guarding import guard_item
+from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item
 from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
@@ -33,6 +34,7 @@ ITEMS = {
     "live": live_item,
     "load": load_item,
     "safety": safety_item,
+    "bad": bad_item,
 }
 
 
