@@ -8,6 +8,7 @@ import sys
 from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.guarding import guard_item
+from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item
 from acceptance.live_interop import interop_item
 from acceptance.live_late import late_item
@@ -37,6 +38,7 @@ ITEMS = {
     "safety": safety_item,
     "interop": interop_item,
     "late": late_item,
+    "bad": bad_item,
 }
 
 

@@ -14,11 +14,15 @@ from graphnav.live.clock import LiveClock
 from graphnav.live.receiver import Arrival, Mailbox
 from graphnav.live.sender import SenderMonitor, Verdict
 from graphnav.messages import Message
+from graphnav.motors.channel import INT64_BYTES
+from graphnav.motors.offsets import offsets_of
 
 NEWEST = 8
 """Messages that wait where only the newest counts: images of 640x480 are 0.3 to 0.9 MB."""
 GATHERED = 1024
 """Messages that wait where every one counts."""
+FLOOD = "flood"
+"""Why messages of a second writer are rejected that are too many to be judged one by one."""
 
 
 class Received(NamedTuple):
@@ -40,7 +44,7 @@ class Intake:
     def __init__(self, source: InputChannel, clock: LiveClock, *, needs_all: bool) -> None:
         self.source = source
         self.monitor = SenderMonitor(source.max_age_s)
-        self.mailbox = Mailbox(fingerprint(source.lcm_class), GATHERED if needs_all else NEWEST)
+        self.mailbox = Mailbox(fingerprint(source.lcm_class), GATHERED if needs_all else NEWEST, self._is_own)
         self.needs_all = needs_all
         self.used = 0
         """Messages that were handed on."""
@@ -49,7 +53,8 @@ class Intake:
         self._clock = clock
         self._codec = codec_of(source.lcm_class)
         self._sizes: tuple[tuple[int, ...], ...] | None = None
-        self._seen_wrong = self._seen_overflowed = 0
+        self._seq_at = None if source.channel.message.many_writers else offsets_of(source.lcm_class)[1]
+        self._seen_wrong = self._seen_overflowed = self._seen_flooded = 0
         self._birth_s = -math.inf
 
     def take(self) -> Iterator[Received]:
@@ -127,10 +132,19 @@ class Intake:
         raw = arrival.data if self.source.adapter is None else None
         return Received(verdict.utime, message, verdict.birth_s, raw, anew)
 
+    def _is_own(self, data: bytes, at_s: float) -> bool:
+        """Whether a message may be of the accepted writer; asked by the thread that receives."""
+        if self._seq_at is None or len(data) < self._seq_at + INT64_BYTES:
+            return True
+        seq = int.from_bytes(data[self._seq_at : self._seq_at + INT64_BYTES], "big", signed=True)
+        return self.monitor.may_be_own(seq, at_s)
+
     def _count_unread(self) -> None:
         """Count what never came out of the mailbox."""
-        wrong, overflowed = self.mailbox.wrong_type, self.mailbox.overflowed
+        wrong, overflowed, flooded = self.mailbox.wrong_type, self.mailbox.overflowed, self.mailbox.flooded
+        if flooded > self._seen_flooded:
+            self.monitor.rejected[FLOOD] += flooded - self._seen_flooded
         if wrong > self._seen_wrong:
             self.monitor.rejected["wrong type"] += wrong - self._seen_wrong
         self.overtaken += overflowed - self._seen_overflowed
-        self._seen_wrong, self._seen_overflowed = wrong, overflowed
+        self._seen_wrong, self._seen_overflowed, self._seen_flooded = wrong, overflowed, flooded

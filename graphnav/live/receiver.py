@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import NamedTuple
 
@@ -13,6 +13,8 @@ from graphnav.bus import Bus
 from graphnav.errors import BusError
 
 _POLL_S = 0.05
+MAX_OF_OTHERS = 8
+"""Messages of other writers that wait to be judged."""
 
 
 class Arrival(NamedTuple):
@@ -22,39 +24,57 @@ class Arrival(NamedTuple):
     at_s: float
 
 
+def _anyone(_data: bytes, _at_s: float) -> bool:
+    return True
+
+
 class Mailbox:
     """The newest messages of one channel that begin with the right fingerprint.
 
-    One thread fills it, another one empties it. ``wrong_type`` and ``overflowed`` count what was not kept.
+    ``is_own``: whether a message is of the writer that is listened to, by its bytes and its arrival. At most 8 messages
+    of others are kept, apart, so that however many they send, none of that writer's is lost.
+
+    One thread fills it, another one empties it. ``wrong_type``, ``overflowed`` and ``flooded`` count what was not kept,
+    the last one messages of other writers.
     """
 
-    def __init__(self, fingerprint: bytes, max_messages: int) -> None:
+    def __init__(self, fingerprint: bytes, max_messages: int, is_own: Callable[[bytes, float], bool] = _anyone) -> None:
         self._fingerprint = fingerprint
-        self._kept: deque[Arrival] = deque()
+        self._own: deque[Arrival] = deque()
+        self._others: deque[Arrival] = deque()
         self._max_messages = max_messages
+        self._is_own = is_own
         self.wrong_type = 0
         self.overflowed = 0
+        self.flooded = 0
 
     def put(self, data: bytes, at_s: float) -> bool:
-        """Keep a message; return whether it has the right type."""
+        """Keep a message; return whether it may be one to act upon: of the right type and writer."""
         if data[:8] != self._fingerprint:
             self.wrong_type += 1
             return False
-        self._kept.append(Arrival(data, at_s))
-        if len(self._kept) > self._max_messages:
-            try:
-                self._kept.popleft()
-                self.overflowed += 1
-            except IndexError:  # the other thread took it in between
-                pass
+        if not self._is_own(data, at_s):
+            self.flooded += _keep(self._others, Arrival(data, at_s), MAX_OF_OTHERS)
+            return False
+        self.overflowed += _keep(self._own, Arrival(data, at_s), self._max_messages)
         return True
 
     def take(self) -> list[Arrival]:
         """Return what came since the last time, oldest first."""
-        taken = []
-        while self._kept:
-            taken.append(self._kept.popleft())
-        return taken
+        taken = [kept.popleft() for kept in (self._own, self._others) for _ in range(len(kept))]
+        return sorted(taken, key=lambda arrival: arrival.at_s)
+
+
+def _keep(kept: deque[Arrival], arrival: Arrival, max_messages: int) -> bool:
+    """Keep a message; return whether the oldest one had to go for it."""
+    kept.append(arrival)
+    if len(kept) <= max_messages:
+        return False
+    try:
+        kept.popleft()
+    except IndexError:  # the other thread took it in between
+        return False
+    return True
 
 
 class Receiver:

@@ -66,6 +66,7 @@ class SenderMonitor:
         self._periods = Periods()
         self._timeline: Candidate | None = None
         self._own: WriterStream | None = None
+        self._own_heard_s = -math.inf
         self._other: tuple[WriterStream, Candidate] | None = None
         self._fault, self._fault_s = "", -math.inf
 
@@ -98,6 +99,19 @@ class SenderMonitor:
     def reject(self, reason: str) -> None:
         """Count a message that was rejected elsewhere: undecodable, of another size, not finite."""
         self.rejected[reason] += 1
+
+    def may_be_own(self, seq: int, arrival_s: float) -> bool:
+        """Return whether a message with this number may be of the accepted writer, or that writer is gone.
+
+        It is asked at arrival, by another thread, and may be asked long before `judge` is.
+        """
+        own = self._own
+        if own is None:
+            return True
+        if own.continues(seq, arrival_s, self._periods.usual_s):
+            self._own_heard_s = arrival_s
+            return True
+        return arrival_s - max(self._own_heard_s, own.arrival_s) > self.max_age_s
 
     def judge(self, arrival_s: float, arrival_utime: int, utime: int | None, seq: int | None) -> Verdict:
         """Judge the next message.

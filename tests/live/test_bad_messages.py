@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from graphnav import Image, Odometry, Stop, Twist
-from graphnav.codec import encode
+from graphnav import Goal, Image, Odometry, Stop, Twist
+from graphnav.codec import decode, encode
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside
@@ -68,6 +68,56 @@ def test_each_kind_of_bad_message_is_counted_and_good_ones_still_count(live: Beg
     assert counts["undecodable"] == 2
     assert counts["wrong size"] == 1
     assert sum(counts.values()) >= 7
+
+
+def test_stamps_that_run_backwards_are_counted_and_not_acted_upon(live: Begin, outside: Program) -> None:
+    program = outside("SPEED")
+    run = live(LISTENING)
+    show_until_heard(program, 5)
+    newest = time.time_ns() // 1000
+    for k in range(1, 9):
+        program.show("CAMERA", 200, utime=newest - 20_000_000 - 10_000 * k)
+        time.sleep(0.02)
+    show_until_heard(program, 6)
+    assert 200.0 not in {v for _, v in program.speeds("SPEED")}
+    counts = rejected(run, "camera.image")
+    assert counts.get("backwards", 0) + counts.get("jumped", 0) == 8
+
+
+def test_a_second_writer_is_counted_and_not_acted_upon_while_the_first_one_sends(live: Begin, outside: Program) -> None:
+    first, second = outside("SPEED"), outside()
+    run = live(LISTENING.replace("image_t}", "image_t, max_age_s: 5}"))
+    show_until_heard(first, 5)
+    show_until_heard(first, 5)
+    for k in range(20):
+        first.show("CAMERA", 6)
+        time.sleep(0.02)
+        other = encode(Image(pixels=np.full((24, 32), 200, np.uint8)), time.time_ns() // 1000, 5000 + k)
+        second.say_bytes("CAMERA", other)
+        time.sleep(0.02)
+    show_until_heard(first, 7)
+    assert {v for _, v in first.speeds("SPEED")} <= {5.0, 6.0, 7.0}
+    assert rejected(run, "camera.image")["second writer"] == 20
+
+
+def test_a_flood_of_a_second_writer_neither_drives_nor_silences_the_first(live: Begin, outside: Program) -> None:
+    first, second = outside("TICK"), outside()
+    driven = LISTENING.replace("twist_t}", "twist_t, max_age_s: 5}")
+    run = live(driven.replace("SPEED}", "SPEED}, world.goal: {channel: TICK}"))
+    while not any(decode(Goal, data)[2].distance_m < 10 for data in first.of("TICK")):
+        first.say("BASE", Twist(v_mps=1.0, omega_radps=0.0))
+        time.sleep(0.05)
+    for k in range(5000):
+        if k % 50 == 0:
+            first.say("BASE", Twist(v_mps=1.0, omega_radps=0.0))
+            time.sleep(0.01)
+        stray = encode(Twist(v_mps=-9.0, omega_radps=0.0), time.time_ns() // 1000, 50_000 + k)
+        second.say_bytes("BASE", stray)
+    counts = rejected(run, "base.twist")
+    _, log = run.finish()
+    assert counts["second writer"] + counts.get("flood", 0) >= 1000
+    assert {m.v_mps for _, _, m in log.messages("base.twist") if isinstance(m, Twist)} == {1.0}
+    assert log.count("base.twist") >= 10
 
 
 def test_a_number_that_is_not_finite_is_not_acted_upon(live: Begin, outside: Program) -> None:

@@ -3,7 +3,8 @@
 Robot and navigation each have a group of their own, and relays carry the channels named from one to the other, so that
 a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"drop": "half"}``,
 ``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"picture": "white"}``, ``{"picture": "covered"}``;
-``{}`` is no fault. Each line replaces the one before. It imports nothing of the runner: what it tests is not what it is
+``{}`` is no fault. Each line replaces the one before. ``{"corrupt": KIND}`` spoils every second message of the first
+channel, whichever it is. It imports nothing of the runner: what it tests is not what it is
 made of.
 """
 
@@ -21,6 +22,7 @@ from typing import Any
 import lcm
 import numpy as np
 
+from acceptance.corrupt import Corrupter
 from graphnav import Image
 from graphnav.codec import decode, encode
 
@@ -34,6 +36,8 @@ class Relay:
     def __init__(self, source_url: str, target_url: str, channels: Sequence[str]) -> None:
         self.fault: dict[str, Any] = {}
         self._source, self._target = lcm.LCM(source_url), lcm.LCM(target_url)
+        self._first = channels[0]
+        self._corrupter = Corrupter(channels[0])
         self._waiting: list[tuple[float, int, str, bytes]] = []
         self._count = self._images = 0
         self._last: bytes | None = None
@@ -49,7 +53,9 @@ class Relay:
 
     def _hear(self, channel: str, data: bytes) -> None:
         delay_s = 0.0
-        if channel == CAMERA:
+        if (kind := self.fault.get("corrupt")) and channel == self._first:
+            data = self._corrupter.spoil(kind, data)
+        elif channel == CAMERA:
             delay_s = float(self.fault.get("delay_s", 0.0))
             faulty = self._faulty(data)
             if faulty is None:

@@ -13,7 +13,7 @@ from typing import Any, Self
 
 from acceptance.drives import GRAPHNAV, Summary
 
-RELAY = Path(__file__).with_name("relay.py")
+TOOLS = Path(__file__).parents[1]
 MAX_DRIVE_S = 150.0
 
 
@@ -39,10 +39,12 @@ class Rig:
         command = ["run", "robot_live", "--seed", str(seed), "--url", self.robot_url, "--until", str(max_drive_s)]
         command += ["--no-tap", "--no-pictures", "--json", "-o", str(folder / "robot"), *robot_options]
         self.robot = _start([str(GRAPHNAV), *command], folder / "robot.txt")
-        self._relays = [
-            _relay(self.robot_url, self.graph_url, "ODOMETRY", "BEACON"),
-            _relay(self.graph_url, self.robot_url, "BASE_CMD"),
-        ]
+        self._relays = {
+            "ODOMETRY": self._relay("ODOMETRY", "BEACON"),
+            "TELEOP": self._relay("TELEOP"),
+            "STOP": self._relay("STOP"),
+        }
+        self._back = _relay(self.graph_url, self.robot_url, "BASE_CMD")
         self.start_camera()
         self.navigation: list[subprocess.Popen[bytes]] = []
 
@@ -56,26 +58,37 @@ class Rig:
 
     def start_camera(self) -> None:
         """Start the camera's relay."""
-        self._camera = _relay(self.robot_url, self.graph_url, "CAMERA")
+        self._relays["CAMERA"] = self._relay("CAMERA")
 
     def kill_camera(self) -> None:
         """End the camera's relay at once."""
-        self._camera.kill()
-        self._camera.wait()
+        self._relays["CAMERA"].kill()
+        self._relays["CAMERA"].wait()
 
     def pause_camera(self) -> None:
         """Suspend the camera's relay; what is sent to it meanwhile waits in its socket."""
-        self._camera.send_signal(signal.SIGSTOP)
+        self._relays["CAMERA"].send_signal(signal.SIGSTOP)
 
     def resume_camera(self) -> None:
         """Let the camera's relay go on."""
-        self._camera.send_signal(signal.SIGCONT)
+        self._relays["CAMERA"].send_signal(signal.SIGCONT)
 
     def fault(self, fault: Mapping[str, Any]) -> None:
         """Tell the relay what to do to the camera from now on; nothing for an empty mapping."""
-        assert self._camera.stdin is not None
-        self._camera.stdin.write(json.dumps(fault) + "\n")
-        self._camera.stdin.flush()
+        self._tell("CAMERA", fault)
+
+    def corrupt(self, channel: str, kind: str) -> None:
+        """Let every second message of a channel be spoiled from now on; none where ``kind`` is empty."""
+        self._tell(channel, {"corrupt": kind} if kind else {})
+
+    def _tell(self, channel: str, words: Mapping[str, Any]) -> None:
+        stdin = self._relays[channel].stdin
+        assert stdin is not None
+        stdin.write(json.dumps(words) + "\n")
+        stdin.flush()
+
+    def _relay(self, *channels: str) -> subprocess.Popen[str]:
+        return _relay(self.robot_url, self.graph_url, *channels)
 
     @property
     def is_driving(self) -> bool:
@@ -96,7 +109,7 @@ class Rig:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.resume_camera()
-        processes: list[subprocess.Popen[Any]] = [*self.navigation, self.robot, self._camera, *self._relays]
+        processes: list[subprocess.Popen[Any]] = [*self.navigation, self.robot, self._back, *self._relays.values()]
         for process in processes:
             if process.poll() is None:
                 process.terminate()
@@ -120,8 +133,8 @@ def summary_of(folder: Path) -> Summary:
 
 
 def _relay(source_url: str, target_url: str, *channels: str) -> subprocess.Popen[str]:
-    command = [sys.executable, str(RELAY), source_url, target_url, *channels]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, text=True)
+    command = [sys.executable, "-m", "acceptance.relay", source_url, target_url, *channels]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, text=True, cwd=TOOLS)
 
 
 def _start(command: Sequence[str], output: Path) -> subprocess.Popen[bytes]:
