@@ -87,13 +87,11 @@ def _told(log: Recording) -> Overridden:
     """Read, in the order of the log, what the operator said and what the guard made of it."""
     told = Overridden()
     operator = leaving = (0.0, 0.0)
-    is_stopped = False
+    is_stopped, operator_s = False, math.nan
     for event in log.events():
         at_s = event.utime * 1e-6
         if event.channel == "operator.twist":
-            operator = _speeds(event.data)
-            if math.isnan(told.stop_s):
-                told.last_heard_s, told.returned_s = at_s, math.nan
+            operator, operator_s = _speeds(event.data), at_s
         elif event.channel == "operator.stop":
             is_stopped = decode(Stop, event.data)[2].engaged
             if is_stopped:
@@ -108,7 +106,8 @@ def _told(log: Recording) -> Overridden:
             if state.overridden:
                 told.firings += 1
                 told.differing += leaving != operator
-            elif math.isnan(told.returned_s):
+                told.last_heard_s, told.returned_s = operator_s, math.nan
+            elif math.isnan(told.returned_s) and not state.stopped:
                 told.returned_s = at_s
             if is_stopped:
                 told.moved_while_stopped += moves or not state.stopped
