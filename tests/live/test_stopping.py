@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import resource
 import signal
 import subprocess
 import sysconfig
@@ -48,6 +49,7 @@ class Driven:
         words = ["run", str(graph), "--url", url, "--no-tap", "--no-pictures", "-o", str(self.folder)]
         with (folder / "output.txt").open("wb") as output:
             self.process = subprocess.Popen([str(GRAPHNAV), *words], stdout=output, stderr=subprocess.STDOUT)
+        resource.prlimit(self.process.pid, resource.RLIMIT_CORE, (0, 0))
         self.output = folder / "output.txt"
         self.motors = -1
 

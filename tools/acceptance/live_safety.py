@@ -174,7 +174,7 @@ class Proof:
                 if event.fault.stops and not states.speed_at(event.begin_s) > MOVING_MPS:
                     self._pending.append(event.fault)
                     continue
-                n_stops = sum(1 for c in commands.since(event.begin_s) if c.is_stop and c.at_s < event.end_s)
+                meanwhile = [one for one in commands.since(event.begin_s) if one.at_s < event.end_s]
                 self.measured.append(
                     Measured(
                         event.fault.name,
@@ -182,8 +182,9 @@ class Proof:
                         stop_s - event.begin_s if stop_s is not None else None,
                         *(states.stand(stop_s) if stop_s is not None else (None, None)),
                         contact=states.contact_between(event.begin_s, event.resumed_s or event.end_s),
+                        moved=stop_s is not None and any(c.at_s > stop_s and c.v_mps > MOVING_MPS for c in meanwhile),
                         drove_on=event.resumed_s is not None,
-                        n_stops=n_stops,
+                        n_stops=sum(one.is_stop for one in meanwhile),
                     )
                 )
             if lost is not None:

@@ -62,6 +62,10 @@ def _send(number: signal.Signals, drive: Drive) -> float:
     return now_s
 
 
+def _resume(drive: Drive) -> None:
+    drive.navigation.send(signal.SIGCONT)
+
+
 def _misbehave(stage: str, mode: str, drive: Drive) -> float:
     """Let a stage misbehave at its next step; return when it began to."""
     begun = Path(f"{drive.fault_file}.begun")
@@ -91,6 +95,7 @@ PASSING = (
     Fault("camera killed", _kill_camera, lambda drive: drive.rig.start_camera()),
     Fault("camera suspended (SIGSTOP)", _pause_camera, lambda drive: drive.rig.resume_camera()),
     *(Fault(name, partial(_tell, fault), lambda drive: drive.rig.fault({}), stops) for name, fault, stops in _TOLD),
+    Fault("run suspended (SIGSTOP)", partial(_send, signal.SIGSTOP), _resume),
 )
 ENDING = (
     *(Fault(f"{stage} {mode}", partial(_misbehave, stage, mode)) for mode in MODES for stage in STAGES),
