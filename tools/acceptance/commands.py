@@ -40,6 +40,15 @@ class CommandListener:
         """Return the first stop that arrived after a time, None if none has."""
         return next((one for one in self.since(after_s) if one.is_stop), None)
 
+    def lasting_stop(self, begin_s: float, end_s: float) -> Heard | None:
+        """Return the first stop between two times after which nothing else arrived, None if the last one is none."""
+        lasting = None
+        for one in self.since(begin_s):
+            if one.at_s > end_s:
+                break
+            lasting = (lasting or one) if one.is_stop else None
+        return lasting
+
     def since(self, after_s: float) -> list[Heard]:
         """Return what arrived after a time, oldest first."""
         newest_first = []

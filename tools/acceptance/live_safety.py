@@ -1,7 +1,7 @@
 """Faults at random moments of live drives: when the robot is told to stop, when it stands, whether it drives on.
 
-The first stop is heard on the robot's motor channel by a plain LCM program; when the robot stands, and contacts, are
-read from the world's own log. A fault of the camera is counted from when the relay is told, one of a stage from when
+The stop is heard on the robot's motor channel by a plain LCM program: the first one after which nothing else is sent
+before the fault ends. When the robot stands, and contacts, are read from the world's own log. A fault of the camera is counted from when the relay is told, one of a stage from when
 the stage begins to misbehave, a signal from when it is sent. The age of a frame counts from its own arrival, so a
 silent camera stops the robot up to a frame's period earlier than the limit.
 """
@@ -99,8 +99,8 @@ class FaultyDrive:
             self.wait_for(lambda: time.monotonic() >= event.begin_s + STANDS_S, RECOVERS_S)
             self.navigation.close()
         event.end_s = time.monotonic()
-        if stop := self._commands.first_stop(event.begin_s):
-            event.stop_s = stop.at_s if stop.at_s <= event.end_s else None
+        if stop := self._commands.lasting_stop(event.begin_s, event.end_s):
+            event.stop_s = stop.at_s
         if fault.end is None:
             self.restart()
         if self.drives_on(event.end_s):
@@ -182,7 +182,6 @@ class Proof:
                         stop_s - event.begin_s if stop_s is not None else None,
                         *(states.stand(stop_s) if stop_s is not None else (None, None)),
                         contact=states.contact_between(event.begin_s, event.resumed_s or event.end_s),
-                        moved=stop_s is not None and any(c.at_s > stop_s and c.v_mps > MOVING_MPS for c in meanwhile),
                         drove_on=event.resumed_s is not None,
                         n_stops=sum(one.is_stop for one in meanwhile),
                     )

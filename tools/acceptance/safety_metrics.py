@@ -27,8 +27,7 @@ class Measured(NamedTuple):
     """What was measured at one fault.
 
     ``stop_s``: from its begin to the first stop. ``stand_s``: from there until the robot stood; ``allowed_s``: the
-    time that a world period and braking from its speed take. ``moved``: told to move between the first stop and the end
-    of the fault.
+    time that a world period and braking from its speed take.
     """
 
     name: str
@@ -37,7 +36,6 @@ class Measured(NamedTuple):
     stand_s: float | None
     allowed_s: float | None
     contact: bool
-    moved: bool
     drove_on: bool
     n_stops: int
 
@@ -99,12 +97,10 @@ def lines(name: str, measured: Sequence[Measured], n_wanted: int) -> tuple[bool,
             _NONE if one.stand_s is None or one.allowed_s is None else one.stand_s - one.allowed_s for one in measured
         ]
         limit_s = MAX_AGE_S + GUARD_PERIOD_S
-        moved = sum(one.moved for one in measured)
-        passed &= max(stops, default=_NONE) <= limit_s and max(over, default=_NONE) <= 0.0 and not moved
+        passed &= max(stops, default=_NONE) <= limit_s and max(over, default=_NONE) <= 0.0
         if measured:
             words.append(f"stop after {median(stops):.3f} s, worst {max(stops):.3f} (limit {limit_s:.2f})")
             words.append(f"stands {median(stands):.3f} s later, worst {max(stands):.3f}, {max(over):+.3f} of its limit")
-            words.append(f"moves before the fault ends {moved}")
     words += [f"contacts {contacts}", f"drives on {drove_on} of {len(measured)}"]
     return passed, f"{'ok  ' if passed else 'MISS'} {name}: {'; '.join(words)}"
 
