@@ -1,9 +1,10 @@
 """Faults at random moments of live drives: when the robot is told to stop, when it stands, whether it drives on.
 
 The stop is heard on the robot's motor channel by a plain LCM program: the first one after which nothing else is sent
-before the fault ends. When the robot stands, and contacts, are read from the world's own log. A fault of the camera is counted from when the relay is told, one of a stage from when
-the stage begins to misbehave, a signal from when it is sent. The age of a frame counts from its own arrival, so a
-silent camera stops the robot up to a frame's period earlier than the limit.
+before the fault ends. When the robot stands, and contacts, are read from the world's own log. A fault of the camera is
+counted from when the relay is told, one of a stage from when the stage begins to misbehave, a signal from when it is
+sent. The age of a frame counts from its own arrival, so a silent camera stops the robot up to a frame's period earlier
+than the limit.
 """
 
 from __future__ import annotations
