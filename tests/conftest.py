@@ -10,6 +10,13 @@ from contextlib import AbstractContextManager, contextmanager
 import pytest
 
 
+def pytest_configure() -> None:
+    """Let what tests start be interrupted: a background job ignores these signals, and hands that on."""
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+
+
 @contextmanager
 def _disk_of(n_bytes: int) -> Iterator[None]:
     old, ignored = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
