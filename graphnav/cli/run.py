@@ -74,13 +74,14 @@ def main(args: argparse.Namespace) -> int:
 
     catalog, graph = load(args)
     is_live = _is_live(args, graph)
+    live_notice = _live_notice(args, graph) if is_live else ""
     stages = graph.make_stages()
     folder = make_run_folder(args.folder, graph.path.stem)
     console = Console(stderr=args.json, highlight=False, soft_wrap=True)
     for notice in graph.notices:
         console.print(notice, markup=False)
     if is_live:
-        console.print(_live_notice(args, graph), markup=False)
+        console.print(live_notice, markup=False)
     run_id = new_run_id()
     tap = _open_tap(args.tap, run_id, console)
     run = _run_live if is_live else _run_lockstep

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from graphnav.codec import DecodeError, codec_of, fingerprint
+from graphnav.errors import one_line
 from graphnav.graph import InputChannel
 from graphnav.live.clock import LiveClock
 from graphnav.live.receiver import Arrival, Mailbox
@@ -48,6 +49,10 @@ class Intake:
         self.needs_all = needs_all
         self.used = 0
         """Messages that were handed on."""
+        self.heard_s = -math.inf
+        """When the last message came that was handed on, monotonic seconds."""
+        self.last_error = ""
+        """What the last message could not be read for."""
         self.overtaken = 0
         """Messages that were fit for use, but older than the newest."""
         self._clock = clock
@@ -112,7 +117,8 @@ class Intake:
             else:
                 message = source.channel.message.from_lcm_fields(fields)
             not_finite = message.not_finite()
-        except Exception:  # noqa: BLE001 - an adapter of a plugin, and bytes of anybody
+        except Exception as error:  # noqa: BLE001 - an adapter of a plugin, and bytes of anybody
+            self.last_error = one_line(error)
             self.monitor.reject("unreadable")
             return None
         if not_finite:
@@ -127,7 +133,7 @@ class Intake:
         return message
 
     def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, anew: bool) -> Received:
-        self._birth_s = verdict.birth_s
+        self._birth_s, self.heard_s = verdict.birth_s, arrival.at_s
         self.used += 1
         raw = arrival.data if self.source.adapter is None else None
         return Received(verdict.utime, message, verdict.birth_s, raw, anew)

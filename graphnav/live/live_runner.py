@@ -29,8 +29,10 @@ class LiveRunner:
     """Owns the stages of a graph in a live run; one thread fires them all.
 
     At every turn one stage fires: a timer (``every_ms``) that is due, else a stage whose plain inputs are complete,
-    the one nearest to the end of the graph first, else a source that is due. Sources and stages take turns, so that a
-    source that takes longer than its period starves nobody. What a slow stage has missed is overtaken, not queued.
+    the one nearest to the end of the graph first, else a source that is due. Each kind takes turns with the others, so
+    that a timer or a source that takes longer than its period starves no stage. What a slow stage has missed is
+    overtaken, not queued. ``step_began``: the stage that is at work and since when, for those who watch from another
+    thread; None between two steps.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class LiveRunner:
         self.clock = clock
         self.is_ready = False
         self.firings = 0
+        self.step_began: tuple[str, float] | None = None
         self.sinks: list[Sink] = []
         self.outlets: dict[str, Outlet] = {}
         """By the reference of what is sent."""
@@ -60,7 +63,7 @@ class LiveRunner:
         self._order = [self._units[node.name] for node in reversed(graph.order)]
         self._clocked: list[tuple[Timer, LiveUnit]] = []
         self._sources: list[tuple[Timer, LiveUnit]] = []
-        self._source_was_last = False
+        self._source_was_last = self._timer_was_last = False
         self._plain = {i.channel.name for n in graph.nodes for i in n.inputs if i.channel and i.port.is_plain}
         self._readers: dict[str, list[tuple[LiveUnit, str]]] = defaultdict(list)
         for unit in self._units.values():
@@ -109,6 +112,10 @@ class LiveRunner:
         ]
         self.is_ready = True
 
+    def is_needed(self, ref: str) -> bool:
+        """Whether some stage cannot fire without an input, by reference."""
+        return any(unit.needs(port) for unit, port in self._readers[self.intakes[ref].source.channel.name])
+
     def behind_s(self, now_s: float) -> float:
         """Return by how much the latest source or timer is late, seconds."""
         return max([0.0, *(now_s - timer.due_s for timer, _ in (*self._clocked, *self._sources))])
@@ -154,10 +161,21 @@ class LiveRunner:
     def _turn(self) -> tuple[str | None, bool]:
         """Fire one stage; return the outcome where a source ended the run, and whether anything fired."""
         now_s = self.clock.now_s()
-        for timer, unit in self._clocked:
-            if timer.is_due(now_s):
-                timer.advance(now_s)
-                return self._fire(unit, self._own_stamp(now_s), partial(unit.fire_timer, now_s=now_s)), True
+        was_timer, self._timer_was_last = self._timer_was_last, False
+        if was_timer:
+            outcome, fired = self._turn_untimed(now_s)
+            if fired:
+                return outcome, True
+        due = [pair for pair in self._clocked if pair[0].is_due(now_s)]
+        if not due:
+            return self._turn_untimed(now_s)
+        timer, unit = min(due, key=lambda pair: pair[0].due_s)
+        timer.advance(now_s)
+        self._timer_was_last = True
+        return self._fire(unit, self._own_stamp(now_s), partial(unit.fire_timer, now_s=now_s)), True
+
+    def _turn_untimed(self, now_s: float) -> tuple[str | None, bool]:
+        """Fire a stage whose inputs are complete or a source that is due; the same result as `_turn`."""
         due = next(((timer, unit) for timer, unit in self._sources if timer.is_due(now_s)), None)
         if due is None or self._source_was_last:
             for unit in self._order:
@@ -185,7 +203,9 @@ class LiveRunner:
 
     def _fire(self, unit: LiveUnit, utime: int, fire: Callable[[int], str | None]) -> str | None:
         self._firing, self._stamp = unit, utime
+        self.step_began = unit.node.name, self.clock.now_s()
         outcome = fire(utime)
+        self.step_began = None
         self._bus.drain()
         self.firings += 1
         return outcome

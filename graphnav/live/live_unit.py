@@ -114,6 +114,10 @@ class LiveUnit(Unit):
         self.origin_s = now_s if origin_s is None else origin_s
         return self._fire(utime, now_s)
 
+    def needs(self, port: str) -> bool:
+        """Whether nothing comes of it without messages on an input."""
+        return port in self._plain or port in self._since
+
     def is_plain(self, port: str) -> bool:
         """Whether messages on an input fire it."""
         return port in self._plain

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from graphnav.bus import Bus
 from graphnav.errors import BusError
@@ -77,13 +77,20 @@ def _keep(kept: deque[Arrival], arrival: Arrival, max_messages: int) -> bool:
     return True
 
 
+class Takes(Protocol):
+    """What takes the messages of a channel."""
+
+    def put(self, data: bytes, at_s: float) -> bool:
+        """Take a message; return whether it may be one to act upon."""
+
+
 class Receiver:
     """Listens on a URL and fills mailboxes, by LCM channel; ``wake`` is set whenever something came.
 
     Raises BusError where LCM cannot be opened.
     """
 
-    def __init__(self, url: str, mailboxes: Iterable[tuple[str, Mailbox]], wake: threading.Event) -> None:
+    def __init__(self, url: str, mailboxes: Iterable[tuple[str, Takes]], wake: threading.Event) -> None:
         self._wake = wake
         self._ending = threading.Event()
         self._bus = Bus(url)
@@ -97,7 +104,7 @@ class Receiver:
         self._ending.set()
         self._thread.join()
 
-    def _hear(self, mailbox: Mailbox, _channel: str, data: bytes) -> None:
+    def _hear(self, mailbox: Takes, _channel: str, data: bytes) -> None:
         if mailbox.put(data, time.monotonic()):
             self._wake.set()
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import threading
 from collections.abc import Callable, Collection
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
-from graphnav.bus import GROUP, same_group, with_defaults
+from graphnav.bus import same_group
 from graphnav.codec import encode
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
@@ -17,9 +16,11 @@ from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
 from graphnav.live.intake import Intake
 from graphnav.live.live_runner import LiveRunner
-from graphnav.live.outside import opened
+from graphnav.live.observer import Observer
+from graphnav.live.outside import opened, send_stops
 from graphnav.live.playback import Playback
-from graphnav.live.status import StatusReporter
+from graphnav.live.url import live_url
+from graphnav.live.watchdog import Watchdog
 from graphnav.messages import Status
 from graphnav.motors.sender import MotorSender
 from graphnav.record import ABOUT, LOG, ThreadedLogWriter
@@ -31,11 +32,6 @@ from graphnav.runner.recorded import LiveSink, note_failure, write_summary
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
-
-
-def live_url(graph: Graph, given: str | None) -> str:
-    """Return the LCM URL of a live run: what was given, the graph's, ``LCM_DEFAULT_URL``, or this machine's group."""
-    return with_defaults(given or graph.run.url or os.environ.get("LCM_DEFAULT_URL") or GROUP)
 
 
 def to_stderr(notice: str) -> None:
@@ -86,28 +82,28 @@ def run_live(
         runner.sinks = [_kept(graph, writer, keep), *_watched(graph, tap, url)]
         if tap is not None:
             cleanup.callback(tap.close)
-        reporter = StatusReporter(runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
-        status = reporter.make()
+        observer = Observer(runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
         try:
             writer.write(ABOUT, clock.now(), encode(live_about(graph, by_outside_names=False), clock.now(), 0))
             runner.reset(graph.run.seed)
-            with opened(graph, runner, url, wake, notice) as motors:
+            link = opened(graph, runner, url, wake, observer)
+            with link as motors, closing(Watchdog(runner, observer.tell)):
                 playback.start()
 
                 def keep_going() -> bool:
-                    if reporter.is_due():
-                        runner.record(STATUS, encode(reporter.make(), clock.now(), runner.next_seq(STATUS)))
+                    if observer.look():
                         on_time(clock.run_s())
-                    _check_helpers(motors, playback)
+                    _check_helpers(graph, url, motors, playback)
                     return not (interrupt.asked or should_stop())
 
                 try:
                     outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
                 finally:
                     interrupt.settle()
-                    status = reporter.make()
+                    observer.finish()
         except KeyboardInterrupt:
             outcome = Outcome.STOPPED
+            observer.tell_broken_off()
         except GraphnavError as error:
             failures.append(str(error))
             on_failure(error)
@@ -116,6 +112,7 @@ def run_live(
         except GraphnavError as error:
             failures.append(str(error))
             on_failure(error)
+    status = observer.status
     summary = Summary(
         outcome=str(Outcome.FAILED if failures else outcome),
         failure="\n".join(failures),
@@ -127,7 +124,7 @@ def run_live(
         wall_s=round(status.wall_s, 4),
         stages=figures_of(runner.units),
         scores=scores,
-        notices=list(graph.notices),
+        notices=[*graph.notices, *observer.told],
         tap_dropped=status.tap_dropped,
         run_id=run_id,
         versions=versions(),
@@ -150,9 +147,10 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
     ]
 
 
-def _check_helpers(motors: MotorSender | None, playback: Playback) -> None:
-    """Raise GraphnavError where what the run needs beside itself has failed."""
+def _check_helpers(graph: Graph, url: str, motors: MotorSender | None, playback: Playback) -> None:
+    """Raise GraphnavError where what the run needs beside itself has failed, once the motors were stopped."""
     if motors is not None and not motors.alive:
+        send_stops(graph, url)
         raise GraphnavError("the process that sends the motor channels has died: the run cannot go on")
     if playback.failure:
         raise GraphnavError(playback.failure)

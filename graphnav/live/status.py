@@ -1,9 +1,8 @@
-"""The health of a live run: what `graphnav.status` says once a second, and what is late."""
+"""The health of a live run: what `graphnav.status` says once a second."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from graphnav.live.intake import Intake
@@ -13,26 +12,16 @@ from graphnav.messages import Status
 from graphnav.runner.stage_health import Rates, memory_mb, stage_statuses
 
 _PERIOD_S = 1.0
-_MIN_TOLD = 3
-"""Fewer messages overtaken within a second are counted, but not told."""
 
 
 class StatusReporter:
-    """Makes a status once a second and tells, through ``notice``, what is late: at first, and when it has doubled.
+    """Makes a status once a second; ``dropped`` returns what the tap and the log have dropped."""
 
-    ``dropped`` returns what the tap and the log have dropped.
-    """
-
-    def __init__(
-        self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]], notice: Callable[[str], None]
-    ) -> None:
-        self._runner, self._run_id, self._dropped, self._notice = runner, run_id, dropped, notice
+    def __init__(self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]]) -> None:
+        self._runner, self._run_id, self._dropped = runner, run_id, dropped
         self._due_s = runner.clock.now_s() + _PERIOD_S
         self._last_s = runner.clock.now_s()
         self._rates = Rates()
-        self._busy_s: dict[str, float] = {}
-        self._told: dict[str, int] = {}
-        self._overtaken: Counter[str] = Counter()
 
     def is_due(self) -> bool:
         """Whether the last status is a second old."""
@@ -46,7 +35,7 @@ class StatusReporter:
         self._last_s, self._due_s = now_s, now_s + _PERIOD_S
         overtaken = self._runner.overtaken()
         tap_dropped, log_dropped = self._dropped()
-        status = Status(
+        return Status(
             run_id=self._run_id,
             graph=self._runner.graph.path.stem,
             live=True,
@@ -61,9 +50,6 @@ class StatusReporter:
             outputs=tuple(_output(one) for one in self._runner.outlets.values()),
             edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),
         )
-        for line in self._late(overtaken, elapsed_s):
-            self._notice(line)
-        return status
 
     def _input(self, intake: Intake, now_s: float, elapsed_s: float) -> dict[str, Any]:
         source, monitor = intake.source, intake.monitor
@@ -80,25 +66,6 @@ class StatusReporter:
             "reasons": tuple(reason for reason, _ in reasons),
             "rejected": tuple(count for _, count in reasons),
         }
-
-    def _late(self, overtaken: Counter[str], elapsed_s: float) -> Iterator[str]:
-        """Yield what to tell: on which edges messages were overtaken, and which stage took the time."""
-        units = self._runner.units
-        busy_s = {name: unit.durations.total_s for name, unit in units.items()}
-        spent_s = {name: total_s - self._busy_s.get(name, 0.0) for name, total_s in busy_s.items()}
-        self._busy_s = busy_s
-        slowest = max(spent_s, key=lambda name: spent_s[name])
-        step_ms = units[slowest].durations.quantile_s(0.5) * 1e3
-        for edge, count in overtaken.items():
-            grown, self._overtaken[edge] = count - self._overtaken[edge], count
-            if grown >= _MIN_TOLD and count >= 2 * self._told.get(edge, 0):
-                self._told[edge] = count
-                share = f"{slowest} took {spent_s[slowest] / elapsed_s:.0%} of the last second, {step_ms:.0f} ms a step"
-                yield f"late: {count} messages overtaken on {edge}; {share}"
-        for name, unit in units.items():
-            if unit.missed >= max(1, 2 * self._told.get(f"{name} missed", 0)):
-                self._told[f"{name} missed"] = unit.missed
-                yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
 
 
 def _output(outlet: Outlet) -> dict[str, Any]:

@@ -1,0 +1,38 @@
+"""Notice a step that does not end: the thread that fires the stages cannot tell it itself."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from graphnav.live.live_runner import LiveRunner
+
+_PERIOD_S = 0.5
+_HANGS_S = 1.0
+
+
+class Watchdog:
+    """Tells, through ``notice``, which stage has been in one step for more than a second; once a step.
+
+    A native call that holds Python's lock keeps it from running, too: then only the motor process acts.
+    """
+
+    def __init__(self, runner: LiveRunner, notice: Callable[[str], None]) -> None:
+        self._runner, self._notice = runner, notice
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name="graphnav-watchdog", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop watching."""
+        self._ending.set()
+        self._thread.join()
+
+    def _serve(self) -> None:
+        told: tuple[str, float] | None = None
+        while not self._ending.wait(_PERIOD_S):
+            step = self._runner.step_began
+            if step is not None and step != told and self._runner.clock.now_s() - step[1] > _HANGS_S:
+                told = step
+                hung_s = self._runner.clock.now_s() - step[1]
+                self._notice(f"hangs: {step[0]} has been in one step for {hung_s:.1f} s; motor channels get stops")
