@@ -9,6 +9,7 @@ from graphnav.errors import CatalogError, Problem, did_you_mean
 from graphnav.graph.node import Channel, OutputChannel
 from graphnav.graph.stop_message import why_no_stop
 from graphnav.graph.wire_type import type_written
+from graphnav.messages import Twist
 from graphnav.spec import OutputSpec, Spec
 from graphnav.stage import Stage
 
@@ -22,7 +23,8 @@ def outputs_of(
 ) -> dict[str, OutputChannel]:
     """Return what leaves, by the reference of what is sent; what is wrong is added to ``problems``.
 
-    ``channels``: those that stages write. A motor output must come from a guard and must have a stop.
+    ``channels``: those that stages write. A motor output must come from a guard with a timer and must have a
+    stop; a `Twist` must say whether it is one.
     """
     outputs = {}
     for ref, given in spec.outputs.items():
@@ -39,6 +41,12 @@ def outputs_of(
             what = f"the motor output '{ref}' does not come from a guard: nothing stops it when its inputs are lost"
             hint = f"put control.guard behind '{stage}' and write outputs: {{guard.twist: ...}}"
             problems.append(Problem(given.place, what, hint))
+        elif given.motor and not spec.stages[stage].has_timer:
+            what = (
+                f"the guard '{stage}' of the motor output '{ref}' has no timer: "
+                "it would not notice that nothing comes any more"
+            )
+            problems.append(Problem(spec.stages[stage].place, what, f"write every_ms: 50 under '{stage}'"))
     return outputs
 
 
@@ -57,6 +65,11 @@ def _output(
         place = given.place if given.stop is None else given.stop.value.place
         hint = f"write stop: {{field: value}} with the fields of {wire.name} that make it stand still"
         problems.append(Problem(place, f"the motor output '{ref}' has no stop: {reason}", hint))
+    if given.motor is None and not given.unclear and issubclass(channel.message, Twist):
+        what = (
+            f"the output '{ref}' carries a {channel.message.__name__}, but does not say whether something moves by it"
+        )
+        problems.append(Problem(given.place, what, "write motor: true, or motor: false if nothing moves by it"))
     if given.channel is None:
         return None
     name = str(given.channel.value.data)
@@ -66,7 +79,7 @@ def _output(
         wire.lcm_class,
         wire.name,
         wire.adapter,
-        given.motor,
+        bool(given.motor),
         given.max_age_s,
         stop,
         given.place,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from graphnav.graph.schema_parts import CHANNEL, PORT, Schema, object_schema
-from graphnav.spec.outside import STOP_AFTER_S
+from graphnav.spec.outside import MAX_INPUT_AGE_S, MAX_STOP_AFTER_S, STOP_AFTER_S
 
 _TYPE = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 
@@ -18,7 +18,9 @@ def inputs_schema() -> Schema:
         },
         "log": {"type": "string", "minLength": 1, "description": "a log that is played at its stamps"},
         "type": _lcm_type("the LCM type on the wire: package.type_t"),
-        "max_age_s": _seconds("older than this, the input counts as lost; default: a few of its periods"),
+        "max_age_s": _seconds(
+            "older than this, the input counts as lost; default: a few of its periods", MAX_INPUT_AGE_S
+        ),
     }
     live = {"properties": {"channel": {"pattern": CHANNEL}}, "required": ["channel"]}
     source = {"anyOf": [{"required": ["log"]}, live]}
@@ -35,8 +37,15 @@ def outputs_schema() -> Schema:
     words = {
         "channel": {"type": "string", "pattern": CHANNEL, "description": "the LCM channel on which it leaves"},
         "type": _lcm_type("the LCM type on the wire: package.type_t; default: that of the message"),
-        "motor": {"type": "boolean", "default": False, "description": "whether it moves something: stops follow it"},
-        "max_age_s": {**_seconds("silence of a motor channel that is answered by stops"), "default": STOP_AFTER_S},
+        "motor": {
+            "type": "boolean",
+            "default": False,
+            "description": "whether it moves something: stops follow it; a Twist has to say",
+        },
+        "max_age_s": {
+            **_seconds("silence of a motor channel that is answered by stops", MAX_STOP_AFTER_S),
+            "default": STOP_AFTER_S,
+        },
         "stop": {"type": "object", "minProperties": 1, "description": "the LCM fields of the stop message"},
     }
     motor = {"properties": {"motor": {"const": True}}, "required": ["motor"]}
@@ -63,5 +72,5 @@ def _lcm_type(description: str) -> Schema:
     return {"type": "string", "pattern": _TYPE, "description": description}
 
 
-def _seconds(description: str) -> Schema:
-    return {"type": "number", "exclusiveMinimum": 0, "description": description}
+def _seconds(description: str, maximum: float) -> Schema:
+    return {"type": "number", "exclusiveMinimum": 0, "maximum": maximum, "description": description}

@@ -12,7 +12,7 @@ from graphnav.graph.outside_schema import inputs_schema, outputs_schema, queues_
 from graphnav.graph.schema_parts import CHANNEL, PORT, Schema, object_schema
 from graphnav.graph.schema_variants import by_keys, stage_variants
 from graphnav.spec import RunOptions
-from graphnav.spec.outside import MAX_EVERY_MS
+from graphnav.spec.outside import MAX_EVERY_MS, MIN_EVERY_MS
 from graphnav.spec.spec import RESERVED_STAGES, RESTARTS, STAGE_NAME
 from graphnav.stage import Param, Stage, params_of, plain_data, ports_of, summary_of
 
@@ -85,7 +85,7 @@ def _stage(uses: list[str]) -> Schema:
         "in": {"type": ["object", "null"], "description": "what each input reads: stage.port"},
         "every_ms": {
             "type": "number",
-            "exclusiveMinimum": 0,
+            "minimum": MIN_EVERY_MS,
             "maximum": MAX_EVERY_MS,
             "description": "live, the stage also fires this often; lockstep does not use it",
         },

@@ -13,9 +13,12 @@ INPUT_KEYS = ("channel", "log", "type", "max_age_s")
 OUTPUT_KEYS = ("channel", "type", "motor", "max_age_s", "stop")
 QUEUE_KEYS = ("keep",)
 INPUT_NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
-MAX_EVERY_MS = 60_000
+MIN_EVERY_MS, MAX_EVERY_MS = 1, 60_000
 STOP_AFTER_S = 0.5
 """Silence of a motor channel that is answered by stops, where the graph says nothing else."""
+MAX_STOP_AFTER_S = 5.0
+"""What moves for longer without a command is not under control."""
+MAX_INPUT_AGE_S = 60.0
 
 
 @dataclass
@@ -46,7 +49,8 @@ class OutputSpec:
     """The value is a text."""
     type: Entry | None = None
     """The value is a text; None: the type of the message itself."""
-    motor: bool = False
+    motor: bool | None = None
+    """None: the graph does not say."""
     max_age_s: float = STOP_AFTER_S
     stop: Entry | None = None
     """The value is a mapping."""
@@ -95,7 +99,7 @@ class OutsideWords(Shapes):
         elif is_known and "type" not in words:
             self._problem(entry.place, f"{who} does not say what it carries", "write type: package.type_t")
         if "max_age_s" in words:
-            spec.max_age_s = self._age(words["max_age_s"].value, who)
+            spec.max_age_s = self._age(words["max_age_s"].value, who, MAX_INPUT_AGE_S)
         return spec
 
     def _outputs(self, words: dict[str, Entry]) -> dict[str, OutputSpec]:
@@ -115,7 +119,7 @@ class OutsideWords(Shapes):
             if "motor" in words:
                 spec.motor = self._switch(words["motor"].value, f"'motor' of {who}")
             if "max_age_s" in words:
-                spec.max_age_s = self._age(words["max_age_s"].value, who) or STOP_AFTER_S
+                spec.max_age_s = self._age(words["max_age_s"].value, who, MAX_STOP_AFTER_S) or STOP_AFTER_S
             if "stop" in words:
                 spec.stop = self._stop(words["stop"], who)
                 if not spec.motor and ("motor" not in words or words["motor"].value.data is False):
@@ -157,7 +161,10 @@ class OutsideWords(Shapes):
     def _times(self, words: dict[str, Entry], who: str) -> dict[str, Entry]:
         """Return the times of a stage that are right, by key."""
         limits = {
-            "every_ms": (f"a number above 0, at most {MAX_EVERY_MS}", lambda ms: 0 < ms <= MAX_EVERY_MS),
+            "every_ms": (
+                f"a number from {MIN_EVERY_MS} to {MAX_EVERY_MS}",
+                lambda ms: MIN_EVERY_MS <= ms <= MAX_EVERY_MS,
+            ),
             "deadline_ms": ("a number above 0", lambda ms: ms > 0),
         }
         return {
@@ -177,8 +184,9 @@ class OutsideWords(Shapes):
             self._problem(entry.value.place, f"'{key}' of {who} is empty", "write a name")
         return None
 
-    def _age(self, value: Value, who: str) -> float | None:
-        return self._number(value, f"'max_age_s' of {who}", "a number of seconds above 0", lambda seconds: seconds > 0)
+    def _age(self, value: Value, who: str, max_s: float) -> float | None:
+        wanted = f"a number of seconds above 0, at most {max_s:g}"
+        return self._number(value, f"'max_age_s' of {who}", wanted, lambda seconds: 0 < seconds <= max_s)
 
     def _switch(self, value: Value, who: str) -> bool:
         if isinstance(value.data, bool):

@@ -32,6 +32,8 @@ class StageSpec:
     """By input port; the value is a text, the reference."""
     times: dict[str, Entry] = field(default_factory=dict)
     """``every_ms`` and ``deadline_ms`` where they are given; the value is a number."""
+    has_timer: bool = False
+    """Whether ``every_ms`` is written, right or wrong."""
     use_note: str = ""
     """The ``--set`` that swapped it, empty if the graph says so."""
     wire_notes: dict[str, str] = field(default_factory=dict)
@@ -134,6 +136,7 @@ class _Parser(OutsideWords):
             wires={port: wire for port, wire in wires.items() if isinstance(wire.value.data, str)},
             unwired={port for port, wire in wires.items() if not isinstance(wire.value.data, str)},
             times=self._times(words, f"stage '{name}'"),
+            has_timer="every_ms" in words,
             unclear=unclear
             or any(not isinstance(words[word].value.data, dict | None) for word in ("with", "in") if word in words),
         )

@@ -44,7 +44,7 @@ class Guard(Stage):
     is_guard: ClassVar[bool] = True
 
     max_age_s: float = param(
-        0.5, gt=0.0, doc="age beyond which command, plane or image stops the robot: a few of their periods"
+        0.5, gt=0.0, le=10.0, doc="age beyond which command, plane or image stops the robot: a few of their periods"
     )
     min_judged_ratio: float = param(
         0.5,
@@ -66,7 +66,7 @@ class Guard(Stage):
         doc="standard deviation of the image's gray levels, averaged over blocks, below which it shows nothing (a "
         "covered lens, a white picture), whatever a detector judges; worlds that ship have 14 and more; 0 is no limit",
     )
-    override_max_age_s: float = param(0.3, gt=0.0, doc="age beyond which an override has ended")
+    override_max_age_s: float = param(0.3, gt=0.0, le=5.0, doc="age beyond which an override has ended")
     max_speed_mps: float | None = param(None, ge=0.0, doc="greatest speed, forward and backward; null for none")
     max_turn_radps: float | None = param(None, ge=0.0, doc="greatest turning rate; null for none")
     max_accel_mps2: float | None = param(None, gt=0.0, doc="how fast the speed may grow; null for at once")

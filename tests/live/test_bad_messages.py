@@ -24,7 +24,7 @@ inputs:
 stages:
   see: {use: probe.brightness, in: {image: camera.image}}
   world: {use: probe.ticker, with: {rate_hz: 50}, in: {command: base.twist}}
-outputs: {see.twist: {channel: SPEED}}
+outputs: {see.twist: {channel: SPEED, motor: false}}
 """
 
 

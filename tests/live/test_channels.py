@@ -22,7 +22,7 @@ run: {until_s: 30}
 inputs: {camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}}
 stages:
   see: {use: probe.brightness, in: {image: camera.image}}
-outputs: {see.twist: {channel: SPEED}}
+outputs: {see.twist: {channel: SPEED, motor: false}}
 """
 
 

@@ -40,7 +40,7 @@ run: {record: small}
 inputs: {camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}}
 stages:
   see: {use: probe.brightness, with: {dawdle_s: 0.2}, in: {image: camera.image}, deadline_ms: 50}
-outputs: {see.twist: {channel: SPEED}}
+outputs: {see.twist: {channel: SPEED, motor: false}}
 """
 
 

@@ -81,7 +81,7 @@ stages:
   flow: {use: toy.matcher, in: {image: camera.image}}
   plane: {use: toy.detector, in: {flow: flow.flow}}
   wheels: {use: toy.wheels, in: {plane: plane.plane}}
-  guard: {use: toy.guard, in: {command: wheels.twist, plane: plane.plane}}
+  guard: {use: toy.guard, every_ms: 50, in: {command: wheels.twist, plane: plane.plane}}
 outputs: {guard.twist: {channel: 'BASE|"<CMD>', motor: true}}
 """
 

@@ -57,7 +57,7 @@ stages:
   score: {use: toy.score, in: {plane: plane.plane, motion: base}}
 outputs:
   guard.twist: {channel: BASE, type: toy.wheels_t, motor: true, max_age_s: 0.2}
-  wheels.twist: {channel: WHEELS}
+  wheels.twist: {channel: WHEELS, motor: false}
   plane.plane: {channel: PLANE, type: graphnav_lcm.plane_t}
 queues: {plane.flow: {keep: all}, wheels.plane: {keep: 4}}
 """

@@ -65,7 +65,7 @@ def graphnav_adapters():
 GRAPH = """\
 inputs: {{base.motion: {{channel: NOTES, type: {type}}}}}
 stages:
-  follow: {{use: notes.follow, in: {{motion: base}}}}
+  follow: {{use: notes.follow, every_ms: 50, in: {{motion: base}}}}
 outputs: {{follow.twist: {{channel: COMMANDS, type: {type}, motor: true}}}}
 """
 
