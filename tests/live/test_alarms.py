@@ -1,0 +1,101 @@
+"""A live run says on its terminal, and keeps in its summary, what is lost, what hangs and who else drives."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import pytest
+
+from graphnav import Twist
+from graphnav.errors import UserError
+
+if TYPE_CHECKING:
+    from tests.live.conftest import Live, Outside
+
+    Begin = Callable[..., Live]
+    Program = Callable[..., Outside]
+
+GUARDED = """
+inputs: {{camera.image: {{channel: CAMERA, type: graphnav_lcm.image_t}}}}
+stages:
+  see: {{use: probe.brightness, with: {{dawdle_s: {dawdle_s}}}, in: {{image: camera.image}}}}
+  guard: {{use: probe.pass, every_ms: {every_ms}, in: {{command: see.twist, image: camera.image}}}}
+outputs: {{guard.twist: {{channel: BASE, motor: true}}}}
+"""
+
+
+def told(run: Live, begins: str) -> bool:
+    """Whether a run has told something that begins so."""
+    return any(line.startswith(begins) for line in run.notices)
+
+
+def test_an_input_that_never_speaks_is_told(live: Begin, outside: Program) -> None:
+    program = outside()
+    run = live(GUARDED.format(dawdle_s=0, every_ms=50))
+    program.wait_for(lambda: told(run, "silent: camera.image has had no message on CAMERA for "))
+    summary, _ = run.stop()
+    assert any(line.startswith("silent: camera.image") for line in summary.notices)
+
+
+def test_messages_that_are_not_used_are_told_with_the_reason(live: Begin, outside: Program) -> None:
+    program = outside()
+    run = live(GUARDED.format(dawdle_s=0, every_ms=50))
+
+    def refused() -> bool:
+        program.say("CAMERA", Twist(v_mps=1.0, omega_radps=0.0))
+        return told(run, "not used: ")
+
+    program.wait_for(refused)
+    assert "wrong type" in next(line for line in run.notices if line.startswith("not used: "))
+    run.stop()
+
+
+def test_a_step_that_does_not_end_is_told_while_it_hangs(live: Begin, outside: Program) -> None:
+    program = outside()
+    run = live(GUARDED.format(dawdle_s=4, every_ms=50))
+
+    def hangs() -> bool:
+        program.show("CAMERA", 1)
+        time.sleep(0.05)
+        return told(run, "hangs: see has been in one step for ")
+
+    program.wait_for(hangs)
+    run.stop()
+
+
+def test_another_program_on_a_motor_channel_is_told(live: Begin, outside: Program) -> None:
+    program = outside("BASE")
+    run = live(GUARDED.format(dawdle_s=0, every_ms=50))
+    program.wait_for(lambda: len(program.of("BASE")) > 3)
+    assert not told(run, "another program")
+
+    def drives_too() -> bool:
+        program.say("BASE", Twist(v_mps=1.0, omega_radps=0.0))
+        return told(run, "another program sends on BASE too: ")
+
+    program.wait_for(drives_too)
+    run.stop()
+
+
+def test_a_fast_timer_starves_no_stage(live: Begin, outside: Program) -> None:
+    program = outside("BASE")
+    run = live(GUARDED.format(dawdle_s=0, every_ms=1))
+
+    def sees() -> bool:
+        program.show("CAMERA", 3)
+        time.sleep(0.02)
+        return 3.0 in {v for _, v in program.speeds("BASE")}
+
+    program.wait_for(sees)
+    run.stop()
+
+
+@pytest.mark.parametrize("url", ["", "nonsense", "memq://", "udpm://1.2.3.4:7667"])
+def test_a_url_where_no_program_can_be_reached_is_refused(load: Callable[[str], object], url: str) -> None:
+    from graphnav.live import live_url
+
+    graph = load(GUARDED.format(dawdle_s=0, every_ms=50))
+    with pytest.raises(UserError, match="--url"):
+        live_url(graph, url)  # type: ignore[arg-type]
