@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_run_options, add_url_option, load
+from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import UserError
 
@@ -28,7 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--live", action="store_true", help="teach by the wall clock; a graph with inputs is live by itself"
     )
-    add_url_option(parser)
+    parser.add_argument(
+        "--url",
+        metavar="URL",
+        help="LCM URL of what comes in, live (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
+    )
     parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
 
 

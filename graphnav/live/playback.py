@@ -78,8 +78,9 @@ def _stream(
         There is no such channel, or it has another type.
     """
     if not recording.count(source.name):
-        what = f"{recording.path} holds no channel '{source.name}'"
-        raise UserError.of(what, f"it has {', '.join(sorted(recording.channels))}", source.place)
+        known = ", ".join(sorted(recording.channels))
+        hint = f"it has {known}" if known else "it is empty"
+        raise UserError.of(f"{recording.path} holds no channel '{source.name}'", hint, source.place)
     data = recording.event(source.name, 0).data
     if data[:8] != fingerprint(source.lcm_class):
         found = recording.channels[source.name]
