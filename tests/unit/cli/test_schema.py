@@ -27,8 +27,8 @@ yes_is_a_text number_in_quotes only_a_comment
 """The broken graphs in which a word, not the meaning of the wires, is wrong."""
 
 WIRED = """
-ambiguous_swap input_log_missing input_of_another_type loop motor_without_guard two_writers
-type_mismatch unknown_reference
+ambiguous_swap input_log_missing input_of_another_type loop motor_without_guard motor_without_timer
+twist_without_motor two_writers type_mismatch unknown_reference
 """.split()  # noqa: SIM905
 """Those in which every word is right by itself."""
 
@@ -100,6 +100,28 @@ def test_a_graph_that_extends_another_says_only_what_differs(toy_schema: dict[st
     assert not is_valid(EXTENDS | {"channels": {"robot.image": 3}}, toy_schema)
     assert not is_valid(EXTENDS | {"inputs": {"camera.image": {"max_age_s": 0}}}, toy_schema)
     assert not is_valid(EXTENDS | {"stages": {"plane": {"uses": "mine.detector"}}}, toy_schema)
+
+
+@pytest.mark.parametrize(
+    ("words", "right", "wrong"),
+    [
+        ({"stages": {"plane": {"every_ms": "?"}}}, [1, 60_000], [0.5, 60_001]),
+        ({"inputs": {"camera.image": {"max_age_s": "?"}}}, [0.1, 60], [0, 60.5]),
+        ({"outputs": {"guard.twist": {"max_age_s": "?"}}}, [0.1, 5], [0, 5.5]),
+    ],
+)
+def test_times_and_ages_have_bounds(words: dict[str, Any], right: list[float], wrong: list[float]) -> None:
+    schema, text = graph_schema(Catalog()), json.dumps({"extends": "corridor_ccw", **words})
+    for number in right:
+        assert is_valid(json.loads(text.replace('"?"', str(number))), schema)
+    for number in wrong:
+        assert not is_valid(json.loads(text.replace('"?"', str(number))), schema)
+
+
+def test_ages_of_the_guard_have_bounds() -> None:
+    params = graph_schema(Catalog())["$defs"]["control.guard"]["properties"]["with"]["properties"]
+    bounds = {"max_age_s": 10.0, "override_max_age_s": 5.0}
+    assert {name: params[name]["maximum"] for name in bounds} == bounds
 
 
 def test_stages_of_plugins_may_be_any(toy_schema: dict[str, Any]) -> None:
