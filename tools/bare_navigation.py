@@ -6,7 +6,6 @@ odometry after each frame, steps, and publishes. It keeps no log, supervises not
 
 from __future__ import annotations
 
-import os
 import sys
 from typing import Any
 
@@ -15,7 +14,6 @@ import numpy as np
 from graphnav_lcm import image_t, odometry_t, twist_t
 
 from graphnav import Image, Latest, Odometry, Since
-from graphnav.ablation.threads import ONE_THREAD
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 
@@ -77,5 +75,4 @@ class Bare:
 
 
 if __name__ == "__main__":
-    os.environ.update(ONE_THREAD)
     Bare(sys.argv[1]).run()

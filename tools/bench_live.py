@@ -7,6 +7,7 @@ commands alone here, so that every command answers an image.
 
 from __future__ import annotations
 
+import os
 import statistics
 import subprocess
 import sys
@@ -22,6 +23,7 @@ from acceptance.drives import GRAPHNAV
 from acceptance.rig import Rig
 
 from graphnav import Recording
+from graphnav.ablation.threads import ONE_THREAD
 
 BARE = Path(__file__).with_name("bare_navigation.py")
 URL = "udpm://239.255.82.1:7999?ttl=0&recv_buf_size=2097152"
@@ -90,7 +92,7 @@ def play(events: Sequence[Event]) -> list[float]:
 def running(command: Sequence[str]) -> Iterator[None]:
     """Run a program while entered."""
     with tempfile.TemporaryFile() as output:
-        process = subprocess.Popen(command, stdout=output, stderr=output)
+        process = subprocess.Popen(command, stdout=output, stderr=output, env=os.environ | ONE_THREAD)
         try:
             time.sleep(4)
             yield
