@@ -103,10 +103,13 @@ def test_a_second_writer_is_counted_and_not_acted_upon_while_the_first_one_sends
 def test_a_flood_of_a_second_writer_neither_drives_nor_silences_the_first(live: Begin, outside: Program) -> None:
     first, second = outside("TICK"), outside()
     driven = LISTENING.replace("twist_t}", "twist_t, max_age_s: 5}")
-    run = live(driven.replace("SPEED}", "SPEED}, world.goal: {channel: TICK}"))
-    while not any(decode(Goal, data)[2].distance_m < 10 for data in first.of("TICK")):
+    run = live(driven.replace("outputs: {", "outputs: {world.goal: {channel: TICK}, "))
+
+    def is_heard() -> bool:
         first.say("BASE", Twist(v_mps=1.0, omega_radps=0.0))
-        time.sleep(0.05)
+        return any(decode(Goal, data)[2].distance_m < 10 for data in first.of("TICK"))
+
+    first.wait_for(is_heard)
     for k in range(5000):
         if k % 50 == 0:
             first.say("BASE", Twist(v_mps=1.0, omega_radps=0.0))
