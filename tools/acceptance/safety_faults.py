@@ -24,6 +24,9 @@ class Drive(Protocol):
     navigation: Launched
     fault_file: Path
 
+    def wait_for(self, holds: Callable[[], object], within_s: float) -> bool:
+        """Return whether something came to hold; raise where the robot's run ends before."""
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -73,12 +76,11 @@ def _misbehave(stage: str, mode: str, drive: Drive) -> float:
     part = drive.fault_file.with_suffix(".part")
     part.write_text(f"{stage} {mode}", encoding="utf-8")
     part.rename(drive.fault_file)
-    end_s = time.monotonic() + PATIENCE_S
-    while not begun.exists():
-        if time.monotonic() > end_s:
+    try:
+        if not drive.wait_for(begun.exists, PATIENCE_S):
             raise TimeoutError(f"{stage} does not step")
-        time.sleep(0.005)
-    drive.fault_file.unlink()
+    finally:
+        drive.fault_file.unlink()
     return float(begun.read_text(encoding="utf-8"))
 
 
