@@ -54,11 +54,6 @@ class LiveUnit(Unit):
         return self.node.every_ms is not None
 
     @property
-    def is_single(self) -> bool:
-        """Whether the newest message of its one plain input is all that it steps with."""
-        return len(self._plain) == 1 and not self.join.in_order
-
-    @property
     def dropped(self) -> int:
         """Messages that were overtaken."""
         return self.join.overtaken.total()

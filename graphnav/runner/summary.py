@@ -52,7 +52,7 @@ class Summary:
     run_id: str
     versions: dict[str, str]
     behind_s: float = 0.0
-    """How far a paced run ended behind the wall clock, seconds; 0 for one that is not paced."""
+    """How far the run ended behind the wall clock, seconds: of a paced one its pace, of a live one its latest timer."""
     live: dict[str, Any] | None = None
     """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
