@@ -94,12 +94,13 @@ class FaultyDrive:
         event = Event(fault, fault.begin(self))
         if fault.end is not None:
             self.wait_for(lambda: time.monotonic() >= event.begin_s + FAULT_S, RECOVERS_S)
+            event.end_s = time.monotonic()
             fault.end(self)
         else:
             self.wait_for(lambda: self._commands.first_stop(event.begin_s), ENDS_S)
             self.wait_for(lambda: time.monotonic() >= event.begin_s + STANDS_S, RECOVERS_S)
             self.navigation.close()
-        event.end_s = time.monotonic()
+            event.end_s = time.monotonic()
         if stop := self._commands.lasting_stop(event.begin_s, event.end_s):
             event.stop_s = stop.at_s
         if fault.end is None:
