@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 import threading
 import time
 from collections import deque
@@ -15,6 +14,7 @@ from graphnav.bus import GROUP, Bus, require_route, with_defaults
 from graphnav.codec import decode, encode, message_class_of, type_named
 from graphnav.errors import GraphnavError
 from graphnav.messages import About, Message
+from graphnav.notices import print_notice
 from graphnav.record import ABOUT
 
 TAP_URL = GROUP
@@ -33,10 +33,6 @@ _ABOUT_S = 1.0
 _LAST_WORDS_S = 0.3
 
 
-def _to_stderr(notice: str) -> None:
-    print(notice, file=sys.stderr)
-
-
 class Tap:
     """Publishes copies of a run's messages on UDP multicast from a thread of its own.
 
@@ -53,7 +49,7 @@ class Tap:
         mode: Literal["thin", "full"] = "thin",
         run_id: str = "",
         url: str = TAP_URL,
-        notice: Callable[[str], None] = _to_stderr,
+        notice: Callable[[str], None] = print_notice,
     ) -> None:
         self.dropped = 0
         self.url = with_defaults(url)

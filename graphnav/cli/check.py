@@ -11,8 +11,7 @@ from graphnav.cli.options import add_graph_options, load
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from graphnav.cli.tables import TextTable
     from graphnav.graph import Channel, Graph, Node
 
 
@@ -63,25 +62,19 @@ def _outside(graph: Graph) -> str:
     return ", ".join(f"{verb} {', '.join(names)}" for verb, names in parts if names)
 
 
-def _table(graph: Graph) -> Table:
-    from rich import box  # noqa: PLC0415
-    from rich.table import Table  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+def _table(graph: Graph) -> TextTable:
+    from graphnav.cli.tables import TextTable  # noqa: PLC0415
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("stage", "uses", "reads", "writes"):
-        table.add_column(heading, overflow="fold")
+    table = TextTable("stage", "uses", "reads", "writes")
     for given in graph.inputs.values():
         kind, where = ("log", f"{given.log.name}: {given.name}") if given.log else ("input", given.name)
-        cells = (given.channel.stage, kind, f"{where}: {given.type_name}", _message(given.channel))
-        table.add_row(*(Text(cell) for cell in cells))
+        table.add_text(given.channel.stage, kind, f"{where}: {given.type_name}", _message(given.channel))
     for node in (*graph.sources, *graph.order):
         reads = [f"{i.channel.ref}{f' ({i.port.reading})' if i.port.reading else ''}" for i in node.inputs if i.channel]
-        cells = (node.name, node.use, "\n".join(reads), "\n".join(_writes(node)))
-        table.add_row(*(Text(cell) for cell in cells))
+        table.add_text(node.name, node.use, "\n".join(reads), "\n".join(_writes(node)))
     for output in graph.outputs.values():
         kind = "motor output" if output.motor else "output"
-        table.add_row(*(Text(cell) for cell in ("", kind, output.channel.ref, f"{output.name}: {output.type_name}")))
+        table.add_text("", kind, output.channel.ref, f"{output.name}: {output.type_name}")
     return table
 
 

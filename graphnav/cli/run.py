@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal
 from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import DrawingError, UserError
+from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -84,8 +85,7 @@ def main(args: argparse.Namespace) -> int:
         console.print(live_notice, markup=False)
     run_id = new_run_id()
     tap = _open_tap(args.tap, run_id, console)
-    run = _run_live if is_live else _run_lockstep
-    summary = run(graph, stages, folder, args, tap, run_id)
+    summary = _run(graph, stages, folder, args, tap, run_id, is_live=is_live)
     if args.json:
         print(json.dumps(summary.as_json() | {"folder": str(folder)}))
     else:
@@ -146,12 +146,20 @@ def _open_tap(mode: Literal["thin", "full", "none"], run_id: str, console: Conso
     return tap
 
 
-def _run_lockstep(
-    graph: Graph, stages: dict[str, Stage], folder: Path, args: argparse.Namespace, tap: LiveSink | None, run_id: str
+def _run(
+    graph: Graph,
+    stages: dict[str, Stage],
+    folder: Path,
+    args: argparse.Namespace,
+    tap: LiveSink | None,
+    run_id: str,
+    *,
+    is_live: bool,
 ) -> Summary:
     from rich.console import Console  # noqa: PLC0415
 
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
+    from graphnav.live import run_live  # noqa: PLC0415
     from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
 
     def show_cause(error: GraphnavError) -> None:
@@ -159,6 +167,17 @@ def _run_lockstep(
             traceback.print_exception(error)
 
     with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
+        if is_live:
+            return run_live(
+                graph,
+                stages,
+                folder,
+                url=args.url,
+                tap=tap,
+                run_id=run_id,
+                on_time=lambda run_s: on_tick(round(run_s * 1e6)),
+                on_failure=show_cause,
+            )
         return run_recorded(
             graph,
             stages,
@@ -168,35 +187,5 @@ def _run_lockstep(
             run_id=run_id,
             on_tick=on_tick,
             on_failure=show_cause,
-            notice=_tell,
-        )
-
-
-def _tell(notice: str) -> None:
-    """Tell a notice while the run goes on; the progress bar makes room for it."""
-    print(notice, file=sys.stderr, flush=True)
-
-
-def _run_live(
-    graph: Graph, stages: dict[str, Stage], folder: Path, args: argparse.Namespace, tap: LiveSink | None, run_id: str
-) -> Summary:
-    from rich.console import Console  # noqa: PLC0415
-
-    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
-    from graphnav.live import run_live  # noqa: PLC0415
-
-    def show_cause(error: GraphnavError) -> None:
-        if args.verbose:
-            traceback.print_exception(error)
-
-    with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-        return run_live(
-            graph,
-            stages,
-            folder,
-            url=args.url,
-            tap=tap,
-            run_id=run_id,
-            on_time=lambda run_s: on_tick(round(run_s * 1e6)),
-            on_failure=show_cause,
+            notice=print_notice,
         )

@@ -13,9 +13,9 @@ from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
 
     from graphnav.catalog import Catalog
+    from graphnav.cli.tables import TextTable
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,35 +64,38 @@ def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list
     return uses
 
 
-def _all(catalog: Catalog, uses: list[str]) -> Table:
+def _all(catalog: Catalog, uses: list[str]) -> TextTable:
+    from graphnav.cli.tables import TextTable  # noqa: PLC0415
     from graphnav.stage import ports_of, summary_of  # noqa: PLC0415
 
-    table = _table("stage", "reads", "writes", "what it is")
+    table = TextTable("stage", "reads", "writes", "what it is")
     for use in uses:
         cls = catalog.stage(use)
         ports = ports_of(cls)
         reads = ", ".join(f"{p.name}{f' ({p.reading})' if p.reading else ''}" for p in ports.inputs)
-        _row(table, use, reads, ", ".join(p.name for p in ports.outputs), summary_of(cls))
+        table.add_text(use, reads, ", ".join(p.name for p in ports.outputs), summary_of(cls))
     return table
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
+    from graphnav.cli.tables import TextTable  # noqa: PLC0415
+
     console.print(f"{described['name']}, a {described['kind']} of {described['origin']}", style="bold", markup=False)
     console.print()
     console.print(_flowing(described["doc"]), markup=False)
-    ports = _table("port", "type", "")
+    ports = TextTable("port", "type", "")
     for port in described["inputs"]:
-        _row(ports, port["name"], port["type"], f"input, {_reading(port)}")
+        ports.add_text(port["name"], port["type"], f"input, {_reading(port)}")
     for port in described["outputs"]:
-        _row(ports, port["name"], port["type"], "output")
+        ports.add_text(port["name"], port["type"], "output")
     if ports.row_count:
         console.print()
         console.print(ports)
-    params = _table("parameter", "type", "default", "what it means")
+    params = TextTable("parameter", "type", "default", "what it means")
     for param in described["parameters"]:
         kind = param["type"] + (f", {param['bounds']}" if param["bounds"] else "")
         kind += f", {param['unit']}" if param["unit"] else ""
-        _row(params, param["name"], kind, _default(param), param["doc"])
+        params.add_text(param["name"], kind, _default(param), param["doc"])
     if params.row_count:
         console.print()
         console.print(params)
@@ -145,19 +148,3 @@ def _snippet(described: dict[str, Any]) -> str:
         note = "may be left out" if port["open"] else "needed"
         lines.append(f"      {port['name']}: STAGE.PORT  # {note}: a port that writes {port['type']}")
     return "\n".join(lines)
-
-
-def _table(*headings: str) -> Table:
-    from rich import box  # noqa: PLC0415
-    from rich.table import Table  # noqa: PLC0415
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for number, heading in enumerate(headings):
-        table.add_column(heading, overflow="fold", no_wrap=number == 0)
-    return table
-
-
-def _row(table: Table, *cells: str) -> None:
-    from rich.text import Text  # noqa: PLC0415
-
-    table.add_row(*(Text(cell) for cell in cells))

@@ -12,7 +12,8 @@ from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
+
+    from graphnav.cli.tables import TextTable
 
 _EXAMPLES = """\
 examples:
@@ -64,28 +65,31 @@ def main(args: argparse.Namespace) -> int:
     return OK
 
 
-def _all(found: dict[str, type]) -> Table:
+def _all(found: dict[str, type]) -> TextTable:
+    from graphnav.cli.tables import TextTable  # noqa: PLC0415
     from graphnav.codec import message_class_of  # noqa: PLC0415
     from graphnav.typeinfo import summary_of_type  # noqa: PLC0415
 
-    table = _table("message", "LCM type", "what it is")
+    table = TextTable("message", "LCM type", "what it is")
     for name, lcm_class in found.items():
         message = message_class_of(lcm_class)
-        _row(table, message.__name__ if message else "", name, summary_of_type(lcm_class))
+        table.add_text(message.__name__ if message else "", name, summary_of_type(lcm_class))
     return table
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
+    from graphnav.cli.tables import TextTable  # noqa: PLC0415
+
     title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
     console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)
     if described["doc"]:
         console.print()
         console.print(described["doc"], markup=False)
-    table = _table("field", "type", "unit", "what the definition says")
+    table = TextTable("field", "type", "unit", "what the definition says")
     for field in described["fields"]:
         dims = "".join(f"[{dim}]" for dim in field["dims"])
         kind = field["type"].removeprefix(f"{described['type'].rpartition('.')[0]}.")
-        _row(table, field["name"], kind + dims, field["unit"], field["doc"])
+        table.add_text(field["name"], kind + dims, field["unit"], field["doc"])
     console.print()
     console.print(table)
     for name, value in described["constants"].items():
@@ -103,19 +107,3 @@ def _write_java(lcm_classes: list[type], folder: Path) -> None:
         print("no javac here: install a JDK, or run where there is one")
         print("\n".join(f"  {command}" for command in made.commands))
     print(f"then CLASSPATH={made.jar.resolve()} lcm-spy shows these types")
-
-
-def _table(*headings: str) -> Table:
-    from rich import box  # noqa: PLC0415
-    from rich.table import Table  # noqa: PLC0415
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for number, heading in enumerate(headings):
-        table.add_column(heading, overflow="fold", no_wrap=number == 0)
-    return table
-
-
-def _row(table: Table, *cells: str) -> None:
-    from rich.text import Text  # noqa: PLC0415
-
-    table.add_row(*(Text(cell) for cell in cells))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, closing
@@ -23,6 +22,7 @@ from graphnav.live.url import live_url
 from graphnav.live.watchdog import Watchdog
 from graphnav.messages import Status
 from graphnav.motors.sender import MotorSender
+from graphnav.notices import print_notice
 from graphnav.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
@@ -32,11 +32,6 @@ from graphnav.runner.recorded import LiveSink, note_failure, write_summary
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
-
-
-def to_stderr(notice: str) -> None:
-    """Tell a notice."""
-    print(notice, file=sys.stderr, flush=True)
 
 
 def run_live(
@@ -50,7 +45,7 @@ def run_live(
     run_id: str = "",
     on_time: Callable[[float], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
-    notice: Callable[[str], None] = to_stderr,
+    notice: Callable[[str], None] = print_notice,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Summary:
     """Run ``graph`` live into ``folder``, which must exist, and return what ``summary.json`` there says.

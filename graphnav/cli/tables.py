@@ -1,0 +1,20 @@
+"""Tables in the terminal whose cells are plain text."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+
+class TextTable(Table):
+    """A table without frames; long cells are folded, and nothing in a cell is read as markup."""
+
+    def __init__(self, *headings: str) -> None:
+        super().__init__(box=box.SIMPLE_HEAD, pad_edge=False)
+        for number, heading in enumerate(headings):
+            self.add_column(heading, overflow="fold", no_wrap=number == 0)
+
+    def add_text(self, *cells: str) -> None:
+        """Append a row."""
+        self.add_row(*map(Text, cells))
