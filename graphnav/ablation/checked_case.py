@@ -34,7 +34,7 @@ class Checked:
     def identity(self) -> object:
         """What makes its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
         nodes = tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in self.graph.nodes)
-        return self.name, nodes, repr(self.graph.run), _outside(self.graph) if self.graph.is_live else ()
+        return self.name, nodes, repr(self.graph.run)
 
     @property
     def uses(self) -> dict[str, str]:
@@ -87,6 +87,7 @@ def _load(study: Study, name: str, variant: Variant, origins: dict[str, Origin],
             origins |= {here: origins[text] for text, here in moved.items()}
             sets = tuple(moved.get(text, text) for text in sets)
             graph = load_graph(name, catalog, sets)
+    _refuse_live(graph)
     return Checked(name, variant, sets, graph)
 
 
@@ -108,12 +109,14 @@ def _wires(node: Node) -> tuple[object, ...]:
     return *reads, *(channel.name for channel in node.outputs.values())
 
 
-def _outside(graph: Graph) -> tuple[object, ...]:
-    """Return what a live run depends on beyond its stages and wires."""
-    inputs = ((ref, i.name, i.type_name, repr(i.log), i.max_age_s) for ref, i in graph.inputs.items())
-    outputs = ((ref, o.name, o.type_name, o.motor, o.max_age_s, repr(o.stop)) for ref, o in graph.outputs.items())
-    times = ((node.name, node.every_ms, node.deadline_ms) for node in graph.nodes)
-    return *inputs, *outputs, *graph.queues.items(), *times
+def _refuse_live(graph: Graph) -> None:
+    """Raise UserError for a graph whose messages come from elsewhere, at the wall clock's pace."""
+    for given in graph.inputs.values():
+        raise UserError.of(
+            f"the input '{given.channel.ref}' makes this graph live, but a study runs in simulated time",
+            "name a graph whose images come from a world, a video or a folder of images",
+            given.place,
+        )
 
 
 def stage_classes(cases: list[Checked]) -> dict[str, list[type[Stage]]]:
