@@ -80,7 +80,7 @@ def main(args: argparse.Namespace) -> int:
         except OSError as error:
             raise UserError.of(f"cannot write {args.model}: {error.strerror}", "choose another file with -o") from error
     rows, cols = model.valid.shape
-    Console(highlight=False).print(
+    Console(highlight=False, soft_wrap=True).print(
         f"{args.model}: {', '.join(model.terms)} on {cols} x {rows} cells of {model.step_px} px, "
         f"from {model.frames} frames",
         markup=False,
