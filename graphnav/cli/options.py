@@ -28,8 +28,8 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="swap a stage (plane=plane.affine), a parameter (plane.rule=otsu) or a wire (plane.in.flow=flow.flow), or "
-        "add a stage (twin+=plane.affine)",
+        help="swap a stage (plane=plane.affine), a parameter (plane.rule=otsu), a time (guard.every_ms=20) or a wire "
+        "(plane.in.flow=flow.flow), or add a stage (twin+=plane.affine)",
     )
     add_plugin_option(parser)
 

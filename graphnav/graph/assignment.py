@@ -1,4 +1,4 @@
-"""What ``--set`` says: a swap, a stage to add, a parameter, a wire or a run option."""
+"""What ``--set`` says: a swap, a stage to add, a parameter, a time, a wire or a run option."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import Literal
 
 from graphnav.errors import Place, Problem, UserError, did_you_mean
 from graphnav.graph.settings import SET
-from graphnav.spec import Entry, Spec, Value, parse_scalar, parse_yaml
+from graphnav.spec import TIME_KEYS, Entry, Spec, Value, parse_scalar, parse_yaml
 from graphnav.spec.spec import RESERVED_STAGES, STAGE_NAME
 
 ADD = "+"
 """What ends the target of a text that adds a stage: ``name+=family.stage``."""
 _HINT = "write stage=family.stage, stage.parameter=value, stage.in.port=stage.port, run.key=value or name+=family.stage"
+Kind = Literal["swap", "add", "param", "time", "wire", "run"]
 _QUOTED = ("[", "{", '"', "'")
 
 
@@ -21,7 +22,7 @@ _QUOTED = ("[", "{", '"', "'")
 class Assignment:
     """One thing that ``--set`` changes."""
 
-    kind: Literal["swap", "add", "param", "wire", "run"]
+    kind: Kind
     stage: str
     key: str
     text: str
@@ -101,7 +102,8 @@ def _parse(
         return []
     if key.startswith("in."):
         return [Assignment("wire", name, key.removeprefix("in."), value, place) for name in known]
-    return [Assignment("param", name, key, value, place) for name in known]
+    kind: Kind = "time" if key in TIME_KEYS else "param"
+    return [Assignment(kind, name, key, value, place) for name in known]
 
 
 def _adds(

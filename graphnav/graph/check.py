@@ -14,7 +14,7 @@ from graphnav.graph.node import Channel, Input, Node
 from graphnav.graph.order import firing_order
 from graphnav.graph.outputs import outputs_of
 from graphnav.graph.outside_names import check_outside_names
-from graphnav.graph.settings import run_options, settings_of
+from graphnav.graph.settings import SET, is_from_set, run_options, settings_of
 from graphnav.graph.stamps import check_stamps
 from graphnav.graph.wires import Wires
 from graphnav.spec import Spec, StageSpec
@@ -123,7 +123,8 @@ def _times_of(stage: StageSpec, cls: type[Stage], problems: list[Problem]) -> di
     if "every_ms" in stage.times and issubclass(cls, Source):
         what = f"stage '{stage.name}' ({stage.use}) is a source: 'every_ms' is for stages that messages fire"
         problems.append(Problem(stage.times["every_ms"].place, what, "write with: {rate_hz: ...}"))
-    return {key: entry.value.data for key, entry in stage.times.items()}
+    notes = {key: SET for key, entry in stage.times.items() if is_from_set(entry.value.place)}
+    return {key: entry.value.data for key, entry in stage.times.items()} | {"time_notes": notes}
 
 
 def _check_queues(spec: Spec, nodes: list[Node], problems: list[Problem]) -> None:

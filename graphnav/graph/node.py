@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -131,6 +131,8 @@ class Node:
     """A step that ends later than this after its newest input was ready is counted as missed."""
     use_note: str = ""
     """The ``--set`` that put this stage here, empty if the graph says it."""
+    time_notes: Mapping[str, str] = field(default_factory=dict)
+    """Where ``every_ms`` and ``deadline_ms`` come from, if not from the graph."""
 
     @cached_property
     def params(self) -> Mapping[str, Any]:

@@ -79,7 +79,9 @@ def _node_lines(node: Node, *, portable_paths: bool) -> Iterator[str]:
     for port, ref, note in wired:
         yield f"      {port}: {ref}" + _comment(note)
     times = (("every_ms", node.every_ms), ("deadline_ms", node.deadline_ms))
-    yield from (f"    {key}: {write_value(ms)}" for key, ms in times if ms is not None)
+    for key, ms in times:
+        if ms is not None:
+            yield f"    {key}: {write_value(ms)}" + _comment(node.time_notes.get(key, ""))
 
 
 def _comment(note: str) -> str:

@@ -11,7 +11,7 @@ from graphnav.graph.assignment import Assignment, parse_sets
 from graphnav.graph.carry_over import kept_params, kept_wires, lost_wires, params_notice, written_out
 from graphnav.graph.prune import prune
 from graphnav.graph.rewire import Rewiring
-from graphnav.spec import Spec
+from graphnav.spec import Spec, StageSpec, parse_times
 
 
 def apply_sets(spec: Spec, sets: Sequence[str], catalog: Catalog, problems: list[Problem], notices: list[str]) -> Spec:
@@ -23,16 +23,25 @@ def apply_sets(spec: Spec, sets: Sequence[str], catalog: Catalog, problems: list
         try:
             if a.kind == "run":
                 spec.run[a.key] = a.entry
-            elif a.kind in ("param", "wire") and a.stage not in spec.stages:
+            elif a.kind in ("param", "time", "wire") and a.stage not in spec.stages:
                 notices.append(f"{a.stage}: pruned, so that '{a.place}' changes nothing")
             elif a.kind == "param":
                 spec.stages[a.stage].params[a.key] = a.entry
+            elif a.kind == "time":
+                _set_time(spec.stages[a.stage], a, problems)
             elif a.kind == "wire":
                 spec.stages[a.stage].wires[a.key] = a.entry
                 spec.stages[a.stage].wire_notes[a.key] = str(a.place)
         except UserError as error:
             problems.extend(error.problems)
     return spec
+
+
+def _set_time(stage: StageSpec, given: Assignment, problems: list[Problem]) -> None:
+    times, found = parse_times({given.key: given.entry}, f"stage '{stage.name}'")
+    stage.times |= times
+    stage.has_timer |= given.key == "every_ms"
+    problems += found
 
 
 class _Change:

@@ -1,6 +1,6 @@
 """What a graph's YAML says, every value with its place."""
 
-from graphnav.spec.outside import InputSpec, OutputSpec, QueueSpec
+from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, QueueSpec, parse_times
 from graphnav.spec.run import RunOptions, check_url
 from graphnav.spec.scalar import Scalar, parse_scalar
 from graphnav.spec.spec import Spec, StageSpec, parse_spec
@@ -10,6 +10,7 @@ from graphnav.spec.yaml import MAX_BYTES, parse_yaml
 
 __all__ = [
     "MAX_BYTES",
+    "TIME_KEYS",
     "Entry",
     "InputSpec",
     "OutputSpec",
@@ -22,6 +23,7 @@ __all__ = [
     "check_url",
     "parse_scalar",
     "parse_spec",
+    "parse_times",
     "parse_yaml",
     "write_value",
 ]

@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from graphnav.errors import Place
+from graphnav.errors import Place, Problem
 from graphnav.spec.shape import Shapes
 from graphnav.spec.value import Entry, Value
 
 INPUT_KEYS = ("channel", "log", "type", "max_age_s")
 OUTPUT_KEYS = ("channel", "type", "motor", "max_age_s", "stop")
 QUEUE_KEYS = ("keep",)
+TIME_KEYS = ("every_ms", "deadline_ms")
+"""Times of a stage."""
 INPUT_NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
 MIN_EVERY_MS, MAX_EVERY_MS = 1, 60_000
 STOP_AFTER_S = 0.5
@@ -158,7 +160,7 @@ class OutsideWords(Shapes):
         self._problem(value.place, f"'keep' of {who} must be all or an integer from 1, not {value.kind}")
         return QueueSpec(entry.place, None)
 
-    def _times(self, words: dict[str, Entry], who: str) -> dict[str, Entry]:
+    def times(self, words: dict[str, Entry], who: str) -> dict[str, Entry]:
         """Return the times of a stage that are right, by key."""
         limits = {
             "every_ms": (
@@ -193,3 +195,9 @@ class OutsideWords(Shapes):
             return value.data
         self._problem(value.place, f"{who} must be true or false, not {value.kind}")
         return False
+
+
+def parse_times(words: dict[str, Entry], who: str) -> tuple[dict[str, Entry], list[Problem]]:
+    """Return the times of a stage that are right, by key, and what is wrong with the others."""
+    parser = OutsideWords()
+    return parser.times(words, who), parser.problems

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from graphnav.errors import Place, Problem
-from graphnav.spec.outside import InputSpec, OutputSpec, OutsideWords, QueueSpec
+from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, OutsideWords, QueueSpec
 from graphnav.spec.value import Entry, Value
 
 GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "deploy", "inputs", "outputs", "queues")
-STAGE_KEYS = ("use", "with", "in", "every_ms", "deadline_ms")
+STAGE_KEYS = ("use", "with", "in", *TIME_KEYS)
 DEPLOY_KEYS = ("stages", "host", "restart")
 RESTARTS = ("never", "on_failure", "always")
 STAGE_NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -135,7 +135,7 @@ class _Parser(OutsideWords):
             params=self._section(words, "with", f"'with' of stage '{name}'"),
             wires={port: wire for port, wire in wires.items() if isinstance(wire.value.data, str)},
             unwired={port for port, wire in wires.items() if not isinstance(wire.value.data, str)},
-            times=self._times(words, f"stage '{name}'"),
+            times=self.times(words, f"stage '{name}'"),
             has_timer="every_ms" in words,
             unclear=unclear
             or any(not isinstance(words[word].value.data, dict | None) for word in ("with", "in") if word in words),

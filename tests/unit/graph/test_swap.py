@@ -179,3 +179,10 @@ def test_where_values_come_from_is_kept(load: Load) -> None:
     assert {name: s.origin for name, s in settings.items()} == {
         "rule": "graph", "limits": "default", "model": "graph", "strict": "--set",
     }  # fmt: skip
+
+
+def test_times_are_set_and_kept_through_a_swap(load: Load) -> None:
+    graph = load(TWO_FLOWS, "plane.every_ms=20", "plane.deadline_ms=12.5", "plane=toy.guess")
+    assert (graph.node("plane").every_ms, graph.node("plane").deadline_ms) == (20, 12.5)
+    lines = [line.strip() for line in resolved_yaml(graph).splitlines()]
+    assert {"every_ms: 20  # --set", "deadline_ms: 12.5  # --set"} <= set(lines)
