@@ -17,7 +17,7 @@ OVERTAKING = (
     str(SLOW),
     *("--set", "slow+=late.slow"),
     *("--set", "slow.in.image=camera.image"),
-    *("--set", "slow.busy_ms=160"),
+    *("--set", "slow.busy_ms=200"),
     *("--set", "flow.in.image=slow.image"),
 )
 CONDITIONS: dict[str, tuple[float, Sequence[str]]] = {
