@@ -1,7 +1,8 @@
 """The navigation graph by hand: one python-lcm loop that calls the same stages, without graphnav's runner.
 
-What `bench_live.py` measures live graphs against: it listens, decodes with lcm-gen's own classes, waits for the
-odometry after each frame, steps, and publishes. It keeps no log, supervises nothing and counts nothing.
+What `bench_live.py` measures live graphs against: it listens, decodes with lcm-gen's own classes, makes the flow of a
+frame when it comes, waits for the odometry after the frame, steps the rest and publishes. It keeps no log, supervises
+nothing and counts nothing.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import lcm
 import numpy as np
 from graphnav_lcm import image_t, odometry_t, twist_t
 
-from graphnav import Image, Latest, Odometry, Since
+from graphnav import Flow, Image, Latest, Odometry, Since
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 
@@ -21,14 +22,14 @@ GRAPH = "navigate_live"
 
 
 class Bare:
-    """Steps the stages of the navigation graph when a frame and the odometry after it have come."""
+    """Steps the flow when a frame has come, and the other stages when the odometry after it has come too."""
 
     def __init__(self, url: str) -> None:
         self._lcm = lcm.LCM(url)
         self._stages: dict[str, Any] = dict(load_graph(GRAPH, Catalog()).make_stages())
         for stage in self._stages.values():
             stage.reset(0)
-        self._frame: Any = None
+        self._seen: tuple[int, Image, Flow] | None = None
         self._samples: list[tuple[int, Odometry]] = []
         self._lcm.subscribe("CAMERA", self._see).set_queue_capacity(0)
         self._lcm.subscribe("ODOMETRY", self._count).set_queue_capacity(0)
@@ -39,8 +40,12 @@ class Bare:
             self._lcm.handle()
 
     def _see(self, _channel: str, data: bytes) -> None:
-        self._frame = image_t.decode(data)
-        self._step_when_covered()
+        frame = image_t.decode(data)
+        image = Image(pixels=np.frombuffer(frame.data, np.uint8).reshape(frame.rows, frame.cols))
+        flow = self._stages["flow"].step(image, frame.utime)
+        if flow is not None:
+            self._seen = frame.utime, image, flow
+            self._step_when_covered()
 
     def _count(self, _channel: str, data: bytes) -> None:
         sample = odometry_t.decode(data)
@@ -51,15 +56,10 @@ class Bare:
         self._step_when_covered()
 
     def _step_when_covered(self) -> None:
-        frame = self._frame
-        if frame is None or not self._samples or self._samples[-1][0] < frame.utime:
+        if self._seen is None or not self._samples or self._samples[-1][0] < self._seen[0]:
             return
-        self._frame = None
-        stages, utime = self._stages, frame.utime
-        image = Image(pixels=np.frombuffer(frame.data, np.uint8).reshape(frame.rows, frame.cols))
-        flow = stages["flow"].step(image, utime)
-        if flow is None:
-            return
+        (utime, image, flow), self._seen = self._seen, None
+        stages = self._stages
         since, self._samples = Since(tuple(self._samples)), []
         motion = stages["motion"].step(flow, since, utime)
         if motion is None:
