@@ -60,7 +60,9 @@ class Join:
 
     def complete(self) -> list[int]:
         """Return the stamps of the complete sets, those that come first first."""
-        stamps = set.intersection(*map(set, self._waiting.values())) if self._waiting else set()
+        if not self._waiting or not all(self._waiting.values()):
+            return []
+        stamps = set.intersection(*map(set, self._waiting.values()))
         return sorted(stamps, reverse=not self.in_order)
 
     def peek(self, utime: int) -> MatchedSet:

@@ -131,13 +131,15 @@ class LiveRunner:
             A stage raised, or returned what it may not.
         """
         end_s = math.inf if until_s is None else self.clock.now_s() + until_s
+        fired = False
         while True:
             if self.clock.now_s() >= end_s:
                 return Outcome.TIMEOUT
             if not keep_going():
                 return Outcome.STOPPED
-            self._wake.clear()
-            self._take_inputs()
+            if self._wake.is_set() or not fired:
+                self._wake.clear()
+                self._take_inputs()
             outcome, fired = self._turn()
             if outcome is not None:
                 self._finish()
