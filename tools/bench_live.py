@@ -1,8 +1,10 @@
 """From image to command: a live graph against a bare python-lcm loop that calls the same stages, taking turns.
 
-A recorded drive is played to both, stamped anew, in real time: the camera at 10 Hz, odometry at 50 Hz. What is timed is
-what a robot would see: from the publication of an image to the arrival of the next command. The graph's guard fires on
-commands alone here, so that every command answers an image.
+A recorded drive is played to both, stamped anew, in real time: the camera at 10 Hz, odometry at 50 Hz. As on a robot
+the two have clocks of their own: the camera's is slow by 2 in 1000, so that an image waits for the odometry after it by
+anything from nothing to 20 ms, alike in both. What is timed is what a robot would see: from the publication of an image
+to the arrival of the next command; beside it, how much of that is left once image and odometry have been published. The
+graph's guard fires on commands alone here, so that every command answers an image.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import lcm
 from acceptance.drives import GRAPHNAV
@@ -30,10 +33,18 @@ URL = "udpm://239.255.82.1:7999?ttl=0&recv_buf_size=2097152"
 PLAYED = {"robot.image": "CAMERA", "robot.odometry": "ODOMETRY"}
 ON_COMMANDS = "extends: navigate_live\nstages: {guard: {every_ms: 60000}}\n"
 MAX_RATIO = 1.25
+_SLOW_CAMERA_RATIO = 0.002
 _WARM_UP = 10
 _MAX_ANSWER_S = 0.09
 
 Event = tuple[int, str, bytes]
+
+
+class Answer(NamedTuple):
+    """Seconds from an image, and from the later of it and the odometry that covers it, to the command."""
+
+    since_image_s: float
+    since_complete_s: float
 
 
 def record(folder: Path, duration_s: float) -> list[Event]:
@@ -48,13 +59,17 @@ def record(folder: Path, duration_s: float) -> list[Event]:
             for name, channel in PLAYED.items()
             for k, utime in enumerate(log.utimes(name))
         ]
-    events.sort(key=lambda event: event[0])
-    begin = events[0][0] + 3_000_000
-    return [event for event in events if begin <= event[0] < begin + duration_s * 1e6]
+    begin = min(events)[0] + 3_000_000
+    kept = (event for event in events if begin <= event[0] < begin + duration_s * 1e6)
+    return sorted((_slowed(utime - begin, channel), channel, data) for utime, channel, data in kept)
 
 
-def play(events: Sequence[Event]) -> list[float]:
-    """Play a drive once; return the seconds from each answered image to its command."""
+def _slowed(utime: int, channel: str) -> int:
+    return round(utime * (1 + _SLOW_CAMERA_RATIO)) if channel == "CAMERA" else utime
+
+
+def play(events: Sequence[Event]) -> list[Answer]:
+    """Play a drive once; return how long each answered image waited for its command."""
     publisher, listener = lcm.LCM(URL), lcm.LCM(URL)
     commands: list[float] = []
     listener.subscribe("BASE_CMD", lambda _channel, _data: commands.append(time.perf_counter()))
@@ -68,23 +83,23 @@ def play(events: Sequence[Event]) -> list[float]:
     thread.start()
     begin_s, first = time.perf_counter(), events[0][0]
     shift = time.time_ns() // 1000 - first
-    images = []
+    sent: dict[str, list[float]] = {"CAMERA": [], "ODOMETRY": []}
     for utime, channel, data in events:
         wait_s = begin_s + (utime - first) / 1e6 - time.perf_counter()
         if wait_s > 0:
             time.sleep(wait_s)
         stamped = data[:8] + (utime + shift).to_bytes(8, "big", signed=True) + data[16:]
-        if channel == "CAMERA":
-            images.append(time.perf_counter())
+        sent[channel].append(time.perf_counter())
         publisher.publish(channel, stamped)
     time.sleep(0.2)
     ending.set()
     thread.join()
     answers = []
-    for image_s in images:
+    for image_s in sent["CAMERA"]:
         after = next((command_s for command_s in commands if command_s > image_s), None)
-        if after is not None and after - image_s < _MAX_ANSWER_S:
-            answers.append(after - image_s)
+        covered_s = next((odometry_s for odometry_s in sent["ODOMETRY"] if odometry_s > image_s), None)
+        if after is not None and covered_s is not None and after - image_s < _MAX_ANSWER_S:
+            answers.append(Answer(after - image_s, after - covered_s))
     return answers
 
 
@@ -103,7 +118,7 @@ def running(command: Sequence[str]) -> Iterator[None]:
 
 def measure(turns: int = 3, duration_s: float = 15.0) -> dict[str, dict[str, float]]:
     """Return median and 99th percentile in ms and the number of answers, of the graph and of the bare loop."""
-    answers: dict[str, list[float]] = {"graph": [], "bare": []}
+    answers: dict[str, list[Answer]] = {"graph": [], "bare": []}
     with tempfile.TemporaryDirectory() as scratch:
         events = record(Path(scratch) / "drive", duration_s)
         graph = Path(scratch) / "on_commands.yaml"
@@ -114,13 +129,16 @@ def measure(turns: int = 3, duration_s: float = 15.0) -> dict[str, dict[str, flo
                 answers["graph"] += play(events)[_WARM_UP:]
             with running([sys.executable, str(BARE), URL]):
                 answers["bare"] += play(events)[_WARM_UP:]
+    return {name: _figures(found) for name, found in answers.items()}
+
+
+def _figures(found: Sequence[Answer]) -> dict[str, float]:
+    since_image_s = [one.since_image_s for one in found]
     return {
-        name: {
-            "p50": statistics.median(found) * 1e3,
-            "p99": statistics.quantiles(found, n=100)[98] * 1e3,
-            "answers": len(found),
-        }
-        for name, found in answers.items()
+        "p50": statistics.median(since_image_s) * 1e3,
+        "p99": statistics.quantiles(since_image_s, n=100)[98] * 1e3,
+        "complete": statistics.median(one.since_complete_s for one in found) * 1e3,
+        "answers": len(found),
     }
 
 
@@ -128,7 +146,10 @@ def main() -> int:
     """Print both and their ratio; return 1 if it is above what is asked."""
     found = measure()
     for name, figures in found.items():
-        print(f"{name:6} p50 {figures['p50']:.2f} ms, p99 {figures['p99']:.2f} ms, {figures['answers']} answers")
+        print(
+            f"{name:6} p50 {figures['p50']:.2f} ms, p99 {figures['p99']:.2f} ms since the image, "
+            f"p50 {figures['complete']:.2f} ms since image and odometry; {figures['answers']} answers"
+        )
     ratio = found["graph"]["p50"] / found["bare"]["p50"]
     print(f"{'ok  ' if ratio <= MAX_RATIO else 'MISS'} ratio of the medians {ratio:.3f}, at most {MAX_RATIO}")
     return 0 if ratio <= MAX_RATIO else 1
