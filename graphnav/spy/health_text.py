@@ -13,7 +13,7 @@ from rich.text import Text
 from graphnav.messages import Status
 from graphnav.spy.health import GuardHealth, Health, RunHealth
 
-_FORGET_S = 60.0
+_FORGET_S = 10.0
 """A run that is silent for longer is told in one line."""
 _STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
 _INPUT = ("input", "channel", "accepted", "rate", "age / max", "offset", "fault", "rejected")
@@ -21,10 +21,10 @@ _OUTPUT = ("output", "channel", "", "sent", "latency p50", "p99", "max")
 
 
 def health_as_text(health: Health) -> RenderableType:
-    """Return all that every run and guard said last; what is silent is marked so, and its metrics are dim."""
+    """Return all that every run and guard said last; silent runs come last, are marked so, and their metrics dim."""
     parts: list[RenderableType] = []
-    for run_id in sorted(health.runs):
-        parts += _run(health, health.runs[run_id])
+    for run in sorted(health.runs.values(), key=lambda run: (health.is_silent(run), run.run_id)):
+        parts += _run(health, run)
     parts += [_guard(health, health.guards[channel]) for channel in sorted(health.guards)]
     return Group(*parts)
 
