@@ -10,6 +10,8 @@ from graphnav.live.live_runner import LiveRunner
 
 _MIN_OVERTAKEN = 3
 """Fewer messages overtaken within a second are counted, but not told."""
+_MIN_LOST = 3
+"""Fewer messages lost are counted, but not told."""
 _MIN_FOREIGN = 5
 """So many more messages on a motor channel than were sent are another program's, not two counts taken apart."""
 _SILENT_S = 2.0
@@ -74,6 +76,11 @@ class Alarms:
             reasons = ", ".join(f"{count} {reason}" for reason, count in rejected.most_common())
             last = f" ({intake.last_error})" if intake.last_error else ""
             yield f"not used: {rejected.total()} messages of {ref} on {channel}: {reasons}{last}"
+        if self._is_news(f"{ref} lost", intake.lost, _MIN_LOST):
+            yield (
+                f"lost: {intake.lost} messages of {ref} on {channel} never arrived, by their sequence numbers\n"
+                "  'graphnav doctor' tells whether the receive buffer holds one of this size"
+            )
 
     def _is_news(self, what: str, count: int, least: int) -> bool:
         """Whether a count is at least ``least`` and twice what was told last."""

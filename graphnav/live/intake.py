@@ -85,6 +85,11 @@ class Intake:
                 yield self._received(arrival, message, verdict, anew=anew)
                 return
 
+    @property
+    def lost(self) -> int:
+        """Messages that never arrived, by their sequence numbers; those that were overtaken did arrive."""
+        return max(0, self.monitor.missing - self.mailbox.overflowed)
+
     def age_s(self, now_s: float) -> float:
         """Return the age of the newest message that was handed on, infinite before the first."""
         return now_s - self._birth_s

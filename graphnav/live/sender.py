@@ -59,6 +59,8 @@ class SenderMonitor:
         self.accepted = 0
         self.rejected: Counter[str] = Counter()
         """Messages that were not used, by reason."""
+        self.missing = 0
+        """Sequence numbers of the accepted writer that were skipped."""
         self._max_age_s = max_age_s
         self._newest: _Arrived | None = None
         self._birth_s = -math.inf
@@ -130,6 +132,7 @@ class SenderMonitor:
         if seq is not None and self._own is not None and not (self._own.is_echo(seq) and stamp <= newest.stamp):
             if not self._is_own(self._own, seq, message):
                 return self._judge_other(self._own, seq, message)
+            self.missing += max(0, seq - self._own.seq - 1)
             self._own.add(seq, stamp, arrival_s)
         return self._judge_stamp(newest, self._delay, message)
 

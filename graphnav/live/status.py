@@ -59,6 +59,7 @@ class StatusReporter:
             "channel": f"{source.log}:{source.name}" if source.log is not None else source.name,
             "accepted": intake.used + intake.overtaken,
             "rate_hz": self._rates.since(f"{source.channel.ref} used", intake.used + intake.overtaken) / elapsed_s,
+            "lost": intake.lost,
             "age_s": intake.age_s(now_s) if intake.used else -1.0,
             "max_age_s": monitor.max_age_s,
             "offset_s": monitor.offset_s,

@@ -60,10 +60,10 @@ def _stages(summary: Summary) -> Table:
 def _outside(live: Mapping[str, Any]) -> Iterator[Table]:
     """Yield tables of what came in and left in a live run, where anything could."""
     if live.get("inputs"):
-        table = _right_table(("input", "channel"), ("accepted", "rejected"))
+        table = _right_table(("input", "channel"), ("accepted", "lost", "rejected"))
         for one in live["inputs"]:
             rejected = ", ".join(f"{n} {why}" for why, n in zip(one["reasons"], one["rejected"], strict=True))
-            table.add_row(one["name"], one["channel"], str(one["accepted"]), rejected or "0")
+            table.add_row(one["name"], one["channel"], str(one["accepted"]), str(one["lost"]), rejected or "0")
         yield table
     if live.get("outputs"):
         table = _right_table(("output", "channel"), ("sent", "latency p50 ms", "p99 ms", "max ms"))

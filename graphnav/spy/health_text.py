@@ -16,7 +16,7 @@ from graphnav.spy.health import GuardHealth, Health, RunHealth
 _FORGET_S = 10.0
 """A run that is silent for longer is told in one line."""
 _STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
-_INPUT = ("input", "channel", "accepted", "rate", "age / max", "offset", "fault", "rejected")
+_INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
 _OUTPUT = ("output", "channel", "", "sent", "latency p50", "p99", "max")
 
 
@@ -88,6 +88,7 @@ def _input(one: Mapping[str, Any]) -> Sequence[Text]:
         Text(_shown(one["name"])),
         Text(_shown(one["channel"])),
         Text(str(one["accepted"])),
+        _count(one["lost"]),
         Text(f"{one['rate_hz']:.1f} Hz"),
         age,
         Text(f"{one['offset_s']:+.3f} s"),

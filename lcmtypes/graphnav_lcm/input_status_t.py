@@ -9,11 +9,11 @@ import struct
 
 class input_status_t(object):
 
-    __slots__ = ["name", "channel", "accepted", "rate_hz", "age_s", "max_age_s", "offset_s", "fault", "n_reasons", "reasons", "rejected"]
+    __slots__ = ["name", "channel", "accepted", "rate_hz", "lost", "age_s", "max_age_s", "offset_s", "fault", "n_reasons", "reasons", "rejected"]
 
-    __typenames__ = ["string", "string", "int64_t", "double", "double", "double", "double", "string", "int32_t", "string", "int64_t"]
+    __typenames__ = ["string", "string", "int64_t", "double", "int64_t", "double", "double", "double", "string", "int32_t", "string", "int64_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, ["n_reasons"], ["n_reasons"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, ["n_reasons"], ["n_reasons"]]
 
     def __init__(self):
         self.name = ""
@@ -36,6 +36,12 @@ class input_status_t(object):
 
         self.rate_hz = 0.0
         """ LCM Type: double """
+        self.lost = 0
+        """
+        Messages whose sequence numbers are missing: they never arrived, or were damaged; 0 for types without numbers.
+        LCM Type: int64_t
+        """
+
         self.age_s = 0.0
         """
         Age of the newest accepted message, -1 before the first.
@@ -82,7 +88,7 @@ class input_status_t(object):
         buf.write(struct.pack('>I', len(__channel_encoded)+1))
         buf.write(__channel_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">qdddd", self.accepted, self.rate_hz, self.age_s, self.max_age_s, self.offset_s))
+        buf.write(struct.pack(">qdqddd", self.accepted, self.rate_hz, self.lost, self.age_s, self.max_age_s, self.offset_s))
         __fault_encoded = self.fault.encode('utf-8')
         buf.write(struct.pack('>I', len(__fault_encoded)+1))
         buf.write(__fault_encoded)
@@ -112,7 +118,7 @@ class input_status_t(object):
         self.name = buf.read(__name_len)[:-1].decode('utf-8', 'replace')
         __channel_len = struct.unpack('>I', buf.read(4))[0]
         self.channel = buf.read(__channel_len)[:-1].decode('utf-8', 'replace')
-        self.accepted, self.rate_hz, self.age_s, self.max_age_s, self.offset_s = struct.unpack(">qdddd", buf.read(40))
+        self.accepted, self.rate_hz, self.lost, self.age_s, self.max_age_s, self.offset_s = struct.unpack(">qdqddd", buf.read(48))
         __fault_len = struct.unpack('>I', buf.read(4))[0]
         self.fault = buf.read(__fault_len)[:-1].decode('utf-8', 'replace')
         self.n_reasons = struct.unpack(">i", buf.read(4))[0]
@@ -126,7 +132,7 @@ class input_status_t(object):
     @staticmethod
     def _get_hash_recursive(parents):
         if input_status_t in parents: return 0
-        tmphash = (0x4eb7766fdc103e0f) & 0xffffffffffffffff
+        tmphash = (0xfef766ca1490101e) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -59,6 +59,10 @@ class Outside:
         self._out.publish(channel, encode(message, stamp, seq))
         return stamp
 
+    def lose(self, channel: str, count: int) -> None:
+        """Number so many messages that never arrive."""
+        self._seqs[channel] = self._seqs.get(channel, -1) + count
+
     def show(self, channel: str, level: int, utime: int | None = None, size: tuple[int, int] = (24, 32)) -> int:
         """Publish a picture of one gray level; return its stamp."""
         return self.say(channel, Image(pixels=np.full(size, level, np.uint8)), utime)

@@ -52,6 +52,24 @@ def test_messages_that_are_not_used_are_told_with_the_reason(live: Begin, outsid
     run.stop()
 
 
+def test_messages_that_never_arrive_are_told_and_counted(live: Begin, outside: Program) -> None:
+    program = outside("BASE")
+    run = live(GUARDED.format(dawdle_s=0, every_ms=50))
+
+    def sees() -> bool:
+        program.show("CAMERA", 1)
+        time.sleep(0.02)
+        return len(program.of("BASE")) > 3
+
+    program.wait_for(sees)
+    program.lose("CAMERA", 7)
+    program.show("CAMERA", 1)
+    program.wait_for(lambda: told(run, "lost: 7 messages of camera.image on CAMERA never arrived"))
+    summary, _ = run.stop()
+    assert summary.live is not None
+    assert [one["lost"] for one in summary.live["inputs"] if one["name"] == "camera.image"] == [7]
+
+
 def test_a_step_that_does_not_end_is_told_while_it_hangs(live: Begin, outside: Program) -> None:
     program = outside()
     run = live(GUARDED.format(dawdle_s=4, every_ms=50))

@@ -36,6 +36,7 @@ class Load(NamedTuple):
     """What became of the frames of one drive; ``ages_ms``: of those that steered, at the command."""
 
     came: int
+    lost: int
     overtaken: int
     ages_ms: Milliseconds
 
@@ -50,17 +51,17 @@ def load_item(seeds: Sequence[int], _jobs: int) -> bool:
     passed = True
     for name in CAMERAS:
         loads = [_load(name, seed) for seed in seeds[:3]]
-        came, overtaken = sum(one.came for one in loads), sum(one.overtaken for one in loads)
+        came, lost, overtaken = (sum(column) for column in zip(*(one[:3] for one in loads), strict=True))
         ages_ms = np.concatenate([one.ages_ms for one in loads])
         p50, p99 = np.quantile(ages_ms, [0.5, 0.99])
         looked_at, passed_over, dropped = map(sum, zip(*(_passed_over(name, seed) for seed in seeds[:3]), strict=True))
         good = passed_over == 0 and looked_at > 0
         passed &= good
         say(
-            f"{'ok  ' if good else 'MISS'} {name}: {came} frames came, {overtaken} overtaken ({overtaken / came:.3f}); "
-            f"age of the frame that steered: p50 {p50:.0f}, p99 {p99:.0f}, max {ages_ms.max():.0f} ms; with everything "
-            f"recorded ({dropped} messages dropped by the log) a newer frame was there at {passed_over} of {looked_at} "
-            "steps"
+            f"{'ok  ' if good else 'MISS'} {name}: {came} frames came, {lost} were lost on the network, "
+            f"{overtaken} overtaken ({overtaken / came:.3f}); age of the frame that steered: p50 {p50:.0f}, "
+            f"p99 {p99:.0f}, max {ages_ms.max():.0f} ms; with everything recorded ({dropped} messages dropped by the "
+            f"log) a newer frame was there at {passed_over} of {looked_at} steps"
         )
     return passed
 
@@ -75,9 +76,9 @@ def _load(name: str, seed: int) -> Load:
             live = rig.finish()[1]["live"]
         with Recording(folder / "navigation-0" / LOG) as run:
             ages = [(event.utime - _utime(event)) / 1e3 for event in run.events() if event.channel == "control.twist"]
-    came = next(one["accepted"] for one in live["inputs"] if one["name"] == "camera.image")
+    camera = next(one for one in live["inputs"] if one["name"] == "camera.image")
     overtaken = sum(one["overtaken"] for one in live["edges"] if one["name"] == "flow.image")
-    return Load(came, overtaken, np.array(ages))
+    return Load(camera["accepted"], camera["lost"], overtaken, np.array(ages))
 
 
 def _passed_over(name: str, seed: int) -> tuple[int, int, int]:
