@@ -110,6 +110,11 @@ def one_line(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
 
 
+def printable(text: str) -> str:
+    """Return a text in which control characters, which a terminal would obey, stand as escapes; line breaks stay."""
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+
+
 def shown_path(path: Path) -> str:
     """Return a path as errors name it: from the working folder where it lies below."""
     try:

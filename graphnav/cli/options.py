@@ -19,9 +19,11 @@ DEFAULT_URL = "LCM_DEFAULT_URL"
 """The environment variable that LCM's own programs read."""
 
 
-def add_graph_options(parser: argparse.ArgumentParser) -> None:
-    """Declare GRAPH, ``--set`` and ``--plugin``, for `load`."""
-    parser.add_argument("graph", metavar="GRAPH", help="a YAML file, or the name of a graph that ships")
+def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
+    """Declare GRAPH, which may be left out unless ``required``, ``--set`` and ``--plugin``, for `load`."""
+    parser.add_argument(
+        "graph", nargs=None if required else "?", metavar="GRAPH", help="a YAML file, or the name of a graph that ships"
+    )
     parser.add_argument(
         "--set",
         dest="sets",
@@ -95,6 +97,52 @@ def add_feed_argument(parser: argparse.ArgumentParser) -> None:
         metavar="FEED",
         help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
     )
+
+
+def add_channel_and_feed(parser: argparse.ArgumentParser) -> None:
+    """Declare CHANNEL, which may be left out, and FEED, for `channel_and_feed`."""
+    parser.add_argument("channel", nargs="?", metavar="CHANNEL", help="the channel's name (default: all channels)")
+    add_feed_argument(parser)
+
+
+def channel_and_feed(args: argparse.Namespace) -> tuple[str | None, str | None]:
+    """Return the channel and the feed; a single word is the feed if it is a URL, a file or a folder."""
+    if args.channel is not None and args.feed is None and _is_feed(args.channel):
+        return None, args.channel
+    return args.channel, args.feed
+
+
+def _is_feed(word: str) -> bool:
+    try:
+        return word.startswith("udpm:") or (word != "" and Path(word).exists())
+    except (OSError, ValueError):  # a name too long, or with a null character
+        return False
+
+
+def add_types_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--types``, for `load_types_of`."""
+    parser.add_argument(
+        "--types",
+        action="append",
+        default=[],
+        metavar="PACKAGE_OR_DIR",
+        help="decode LCM types of a package that lcm-gen generated, or of a folder of .lcm files; may be repeated",
+    )
+
+
+def load_types_of(args: argparse.Namespace) -> dict[str, type]:
+    """Make the types of ``--types`` known to whatever decodes; return them by their names in LCM.
+
+    Raises
+    ------
+    UserError
+        They are not there, or cannot be used.
+    """
+    if not args.types:
+        return {}
+    from graphnav.typeinfo import load_types  # noqa: PLC0415
+
+    return load_types(args.types)
 
 
 def add_url_option(parser: argparse.ArgumentParser) -> None:

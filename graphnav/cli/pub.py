@@ -6,10 +6,12 @@ import argparse
 
 from graphnav.cli.options import (
     add_plugin_option,
+    add_types_option,
     add_url_option,
     catalog_of,
     channel_name,
     count,
+    load_types_of,
     positive,
     seconds,
     url_of,
@@ -31,7 +33,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = _EXAMPLES
     parser.add_argument("channel", metavar="CHANNEL", type=channel_name, help="the LCM channel")
-    parser.add_argument("type", metavar="TYPE", help="Twist, twist_t, or package.type_t of any installed package")
+    parser.add_argument(
+        "type", metavar="TYPE", help="Twist, twist_t, or package.type_t of an installed package or of --types"
+    )
     parser.add_argument("fields", metavar="FIELDS", nargs="?", default="", help="the fields (default: all zero)")
     parser.add_argument("--rate", type=positive, metavar="HZ", help="publish again and again (default: once)")
     parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages; needs --rate")
@@ -39,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C); needs --rate"
     )
     add_url_option(parser)
+    add_types_option(parser)
     add_plugin_option(parser)
 
 
@@ -55,7 +60,7 @@ def main(args: argparse.Namespace) -> int:
         option = "-n" if args.count else "--for"
         raise UserError.of("without --rate there is one message", "give --rate HZ", Place(option))
     url = url_of(args)
-    lcm_class = type_called(args.type, catalog_of(args))
+    lcm_class = type_called(args.type, catalog_of(args), load_types_of(args))
     fields = parse_fields(args.fields, lcm_class)
     bus = Bus(url)
     publisher = Publisher(bus, args.channel, lcm_class, fields)

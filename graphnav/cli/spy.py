@@ -7,7 +7,7 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, seconds
+from graphnav.cli.options import add_feed_argument, add_types_option, load_types_of, seconds
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--for", dest="for_s", type=seconds, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
     )
+    add_types_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -36,6 +37,7 @@ def main(args: argparse.Namespace) -> int:
 
     from graphnav.spy import Feed, Traffic, as_json, as_text  # noqa: PLC0415
 
+    load_types_of(args)
     feed = Feed(args.feed)
     traffic = Traffic(feed.clock)
     console = Console(highlight=False, soft_wrap=True)

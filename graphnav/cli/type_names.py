@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -11,8 +12,10 @@ if TYPE_CHECKING:
     from graphnav.catalog import Catalog
 
 
-def type_called(name: str, catalog: Catalog) -> type:
+def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
     """Return the lcm-gen class of a type or message; plugins are imported only for what is not known without them.
+
+    ``given``: the types of ``--types``, by their names in LCM.
 
     Raises
     ------
@@ -22,9 +25,9 @@ def type_called(name: str, catalog: Catalog) -> type:
     from graphnav.codec import find_type  # noqa: PLC0415
 
     with suppress(UserError):
-        return find_type(name)
+        return find_type(name, given)
     _load_all(catalog)
-    return find_type(name, _adapted(catalog))
+    return find_type(name, {**_adapted(catalog), **given})
 
 
 def listed_types(catalog: Catalog) -> dict[str, type]:

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.cli.options import add_plugin_option, catalog_of
+from graphnav.cli.options import add_plugin_option, add_types_option, catalog_of, load_types_of
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -31,12 +31,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "name",
         metavar="NAME",
         nargs="?",
-        help="a type (Flow, flow_t, package.type_t of any installed package); default: all",
+        help="a type (Flow, flow_t, package.type_t of an installed package or of --types); default: all",
     )
     out = parser.add_mutually_exclusive_group()
     out.add_argument("--json", action="store_true", help="print JSON instead of tables")
     out.add_argument("--lcm", action="store_true", help="print the definition, and those of all nested types")
     out.add_argument("--java", type=Path, metavar="DIR", help="write Java sources and a jar for lcm-spy into DIR")
+    add_types_option(parser)
     add_plugin_option(parser)
 
 
@@ -47,8 +48,8 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.cli.type_names import listed_types, type_called  # noqa: PLC0415
     from graphnav.typeinfo import definition_text, describe_type  # noqa: PLC0415
 
-    catalog = catalog_of(args)
-    found = {args.name: type_called(args.name, catalog)} if args.name else listed_types(catalog)
+    catalog, given = catalog_of(args), load_types_of(args)
+    found = {args.name: type_called(args.name, catalog, given)} if args.name else listed_types(catalog) | given
     console = Console(highlight=False)
     if args.lcm:
         print(definition_text(found.values()), end="")

@@ -30,4 +30,5 @@ def definition_of(lcm_class: type) -> str:
         f"    {field.primitive} {field.name}{''.join(f'[{dim}]' for dim in field.dims)};"
         for field in fields_of(lcm_class)
     ]
-    return "\n".join([f"package {package};", "", f"struct {lcm_class.__name__}", "{", *lines, "}", ""])
+    head = [f"package {package};", ""] if package else []
+    return "\n".join([*head, f"struct {lcm_class.__name__}", "{", *lines, "}", ""])

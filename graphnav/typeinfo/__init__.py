@@ -3,13 +3,19 @@
 from graphnav.typeinfo.definitions import definition_files, definition_text
 from graphnav.typeinfo.describe_type import describe_type, nested_types, summary_of_type
 from graphnav.typeinfo.java import JavaTypes, write_java
+from graphnav.typeinfo.lcm_files import file_of_lcm
+from graphnav.typeinfo.load_types import load_types
+from graphnav.typeinfo.types_jar import types_jar
 
 __all__ = [
     "JavaTypes",
     "definition_files",
     "definition_text",
     "describe_type",
+    "file_of_lcm",
+    "load_types",
     "nested_types",
     "summary_of_type",
+    "types_jar",
     "write_java",
 ]

@@ -7,14 +7,15 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterable, Sequence
-from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.errors import GraphnavError
 from graphnav.typeinfo.definitions import definition_files
+from graphnav.typeinfo.lcm_files import file_of_lcm
 
 JAR = "types.jar"
+_DEFAULT_PACKAGE = "lcmtypes"
 
 
 class JavaTypes(NamedTuple):
@@ -36,7 +37,7 @@ def write_java(lcm_classes: Iterable[type], folder: Path) -> JavaTypes:
     OSError
         The folder cannot be written.
     """
-    lcm_gen, lcm_jar = _file_of_lcm("lcm-gen"), _file_of_lcm("lcm.jar")
+    lcm_gen, lcm_jar = file_of_lcm("lcm-gen"), file_of_lcm("lcm.jar")
     texts = definition_files(lcm_classes)
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as scratch:
@@ -44,7 +45,7 @@ def write_java(lcm_classes: Iterable[type], folder: Path) -> JavaTypes:
         for definition in definitions:
             definition.write_text(texts[definition.name], encoding="utf-8")
         _run([str(lcm_gen), "-j", "--jpath", str(folder), *map(str, definitions)])
-        sources = tuple(folder.joinpath(*name.split(".")[:-1]).with_suffix(".java") for name in texts)
+        sources = tuple(_source(folder, name.removesuffix(".lcm")) for name in texts)
         jar, classes = folder / JAR, Path(scratch) / "classes"
         javac, jar_tool = shutil.which("javac"), shutil.which("jar")
         if javac is not None and jar_tool is not None:
@@ -56,26 +57,18 @@ def write_java(lcm_classes: Iterable[type], folder: Path) -> JavaTypes:
     return JavaTypes(sources, jar, is_built=False, commands=tuple(map(shlex.join, commands)))
 
 
+def _source(folder: Path, lcm_type: str) -> Path:
+    """Return where lcm-gen writes a type; Java has no types outside packages."""
+    package, _, name = lcm_type.rpartition(".")
+    return folder.joinpath(*(package or _DEFAULT_PACKAGE).split("."), f"{name}.java")
+
+
 def _build(
     javac: str, jar_tool: str, lcm_jar: Path, classes: Path, sources: Sequence[Path], jar: Path
 ) -> tuple[list[str], list[str]]:
     """Return the commands that compile the sources and that pack the classes."""
     compiling = [javac, "-cp", str(lcm_jar), "-d", str(classes), *map(str, sources)]
     return compiling, [jar_tool, "cf", str(jar), "-C", str(classes), "."]
-
-
-def _file_of_lcm(name: str) -> Path:
-    """Return a file that the package ``lcm`` installed."""
-    try:
-        found = [Path(str(file.locate())) for file in files("lcm") or [] if file.name == name]
-    except PackageNotFoundError:
-        found = []
-    for path in found:
-        if path.is_file():
-            return path
-    raise GraphnavError(
-        f"the installed package 'lcm' has no {name}\n  install its wheel: pip install --force-reinstall lcm"
-    )
 
 
 def _run(command: Sequence[str]) -> None:

@@ -1,0 +1,57 @@
+"""The text of a ``.lcm`` file: comments removed, places found."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from graphnav.errors import Place, UserError
+
+_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class DefinitionSource:
+    """A ``.lcm`` file and its text without comments; every line keeps its number.
+
+    lcm-gen copies comments into the Python that it writes, where quotes end the docstring and what follows is code.
+    """
+
+    path: Path
+    text: str
+
+    @classmethod
+    def of(cls, path: Path, text: str) -> Self:
+        """Return the source of a text with comments."""
+        return cls(path, _COMMENT.sub(_blank, text.replace("\0", " ")))
+
+    def place_of_field(self, typename: str, name: str) -> Place | None:
+        """Return where a field is declared, None where it is not in this file."""
+        short = re.escape(typename.rpartition(".")[2])
+        found = re.search(rf"(?<!\w)(?:[\w.]+\.)?{short}\s+{re.escape(name)}\b", self.text)
+        if found is None:
+            return None
+        line_start = self.text.rfind("\n", 0, found.start()) + 1
+        line = self.text.count("\n", 0, found.start()) + 1
+        return Place(str(self.path), line, found.start() - line_start + 1)
+
+
+def read_definition(path: Path) -> DefinitionSource:
+    """Read a ``.lcm`` file.
+
+    Raises
+    ------
+    UserError
+        It cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise UserError.of(f"cannot read {path}: {error.strerror}", place=Place("--types")) from error
+    return DefinitionSource.of(path, text)
+
+
+def _blank(comment: re.Match[str]) -> str:
+    return re.sub(r"[^\n]", " ", comment[0])

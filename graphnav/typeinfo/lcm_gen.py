@@ -1,0 +1,61 @@
+"""Run lcm-gen for Python; what it does not take becomes a user's error with file, line and column."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+from graphnav.errors import Place, UserError, printable
+from graphnav.typeinfo.definition_source import DefinitionSource
+from graphnav.typeinfo.lcm_files import file_of_lcm
+
+_TIMEOUT_S = 60.0
+
+
+def generate_python(sources: Sequence[DefinitionSource], folder: Path, prefix: str) -> None:
+    """Write the Python of all definitions into ``folder``, inside the package ``prefix``.
+
+    Raises
+    ------
+    UserError
+        lcm-gen refuses a definition.
+    GraphnavError
+        lcm-gen is not installed.
+    """
+    inputs = [folder / f"definition_{number}.lcm" for number in range(len(sources))]
+    for path, source in zip(inputs, sources, strict=True):
+        path.write_text(source.text, encoding="utf-8")
+    command = [str(file_of_lcm("lcm-gen")), "-p", "--ppath", str(folder), "--package-prefix", prefix]
+    try:
+        done = subprocess.run(  # noqa: S603, a path of our own
+            [*command, *map(str, inputs)], capture_output=True, timeout=_TIMEOUT_S, check=False
+        )
+    except subprocess.TimeoutExpired as error:
+        what = f"lcm-gen has not finished after {_TIMEOUT_S:g} s"
+        raise UserError.of(what, "give fewer definitions", Place("--types")) from error
+    said = (done.stdout + done.stderr).decode("utf-8", "replace").strip("\n")
+    if done.returncode or said:
+        raise _refusal(said, done.returncode, dict(zip(inputs, sources, strict=True)), prefix)
+
+
+def _refusal(said: str, status: int, sources: dict[Path, DefinitionSource], prefix: str) -> UserError:
+    """Return what lcm-gen printed: what is wrong, ``FILE : LINE``, that line, a caret below the column."""
+    lines = said.splitlines()
+    for number, line in enumerate(lines):
+        for path, source in sources.items():
+            if found := re.fullmatch(rf"{re.escape(str(path))} : (\d+)", line.strip()):
+                caret = next((below for below in lines[number + 1 :] if below.strip() == "^"), "")
+                place = Place(str(source.path), int(found[1]), caret.find("^") + 1)
+                return UserError.of(f"lcm-gen: {_told(lines[:number], sources, prefix)}", place=place)
+    told = _told(lines, sources, prefix) or f"it ended with status {status}"
+    return UserError.of(f"lcm-gen: {told}", place=Place("--types"))
+
+
+def _told(lines: Sequence[str], sources: dict[Path, DefinitionSource], prefix: str) -> str:
+    """Return lines of lcm-gen as one, with the names of files and types as the user knows them."""
+    text = " ".join(" ".join(lines).split())
+    for path, source in sources.items():
+        text = text.replace(str(path), str(source.path))
+    return printable(text.replace(f"{prefix}.", ""))

@@ -1,0 +1,52 @@
+"""The jar with which LCM's Java tools decode types: built once, kept in the user's cache."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterable
+from importlib.metadata import version
+from pathlib import Path
+
+from graphnav.errors import UserError
+from graphnav.jdk import require_jdk
+from graphnav.typeinfo.definitions import definition_files
+from graphnav.typeinfo.java import write_java
+
+_CACHE = "XDG_CACHE_HOME"
+
+
+def types_jar(lcm_classes: Iterable[type]) -> Path:
+    """Return the jar of types and of all that are nested in them; build it where the cache has none of this content.
+
+    Raises
+    ------
+    UserError
+        There is no JDK, or the cache cannot be written.
+    GraphnavError
+        A tool fails, or the package ``lcm`` lacks one.
+    """
+    classes = list(lcm_classes)
+    jdk = require_jdk()
+    content = [version("lcm"), str(jdk.javac and jdk.javac.resolve()), definition_files(classes)]
+    key = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:24]
+    folder = _cache_folder()
+    jar = folder / f"types-{key}.jar"
+    try:
+        if jar.is_file():
+            return jar
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            write_java(classes, Path(scratch)).jar.replace(jar)
+    except OSError as error:
+        what = f"cannot write {folder}: {error.strerror}"
+        raise UserError.of(what, f"set {_CACHE} to a folder that you may write") from error
+    return jar
+
+
+def _cache_folder() -> Path:
+    given = os.environ.get(_CACHE, "")
+    root = Path(given) if given.startswith("/") else Path.home() / ".cache"
+    return root / "graphnav" / "java"
