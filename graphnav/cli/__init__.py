@@ -12,7 +12,7 @@ from typing import Any
 
 from graphnav.ablation.threads import ONE_THREAD
 from graphnav.cli.lasting_output import lasting_output
-from graphnav.cli.status import FAILED, INTERRUPTED, USER_ERROR
+from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
 
 COMMANDS = {
     "run": "run a graph and leave a run folder: log, summary, pictures",
@@ -26,17 +26,19 @@ COMMANDS = {
     "figure": "draw the pictures of a recorded run again",
     "spy": "show the live channels of a run, or those of a log",
     "echo": "print the messages of one channel, arrays summarised",
-    "hz": "measure the rate of a channel",
+    "hz": "measure the rate of a channel, or of all",
+    "bw": "measure the bandwidth of a channel, or of all, and the sizes of messages",
     "top": "show the health of running graphs: rates, latencies, drops, what the guard allows",
     "pub": "publish a message, once or at a rate",
     "teleop": "drive by keys: a dead-man's twist, and a stop that latches",
     "types": "list the message types, or tell the fields of one; definitions, Java for lcm-spy",
-    "doctor": "say what this machine lacks, with the command that mends it",
+    "lcm-spy": "start LCM's own lcm-spy with the types of graphnav",
+    "doctor": "say what this machine lacks, for a graph too, with the command that fixes it",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
 
-FOR_A_READER = {"spy", "echo", "hz", "top"}
-"""Commands that are over when nobody reads what they print; all others do what they are for."""
+FOR_A_READER = {"spy", "echo", "hz", "bw", "top"}
+"""Commands that end when nothing reads what they print; all others do what they are for."""
 
 
 class _Intermixed(argparse.ArgumentParser):
@@ -76,7 +78,7 @@ def build_parser(chosen: str | None) -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit status: 0 fine, 1 failed, 2 a user's error, 130 Ctrl-C."""
+    """Run the command line; return the exit status: 0 fine, 1 failed, 2 a user's error, 130 Ctrl-C, 141 unread."""
     _show_what_the_terminal_can()
     for variable, value in ONE_THREAD.items():
         os.environ.setdefault(variable, value)
@@ -90,28 +92,28 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _status_of(args: argparse.Namespace) -> int:
     """Run a command; say in a line what ends it."""
-    from graphnav.errors import GraphnavError, ParamError, UserError  # noqa: PLC0415
+    from graphnav.errors import GraphnavError, ParamError, UserError, printable  # noqa: PLC0415
 
     try:
         status = int(args.main(args))
         if sys.stdout is not None:
             sys.stdout.flush()
     except UserError as error:
-        print(error, file=sys.stderr)
+        print(printable(str(error)), file=sys.stderr)
         if len(error.problems) > 1:
             print(f"{len(error.problems)} errors", file=sys.stderr)
         return USER_ERROR
     except ParamError as error:
-        print(error, file=sys.stderr)
+        print(printable(str(error)), file=sys.stderr)
         return USER_ERROR
     except GraphnavError as error:
-        print(error, file=sys.stderr)
+        print(printable(str(error)), file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        return FAILED
+        return PIPE_CLOSED
     except OSError as error:
         print(
             f"cannot go on: {error.strerror or error}" + (f": {error.filename}" if error.filename else ""),

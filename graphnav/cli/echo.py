@@ -1,44 +1,72 @@
-"""``graphnav echo``: the messages of one channel as they come, arrays summarised."""
+"""``graphnav echo``: the messages of one channel as they come: for people, as JSON lines, as CSV."""
 
 from __future__ import annotations
 
 import argparse
-import json
 
-from graphnav.cli.options import add_feed_argument, count, seconds
+from graphnav.cli.options import add_feed_argument, add_types_option, count, load_types_of, seconds
 from graphnav.cli.status import OK
+
+_EXAMPLES = """\
+examples:
+  graphnav echo control.twist -n 3
+  graphnav echo robot.state runs/a --field x_m --field y_m --csv > path.csv
+  graphnav echo flow.flow --field 'uv_px[10][20]' --jsonl
+  graphnav echo POSE udpm://239.255.76.67:7667 --types my_lcm_types/
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
     add_feed_argument(parser)
     parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages")
     parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
-    parser.add_argument("--json", action="store_true", help="print one JSON object a message, for programs")
+    parser.add_argument(
+        "--field",
+        dest="fields",
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="print a part of each message only: a.b, a[0], a[2:8]; may be repeated",
+    )
+    out = parser.add_mutually_exclusive_group()
+    out.add_argument("--csv", action="store_true", help="print a table: a row a message, a column a number")
+    out.add_argument(
+        "--jsonl", "--json", dest="jsonl", action="store_true", help="print one JSON object a message, for programs"
+    )
+    parser.add_argument("--full", action="store_true", help="print arrays complete instead of summarised")
+    add_types_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.spy import Feed, Traffic, described, size_of, summarised  # noqa: PLC0415
+    from graphnav.cli.echo_formats import CsvRows, JsonLines, Lines, Spoken  # noqa: PLC0415
+    from graphnav.errors import Place, UserError  # noqa: PLC0415
+    from graphnav.spy import Feed, Selection, Traffic, parse_field  # noqa: PLC0415
 
+    if args.csv and args.full:
+        raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))
+    paths = [parse_field(text) for text in args.fields]
+    load_types_of(args)
     feed = Feed(args.feed)
     traffic = Traffic(feed.clock)
+    form = Lines if not args.jsonl else JsonLines
+    printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)
+    n_printed = 0
     for heard in feed.listen(args.for_s):
         if heard is None:
             traffic.check(args.channel, feed)
             continue
         channel = traffic.hear(heard)
-        if heard.channel != args.channel:
-            continue
-        fields = summarised(channel.values or {}) if channel.decodes else None
-        if args.json:
-            print(json.dumps({"type": channel.type_name, "bytes": len(heard.data), "fields": fields}), flush=True)
-        else:
-            contents = ["    undecodable"] if fields is None else described(fields)
-            head = f"{heard.channel}  {channel.type_name or 'unknown type'}, {size_of(len(heard.data))}"
-            print("\n".join([head, *contents]), flush=True)
-        if channel.count == args.count:
-            return OK
-    traffic.find(args.channel, feed, args.for_s)
+        if heard.channel == args.channel:
+            values = channel.values if channel.decodes else None
+            n_printed += printer.show(Spoken(heard, channel.type_name, channel.lcm_class, values))
+            if n_printed == args.count:
+                break
+    else:
+        traffic.find(args.channel, feed, args.for_s)
+    printer.close()
     return OK

@@ -1,58 +1,69 @@
-"""``graphnav hz``: the rate of one channel, by its own stamps and as it arrives."""
+"""``graphnav hz``: the rates of channels, by their own stamps and as they arrive."""
 
 from __future__ import annotations
 
 import argparse
-import time
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, seconds
+from graphnav.cli.options import add_channel_and_feed, add_types_option, channel_and_feed, load_types_of, seconds
+from graphnav.cli.report_times import ReportTimes
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
-    from graphnav.spy import ChannelTraffic, Periods
-
-_EVERY_S = 1.0
+    from graphnav.cli.tables import TextTable
+    from graphnav.spy import ChannelTraffic, Periods, Traffic
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
-    add_feed_argument(parser)
+    add_channel_and_feed(parser)
     parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
+    add_types_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
+    from graphnav.cli.tables import print_table  # noqa: PLC0415
     from graphnav.spy import Feed, Traffic  # noqa: PLC0415
 
-    feed = Feed(args.feed)
+    load_types_of(args)
+    name, source = channel_and_feed(args)
+    feed = Feed(source)
     traffic = Traffic(feed.clock)
-    printed_s = time.monotonic()
+    times = ReportTimes(args.for_s)
     for heard in feed.listen(args.for_s):
         if heard is not None:
             traffic.hear(heard)
             continue
-        traffic.check(args.channel, feed)
-        channel = traffic.channels.get(args.channel)
-        if channel is not None and channel.count and time.monotonic() - printed_s >= _EVERY_S:
-            printed_s = time.monotonic()
+        if name is None:
+            if traffic.channels and times.is_due():
+                print_table(_table(traffic))
+            continue
+        traffic.check(name, feed)
+        channel = traffic.channels.get(name)
+        if channel is not None and channel.count and times.is_due():
             print(_lines(channel), flush=True)
-    print(_lines(traffic.find(args.channel, feed, args.for_s)))
+    if name is not None:
+        print(_lines(traffic.find(name, feed, args.for_s)))
+    elif not traffic.channels:
+        raise feed.silence(args.for_s)
+    else:
+        print_table(_table(traffic))
     return OK
 
 
 def _lines(channel: ChannelTraffic) -> str:
     """Return the periods by stamps and, where that is not the same, by arrival; or how long nothing has come."""
+    from graphnav.errors import printable  # noqa: PLC0415
     from graphnav.spy import silence_of, volume  # noqa: PLC0415
 
-    heard = ", ".join(volume(channel))
+    name, heard = printable(channel.name), ", ".join(volume(channel))
     if channel.is_silent:
-        return f"{channel.name}  {silence_of(channel)}; {heard}"
+        return f"{name}  {silence_of(channel)}; {heard}"
     by_stamp, by_arrival = _text(channel.published), _text(channel.arriving)
     if by_arrival == by_stamp:
-        return f"{channel.name}  {by_stamp}; {heard}"
-    return f"{channel.name}  by stamp: {by_stamp}\n{channel.name}  by arrival: {by_arrival}; {heard}"
+        return f"{name}  {by_stamp}; {heard}"
+    return f"{name}  by stamp: {by_stamp}\n{name}  by arrival: {by_arrival}; {heard}"
 
 
 def _text(periods: Periods | None) -> str:
@@ -63,3 +74,34 @@ def _text(periods: Periods | None) -> str:
     if periods.std_s is not None:
         text += f", min: {periods.min_s:.3f}s max: {periods.max_s:.3f}s std dev: {periods.std_s:.5f}s"
     return f"{text} window: {periods.n}"
+
+
+def _table(traffic: Traffic) -> TextTable:
+    """Return a row for each channel; periods are those of the stamps."""
+    from graphnav.cli.tables import TextTable  # noqa: PLC0415
+    from graphnav.errors import printable  # noqa: PLC0415
+
+    table = TextTable("channel", "stamp Hz", "arrival", "min ms", "max ms", "std ms", "count", "note")
+    for name in sorted(traffic.channels):
+        channel = traffic.channels[name]
+        periods, arriving = channel.published, channel.arriving
+        steps = (None,) * 3 if periods is None else (periods.min_s, periods.max_s, periods.std_s)
+        cells = (_rate(periods), _rate(arriving), *map(_ms, steps), str(channel.count), _note(channel))
+        table.add_text(printable(name), *cells)
+    return table
+
+
+def _rate(periods: Periods | None) -> str:
+    return "" if periods is None else f"{periods.rate_hz:.2f}"
+
+
+def _ms(period_s: float | None) -> str:
+    return "" if period_s is None else f"{period_s * 1e3:.1f}"
+
+
+def _note(channel: ChannelTraffic) -> str:
+    if not channel.count:
+        return "not heard"
+    if channel.is_silent:
+        return f"silent {channel.silent_s or 0.0:.1f} s"
+    return f"{channel.lost} lost" if channel.lost else ""

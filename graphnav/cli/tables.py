@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rich import box
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
@@ -18,3 +19,15 @@ class TextTable(Table):
     def add_text(self, *cells: str) -> None:
         """Append a row."""
         self.add_row(*map(Text, cells))
+
+
+_PIPED_COLS = 160
+
+
+def print_table(table: TextTable) -> None:
+    """Print a table at once; where that is no terminal, wide enough for programs that search its lines."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=_PIPED_COLS)
+    console.print(table)
+    console.file.flush()

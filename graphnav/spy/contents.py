@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from graphnav.codec import fields_of
+from graphnav.errors import printable
 
 _LONGEST_TEXT = 60
 _FEW = 4
@@ -85,7 +86,7 @@ def _number(value: float) -> float | None:
 
 def _text(value: Any) -> str:
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        return printable(json.dumps(value, ensure_ascii=False))
     if isinstance(value, float):
         return f"{value:.6g}"
     if not isinstance(value, dict):

@@ -41,6 +41,11 @@ class Feed:
         """The clock of the arrivals; None in a log, where it is always later."""
         return time.monotonic if self.is_live else None
 
+    @property
+    def epoch_s(self) -> float:
+        """The time of day, in seconds since 1970, at which the clock of the arrivals was 0; 0 in a log."""
+        return time.time() - time.monotonic() if self.is_live else 0.0
+
     def listen(self, for_s: float | None) -> Iterator[Heard | None]:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""
         return self._live(for_s) if self.is_live else self._recorded()

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-import numpy as np
-
 from graphnav.spy.health import GuardHealth, Health, RunHealth
+from graphnav.spy.plain_values import plain
 
 
 def health_as_json(health: Health, feed: str) -> dict[str, Any]:
@@ -22,7 +20,7 @@ def health_as_json(health: Health, feed: str) -> dict[str, Any]:
 def _run(health: Health, run: RunHealth) -> dict[str, Any]:
     fields = None
     if run.status is not None:
-        fields = _plain({"utime": run.utime, "seq": run.seq, **run.status.lcm_fields()})
+        fields = plain({"utime": run.utime, "seq": run.seq, **run.status.lcm_fields()})
         for one in fields["inputs"]:
             one["rejected"] = dict(zip(one.pop("reasons"), one["rejected"], strict=False))
             del one["n_reasons"]
@@ -46,16 +44,5 @@ def _guard(health: Health, guard: GuardHealth) -> dict[str, Any]:
         "may_advance": state.may_advance,
         "overridden": state.overridden,
         "stopped": state.stopped,
-        "causes": [_plain(dict(zip(("cause", "port", "value", "limit"), cause, strict=True))) for cause in causes],
+        "causes": [plain(dict(zip(("cause", "port", "value", "limit"), cause, strict=True))) for cause in causes],
     }
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON can hold it; numbers that it lacks become null."""
-    if isinstance(value, dict):
-        return {name: _plain(item) for name, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -7,6 +7,7 @@ from typing import Any
 
 from rich.text import Text
 
+from graphnav.errors import printable
 from graphnav.spy.contents import declared, described, summarised
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
@@ -47,10 +48,10 @@ def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | 
 
 def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
     """Return everything that was heard, for people; without the fields one line a channel."""
-    lines = [Text(heading), *(Text(f"run {run}", "bold") for run in traffic.runs)]
+    lines = [Text(heading), *(Text(f"run {printable(run)}", "bold") for run in traffic.runs)]
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
-        lines.append(Text(name, "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
+        lines.append(Text(printable(name), "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
         if with_fields:
             lines += map(Text, described(fields_of_channel(channel)))
     return Text("\n").join(lines)
@@ -65,7 +66,7 @@ def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
 
 def figures(channel: ChannelTraffic) -> Iterator[str]:
     """Yield what is known of one channel, in words."""
-    yield channel.type_name or "unknown type"
+    yield printable(channel.type_name or "unknown type")
     if channel.is_silent:
         yield silence_of(channel)
     elif channel.rate_hz is not None:

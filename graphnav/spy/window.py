@@ -10,7 +10,7 @@ import numpy as np
 
 RECENT_S = 10.0
 """How far back a live rate looks; two messages at least."""
-_MAX_MESSAGES = 10_000
+MAX_MESSAGES = 10_000
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Window:
 
     def __init__(self, recent_s: float | None) -> None:
         self._recent_s = math.inf if recent_s is None else recent_s
-        self._newest: deque[tuple[float, float, int]] = deque(maxlen=_MAX_MESSAGES)
+        self._newest: deque[tuple[float, float, int]] = deque(maxlen=MAX_MESSAGES)
 
     def add(self, at_s: float, time_s: float, number: int) -> None:
         """Take a message that arrived at ``at_s``; ``time_s`` is its time on the window's clock."""

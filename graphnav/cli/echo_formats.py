@@ -1,0 +1,144 @@
+"""What ``graphnav echo`` prints: lines for people, JSON lines, CSV."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from graphnav.codec import lcm_name
+from graphnav.errors import GraphnavError, printable
+from graphnav.notices import print_notice
+from graphnav.spy import (
+    MISSING,
+    FieldPath,
+    Heard,
+    Selection,
+    all_columns,
+    columns_of,
+    described,
+    plain,
+    size_of,
+    summarised,
+)
+
+
+class Spoken(NamedTuple):
+    """A message with what is known of it; ``values`` is None where it cannot be decoded."""
+
+    heard: Heard
+    type_name: str | None
+    lcm_class: type | None
+    values: Mapping[str, Any] | None
+
+
+class Printer(Protocol):
+    """Prints messages."""
+
+    def show(self, spoken: Spoken) -> bool:
+        """Print a message; return whether anything was printed."""
+
+    def close(self) -> None:
+        """Say what was not printed."""
+
+
+class Lines:
+    """For people: a line a message and one a field."""
+
+    def __init__(self, selection: Selection, _epoch_s: float, *, full: bool) -> None:
+        self._selection, self._full = selection, full
+
+    def show(self, spoken: Spoken) -> bool:
+        """Print a message."""
+        size = size_of(len(spoken.heard.data))
+        head = f"{printable(spoken.heard.channel)}  {printable(spoken.type_name or 'unknown type')}, {size}"
+        print("\n".join([head, *self._contents(spoken)]), flush=True)
+        return True
+
+    def close(self) -> None:
+        """Say nothing: every message was printed."""
+
+    def _contents(self, spoken: Spoken) -> list[str]:
+        if spoken.lcm_class is None:
+            return ["    its type is not known: --types PACKAGE_OR_DIR"]
+        if spoken.values is None:
+            return ["    undecodable"]
+        fields = self._selection.of(spoken.lcm_class, spoken.values)
+        if fields is None:
+            return ["    another type: it has no such fields"]
+        return described(plain(fields) if self._full else summarised(fields))
+
+
+class JsonLines:
+    """For programs: an object a message; ``at_s`` is when it arrived or was recorded, ``fields`` null if unknown."""
+
+    def __init__(self, selection: Selection, epoch_s: float, *, full: bool) -> None:
+        self._selection, self._epoch_s, self._full = selection, epoch_s, full
+
+    def show(self, spoken: Spoken) -> bool:
+        """Print a message."""
+        fields = None
+        if spoken.values is not None and spoken.lcm_class is not None:
+            fields = self._selection.of(spoken.lcm_class, spoken.values)
+        if fields is not None:
+            fields = plain(fields) if self._full else summarised(fields)
+        told = {
+            "at_s": round(self._epoch_s + spoken.heard.at_s, 6),
+            "type": spoken.type_name,
+            "bytes": len(spoken.heard.data),
+            "fields": fields,
+        }
+        print(json.dumps(told), flush=True)
+        return True
+
+    def close(self) -> None:
+        """Say nothing: every message was printed."""
+
+
+class CsvRows:
+    """A row a message: when it arrived or was recorded, then the fields; the first message decides on the columns."""
+
+    def __init__(self, paths: Sequence[FieldPath], epoch_s: float) -> None:
+        self._paths, self._epoch_s = paths, epoch_s
+        self._writer = csv.writer(sys.stdout, lineterminator="\n")
+        self._columns: list[FieldPath] = []
+        self._lcm_class: type | None = None
+        self._n_skipped = 0
+
+    def show(self, spoken: Spoken) -> bool:
+        """Print a row; a message that cannot be decoded, or has another type than the first, has none."""
+        if spoken.values is not None and self._lcm_class is None and spoken.lcm_class is not None:
+            self._begin(spoken.lcm_class)
+        if spoken.values is None or spoken.lcm_class is not self._lcm_class:
+            self._n_skipped += 1
+            return False
+        cells = [_cell(column.pick(spoken.values)) for column in self._columns]
+        self._writer.writerow([f"{self._epoch_s + spoken.heard.at_s:.6f}", *cells])
+        sys.stdout.flush()
+        return True
+
+    def close(self) -> None:
+        """Say how many messages have no row; raise GraphnavError where that is all of them."""
+        if self._lcm_class is None:
+            hint = "\n  name its package or its .lcm files: --types PACKAGE_OR_DIR"
+            raise GraphnavError(f"none of {self._n_skipped} messages could be decoded{hint}")
+        if self._n_skipped:
+            print_notice(f"{self._n_skipped} messages left out: undecodable, or not {lcm_name(self._lcm_class)}")
+
+    def _begin(self, lcm_class: type) -> None:
+        if self._paths:
+            self._columns = [column for path in self._paths for column in columns_of(path, lcm_class)]
+        else:
+            self._columns, left_out = all_columns(lcm_class)
+            if left_out:
+                print_notice(f"left out: {', '.join(left_out)}; --field names elements of arrays")
+        self._lcm_class = lcm_class
+        self._writer.writerow(["at_s", *(column.text for column in self._columns)])
+
+
+def _cell(value: Any) -> Any:
+    if value is MISSING:
+        return ""
+    return printable(value) if isinstance(value, str) else value

@@ -1,0 +1,42 @@
+"""``graphnav lcm-spy``: LCM's own spy, started with the types of graphnav, of plugins and of ``--types``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from graphnav.cli.options import add_plugin_option, add_types_option, catalog_of, load_types_of
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("url", nargs="?", metavar="URL", help="udpm://... (default: where runs are tapped)")
+    add_types_option(parser)
+    add_plugin_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command: build the jar of all types unless the cache has it, then become lcm-spy, signals and all."""
+    from graphnav.bus import GROUP, require_route, with_defaults  # noqa: PLC0415
+    from graphnav.cli.type_names import listed_types  # noqa: PLC0415
+    from graphnav.errors import UserError  # noqa: PLC0415
+    from graphnav.jdk import require_jdk  # noqa: PLC0415
+    from graphnav.typeinfo import file_of_lcm, types_jar  # noqa: PLC0415
+
+    url = args.url or GROUP
+    if not url.startswith("udpm://"):
+        raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8")
+    url = with_defaults(url)
+    require_route(url)
+    require_jdk()
+    given = load_types_of(args)
+    if not os.environ.get("DISPLAY"):
+        what = "lcm-spy opens a window, and there is no display: DISPLAY is not set"
+        raise UserError.of(what, "run it in a graphical session, or watch in this terminal: graphnav spy")
+    types = listed_types(catalog_of(args)) | given
+    jar = types_jar(types.values())
+    print(f"lcm-spy on {url}: {len(types)} types in {jar}", file=sys.stderr, flush=True)
+    classpath = os.pathsep.join(filter(None, (str(jar), os.environ.get("CLASSPATH"))))
+    lcm_spy = str(file_of_lcm("lcm-spy"))
+    os.execve(lcm_spy, [lcm_spy, "--lcm-url", url], {**os.environ, "CLASSPATH": classpath})  # noqa: S606, of the wheel

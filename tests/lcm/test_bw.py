@@ -1,0 +1,141 @@
+"""``graphnav bw`` and ``hz``: bandwidth, sizes and rates of one channel or of all, live and in logs."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from graphnav.bus import Bus
+from graphnav.cli import main
+from graphnav.codec import encode
+from graphnav.messages import Twist
+from graphnav.record import LogWriter
+from graphnav.spy import Bandwidth, Heard
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """Return a log of 21 commands at 10 Hz, three messages that grow, and one alone."""
+    path = tmp_path / "log"
+    with LogWriter(path) as writer:
+        for k in range(21):
+            writer.write("control.twist", 100_000 * k, encode(Twist(0.1, 0.2), 100_000 * k, k))
+            if k % 7 == 0:
+                writer.write("CAMERA", 100_000 * k, bytes(1000 * (k + 1)))
+        writer.write("once", 2_000_000, bytes(10))
+    return path
+
+
+@given(st.lists(st.tuples(st.floats(0.001, 1), st.integers(0, 10_000)), min_size=2, max_size=50))
+def test_the_bandwidth_is_what_comes_after_the_first(messages: list[tuple[float, int]]) -> None:
+    bandwidth = Bandwidth(is_live=False)
+    at_s = 0.0
+    for step_s, size in messages:
+        at_s += step_s
+        bandwidth.hear(Heard("x", bytes(size), at_s))
+    sizes = bandwidth.sizes
+    assert sizes.bytes_per_s == pytest.approx(sum(n for _, n in messages[1:]) / sum(s for s, _ in messages[1:]))
+    assert (sizes.min_bytes, sizes.max_bytes) == (min(n for _, n in messages), max(n for _, n in messages))
+    assert sizes.min_bytes <= sizes.mean_bytes <= sizes.max_bytes
+
+
+def test_a_live_bandwidth_forgets_after_ten_seconds() -> None:
+    bandwidth = Bandwidth(is_live=True)
+    for k in range(300):
+        bandwidth.hear(Heard("x", bytes(1000 if k < 150 else 10), 0.1 * k))
+    assert bandwidth.sizes.max_bytes == 10
+    assert bandwidth.sizes.bytes_per_s == pytest.approx(100)
+
+
+def test_bw_of_one_channel(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bw", "CAMERA", str(log)]) == 0
+    wanted = "CAMERA  16.4 kB/s, size min: 1.0 kB mean: 8.0 kB max: 15.0 kB window: 3\n"
+    assert capsys.readouterr().out == wanted
+    assert main(["bw", "once", str(log)]) == 0
+    assert capsys.readouterr().out == "once  no rate yet, size min: 10 B mean: 10 B max: 10 B window: 1\n"
+
+
+@pytest.mark.parametrize("words", [[], ["--for", "1"]])
+def test_bw_of_all_channels(log: Path, capsys: pytest.CaptureFixture[str], words: list[str]) -> None:
+    assert main(["bw", str(log), *words]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.strip(" ─")]
+    assert rows == [
+        ["channel", "bandwidth", "size", "min", "mean", "max", "count", "note"],
+        ["CAMERA", "16.4", "kB/s", "1.0", "kB", "8.0", "kB", "15.0", "kB", "3"],
+        ["control.twist", "400", "B/s", "40", "B", "40", "B", "40", "B", "21"],
+        ["once", "10", "B", "10", "B", "10", "B", "1"],
+        ["all", "16.8", "kB/s"],
+    ]
+
+
+def test_hz_of_all_channels(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hz", str(log)]) == 0
+    rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines() if line.strip(" ─")]
+    assert rows[0] == "channel stamp Hz arrival min ms max ms std ms count note"
+    assert rows[2:] == ["control.twist 10.00 10.00 100.0 100.0 0.0 21", "once 1"]
+
+
+@pytest.mark.parametrize("command", ["bw", "hz"])
+def test_a_channel_that_is_not_there_is_said(log: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    assert main([command, "control.twst", str(log)]) == 2
+    assert capsys.readouterr().err == f"{log} has no channel 'control.twst'\n  did you mean 'control.twist'?\n"
+
+
+@pytest.mark.parametrize("command", ["bw", "hz"])
+def test_an_empty_log_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    (tmp_path / "log").touch()
+    assert main([command, str(tmp_path / "log")]) == 1
+    assert capsys.readouterr().err == f"{tmp_path / 'log'} is empty\n"
+
+
+@pytest.mark.parametrize("command", ["bw", "hz", "echo", "spy"])
+def test_names_of_channels_are_shown_without_what_a_terminal_obeys(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    name = "\x1b[31mred\x9b"
+    with LogWriter(tmp_path / "log") as writer:
+        writer.write(name, 0, b"x")
+        writer.write(name, 1, b"x")
+    words = [name] if command == "echo" else []
+    assert main([command, *words, str(tmp_path / "log")]) == 0
+    said = capsys.readouterr().out
+    assert "\\x1b[31mred\\x9b" in said
+    assert not {"\x1b", "\x9b"} & set(said)
+    if command == "spy":
+        return
+    assert main([command, "other", str(tmp_path / "log")]) == 2
+    assert capsys.readouterr().err.replace("\n", "").isprintable()
+
+
+@pytest.fixture
+def live(group: str) -> Iterator[str]:
+    """Return the group on which commands are published until the test ends."""
+    over = threading.Event()
+
+    def publish() -> None:
+        bus = Bus(group)
+        k = 0
+        while not over.wait(0.002):
+            bus.publish("x", encode(Twist(0.1, 0.2), 10_000 * k, k))
+            k += 1
+        bus.close()
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    yield group
+    over.set()
+    thread.join()
+
+
+@pytest.mark.parametrize("command", ["bw", "hz"])
+def test_the_last_report_is_printed_once(live: str, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    assert main([command, "x", live, "--for", "1.4"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == (1 if command == "bw" else 2)
+    assert main([command, live, "--for", "1.4"]) == 0
+    assert capsys.readouterr().out.count("channel") == 1
