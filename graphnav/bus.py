@@ -22,6 +22,9 @@ MAKE_ROUTE = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
 RECEIVE_BUFFER_BYTES = 2_097_152
 """What is asked for, so that messages of many packets arrive; the kernel may grant less."""
 
+FRAGMENT_BYTES = 65_487
+"""What one packet carries of a message that needs several; one lost packet loses the message."""
+
 _SELF_TEST = "LCM_SELF_TEST"
 _DEFAULTS = {"ttl": "0", "recv_buf_size": str(RECEIVE_BUFFER_BYTES)}
 

@@ -1,30 +1,48 @@
-"""``graphnav doctor``: say what this machine lacks."""
+"""``graphnav doctor``: say what this machine lacks, for a graph too."""
 
 from __future__ import annotations
 
 import argparse
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING
 
+from graphnav.cli.options import add_graph_options, load
 from graphnav.cli.status import FAILED, OK
 
+if TYPE_CHECKING:
+    from graphnav.doctor import Finding
 
-def add_arguments(_parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments: it has none."""
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_graph_options(parser, required=False)
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
 
 
-def main(_args: argparse.Namespace) -> int:
-    """Run the command; the exit status is 1 where something is lacking."""
-    from rich.console import Console  # noqa: PLC0415
-    from rich.markup import escape  # noqa: PLC0415
-
+def main(args: argparse.Namespace) -> int:
+    """Run the command; the exit status is 1 where something needed is lacking."""
     from graphnav.doctor import examine  # noqa: PLC0415
 
+    graph = None if args.graph is None else load(args)[1]
+    findings = []
+    for finding in examine(graph):
+        findings.append(finding)
+        if not args.json:
+            _print(finding)
+    if args.json:
+        print(json.dumps([asdict(finding) for finding in findings], indent=2))
+    return FAILED if any(finding.needed and not finding.fine for finding in findings) else OK
+
+
+def _print(finding: Finding) -> None:
+    from rich.console import Console  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    from graphnav.errors import printable  # noqa: PLC0415
+
+    mark, style = ("ok ", "green") if finding.fine else ("FIX", "red") if finding.needed else ("opt", "yellow")
     console = Console(highlight=False, soft_wrap=True)
-    lacking = 0
-    for finding in examine():
-        mark = "[green]ok  [/]" if finding.fine else "[red]MEND[/]"
-        console.print(f"{mark} {finding.subject}: {escape(finding.seen)}")
-        if not finding.fine:
-            lacking += 1
-            if finding.mend:
-                console.print(f"     {escape(finding.mend)}")
-    return FAILED if lacking else OK
+    console.print(Text.assemble((mark, style), f"  {finding.subject}: {printable(finding.seen)}"))
+    if finding.fix:
+        console.print(Text(f"     {printable(finding.fix)}"))

@@ -1,0 +1,21 @@
+"""Whether the installed plugins can be imported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from graphnav.catalog import Catalog
+from graphnav.doctor.finding import Finding
+from graphnav.errors import CatalogError
+
+
+def families() -> Iterator[Finding]:
+    """Import every family of stages."""
+    catalog = Catalog()
+    for family in catalog.families():
+        try:
+            names = catalog.names(family)
+        except CatalogError as error:
+            yield Finding(f"family {family}", fine=False, seen=error.what, fix=error.hint or "reinstall its package")
+        else:
+            yield Finding(f"family {family}", fine=True, seen=", ".join(names) or "no stages")

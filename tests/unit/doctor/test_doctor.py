@@ -1,0 +1,207 @@
+"""``graphnav doctor``: everything is told with what fixes it, for programs too, and for a graph."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import subprocess
+import sys
+import sysconfig
+import termios
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from graphnav.bus import FRAGMENT_BYTES, RECEIVE_BUFFER_BYTES
+from graphnav.catalog import Catalog
+from graphnav.cli import main
+from graphnav.doctor import Finding, examine
+from graphnav.doctor.held_bytes import ReceiveBuffer, try_receive_buffer
+from graphnav.doctor.message_sizes import message_sizes
+from graphnav.graph import load_graph
+
+PYTHON = sys.executable
+GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
+
+
+def findings(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, dict[str, Any]]]:
+    """Return the status and what is told to programs, by subject."""
+    status = main(["doctor", "--json", *words])
+    return status, {finding["subject"]: finding for finding in json.loads(capsys.readouterr().out)}
+
+
+def test_people_and_programs_are_told_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+    status, told = findings(capsys)
+    assert main(["doctor"]) == status
+    lines = capsys.readouterr().out.splitlines()
+    heads = [line for line in lines if not line.startswith(" ")]
+    assert [line[5:].partition(": ")[0] for line in heads] == list(told)
+    marks = {"ok ": (True, True), "FIX": (False, True), "opt": (False, False)}
+    for line, finding in zip(heads, told.values(), strict=True):
+        fine, needed = marks[line[:3]]
+        assert finding["fine"] == fine
+        assert fine or finding["needed"] == needed
+    assert status == int(any(finding["needed"] and not finding["fine"] for finding in told.values()))
+    assert {"multicast", "receive buffer", "lcm", "java", "terminal graphics", "family plane"} <= set(told)
+
+
+def test_what_is_not_fine_has_a_command(capsys: pytest.CaptureFixture[str]) -> None:
+    _, told = findings(capsys)
+    assert all(finding["fix"] for finding in told.values() if not finding["fine"])
+
+
+def test_every_extra_of_users_is_looked_at(capsys: pytest.CaptureFixture[str]) -> None:
+    _, told = findings(capsys)
+    assert "extra cluster" in told
+    assert "extra dev" not in told
+    assert told["extra cluster"]["needed"] is False
+
+
+def test_without_java_the_command_that_installs_it_is_said(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", "")
+    status, told = findings(capsys)
+    assert told["java"] == {
+        "subject": "java",
+        "fine": False,
+        "seen": "Java is not installed; 'graphnav lcm-spy' needs a JDK",
+        "fix": "install a JDK with AWT",
+        "needed": False,
+    }
+    assert status == int(any(finding["needed"] and not finding["fine"] for finding in told.values()))
+
+
+def test_a_buffer_holds_at_least_a_packet() -> None:
+    buffer = try_receive_buffer()
+    assert buffer.packets >= 1
+    assert buffer.granted_bytes >= buffer.held_bytes
+    assert try_receive_buffer(4096).packets <= buffer.packets
+
+
+def test_what_a_message_needs_is_reckoned_from_what_a_packet_costs() -> None:
+    buffer = ReceiveBuffer(granted_bytes=8 * 140_000, packets=8)
+    assert buffer.held_bytes == 8 * FRAGMENT_BYTES
+    assert buffer.needed_bytes(10 * FRAGMENT_BYTES) == 10 * 140_000 // 2
+    assert buffer.needed_bytes(FRAGMENT_BYTES + 1) == 2 * 140_000 // 2
+
+
+def test_sizes_of_a_lockstep_graph_are_measured() -> None:
+    graph = load_graph("corridor_ccw", Catalog())
+    sizes = {size.channel: size for size in message_sizes(graph)}
+    assert sizes["robot.image"].n_bytes == pytest.approx(160 * 120, abs=200)
+    assert sizes["flow.flow"].n_bytes > 8 * 160 * 120
+    assert not any(size.assumed for size in sizes.values())
+
+
+def test_sizes_of_a_live_graph_are_those_that_come_in_and_leave() -> None:
+    graph = load_graph("robot_live", Catalog())
+    sizes = {size.channel: size for size in message_sizes(graph)}
+    assert set(sizes) == {"CAMERA", "ODOMETRY", "BEACON"}
+    assert sizes["CAMERA"].n_bytes == pytest.approx(160 * 120, abs=200)
+    (camera,) = message_sizes(load_graph("navigate_live", Catalog()))
+    assert (camera.channel, camera.n_bytes, camera.assumed) == ("CAMERA", 921_600, "640x480 RGB")
+
+
+def told_of(graph: str, buffer: ReceiveBuffer, monkeypatch: pytest.MonkeyPatch) -> Finding:
+    """Return what is said of the receive buffer of a machine that grants some other one."""
+    monkeypatch.setattr("graphnav.doctor.network.try_receive_buffer", lambda: buffer)
+    loaded = load_graph(graph, Catalog())
+    return next(finding for finding in examine(loaded) if finding.subject == "receive buffer")
+
+
+def test_a_buffer_is_compared_with_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
+    small, large = ReceiveBuffer(425_984, 3), ReceiveBuffer(4_194_304, 31)
+    fine = told_of("robot_live", small, monkeypatch)
+    assert fine.fine
+    assert fine.seen.endswith("; robot_live needs 19 kB for CAMERA")
+    lost = told_of("navigate_live", small, monkeypatch)
+    assert not lost.fine
+    assert lost.needed
+    assert lost.seen.endswith("; navigate_live loses 922 kB for CAMERA (assumed: 640x480 RGB)")
+    assert lost.fix == f"sysctl -w net.core.rmem_max={RECEIVE_BUFFER_BYTES}"
+    assert told_of("navigate_live", large, monkeypatch).fine
+
+
+def test_what_only_a_full_tap_loses_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = told_of("corridor_ccw", ReceiveBuffer(140_000, 1), monkeypatch)
+    assert not lost.fine
+    assert not lost.needed
+    assert "; corridor_ccw loses with --tap full 0" not in lost.seen
+    assert "; corridor_ccw loses with --tap full " in lost.seen
+
+
+def test_a_graph_that_is_wrong_is_a_users_error(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor", "corridor_cww"]) == 2
+    assert "corridor_cww" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("attributes", "kitty", "said"),
+    [
+        (b"\x1b[?62;4;22c", b"", "sixel, half blocks"),
+        (b"\x1b[?62;c", b"\x1b_Gi=31;OK\x1b\\", "kitty, half blocks"),
+        (b"\x1b[?1;2c", b"", "half blocks"),
+        (b"", b"", "half blocks"),
+        (b"\x1b]0;junk\x07\xff\xff", b"", "half blocks"),
+    ],
+)
+def test_the_terminal_is_asked_and_left_as_it_was(attributes: bytes, kitty: bytes, said: str) -> None:
+    ours, theirs = pty.openpty()
+    before = termios.tcgetattr(theirs)
+
+    def answer() -> None:
+        while True:
+            try:
+                read = os.read(ours, 1024)
+            except OSError:
+                return
+            if b"\x1b_G" in read:
+                os.write(ours, kitty)
+            if b"\x1b[c" in read:
+                os.write(ours, attributes)
+
+    read_end, write_end = os.pipe()
+    command = (
+        "from graphnav.doctor.terminal import terminal_graphics\n"
+        f"open({write_end}, 'w').write(terminal_graphics().seen)"
+    )
+    threading.Thread(target=answer, daemon=True).start()
+    process = subprocess.Popen(
+        ["setsid", "--ctty", PYTHON, "-c", command],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "TERM": "xterm-256color"},
+        pass_fds=[write_end],
+    )
+    os.close(write_end)
+    errors = process.communicate(timeout=60)[1]
+    assert process.returncode == 0, errors
+    assert os.read(read_end, 1000).decode() == said
+    assert termios.tcgetattr(theirs) == before
+    for fd in (read_end, theirs, ours):
+        os.close(fd)
+
+
+def test_no_terminal_is_not_asked() -> None:
+    done = subprocess.run([GRAPHNAV, "doctor", "--json"], stdin=subprocess.DEVNULL, capture_output=True, check=False)
+    told = {finding["subject"]: finding for finding in json.loads(done.stdout)}
+    assert told["terminal graphics"]["seen"] == "not asked: this is not run from a terminal"
+
+
+def test_a_network_without_multicast_is_told_with_what_makes_a_route() -> None:
+    command = ["unshare", "--user", "--map-root-user", "--net", "--", str(GRAPHNAV), "doctor", "--json"]
+    if subprocess.run([*command[:5], "true"], capture_output=True, check=False).returncode:
+        pytest.skip("this kernel gives no network namespace")
+    done = subprocess.run(command, capture_output=True, check=False)
+    told = {finding["subject"]: finding for finding in json.loads(done.stdout)}
+    assert done.returncode == 1
+    assert not told["multicast"]["fine"]
+    fixed = f"ip link set lo up && {told['multicast']['fix']} && {GRAPHNAV} doctor --json"
+    done = subprocess.run([*command[:5], "sh", "-c", fixed], capture_output=True, check=False)
+    told = {finding["subject"]: finding for finding in json.loads(done.stdout)}
+    assert told["multicast"]["fine"]
