@@ -37,7 +37,7 @@ def left_by_its_reader(*words: str | Path, lines: int = 0, stderr: int = subproc
 @pytest.mark.parametrize(("lines", "stderr"), [(1, subprocess.PIPE), (0, subprocess.STDOUT)])
 def test_a_run_goes_on_and_is_drawn(tmp_path: Path, lines: int, stderr: int) -> None:
     out = tmp_path / "out"
-    words = ("run", "corridor_ccw", "--until", "0.3", "--set", "flow=flow.dis", "-o", out)
+    words = ("run", "corridor_ccw", "--until", "0.3", "--set", "flow=flow.dis", "--no-tap", "-o", out)
     assert left_by_its_reader(*words, lines=lines, stderr=stderr) == (0, "")
     files = {"run.lcmlog", "graph.yaml", "summary.json", "map.png", "panels.png"}
     assert {path.name for path in out.iterdir()} == files
