@@ -69,15 +69,18 @@ class Bus:
         self._channels.add(channel)
         self._subscribe(re.escape(channel), handler)
 
-    def subscribe_all(self, handler: Handler) -> None:
-        """Call ``handler(channel, data)`` for each message of every channel, but for LCM's own tests of the network."""
+    def subscribe_all(self, handler: Handler, max_waiting: int = 0) -> None:
+        """Call ``handler(channel, data)`` for each message of every channel, but for LCM's own tests of the network.
+
+        ``max_waiting``: LCM refuses further messages while so many wait; 0 refuses none.
+        """
 
         def heard(channel: str, data: bytes) -> None:
             if channel != _SELF_TEST:
                 handler(channel, data)
 
         self._hears_all = True
-        self._subscribe(".*", heard)
+        self._subscribe(".*", heard, max_waiting)
 
     def drain(self) -> int:
         """Deliver until nothing waits, what handlers publish included; return the number of messages.
@@ -112,9 +115,9 @@ class Bus:
         self._subscriptions.clear()
         del self._lcm
 
-    def _subscribe(self, pattern: str, handler: Handler) -> None:
+    def _subscribe(self, pattern: str, handler: Handler, max_waiting: int = 0) -> None:
         subscription = self._lcm.subscribe(pattern, handler)
-        subscription.set_queue_capacity(0)
+        subscription.set_queue_capacity(max_waiting)
         self._subscriptions.append(subscription)
 
 

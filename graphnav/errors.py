@@ -121,3 +121,8 @@ def shown_path(path: Path) -> str:
         return str(path.resolve().relative_to(Path.cwd()))
     except ValueError:
         return str(path)
+
+
+def shown_name(name: str) -> str:
+    """Return a name from a log or the network as a terminal may print it: nothing in it that it would obey."""
+    return printable(name).replace("\n", r"\n")

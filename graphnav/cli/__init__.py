@@ -24,6 +24,9 @@ COMMANDS = {
     "schema": "print the JSON Schema of graphs, for completion in editors",
     "teach": "run an obstacle-free graph and save the planar model that it learns",
     "figure": "draw the pictures of a recorded run again",
+    "record": "record what is heard on LCM channels into a log that describes itself",
+    "play": "publish the messages of a log again: faster, slower, paused, step by step",
+    "info": "say what a log holds: channels, types, rates, losses, the graph that made it, damage",
     "spy": "show the live channels of a run, or those of a log",
     "echo": "print the messages of one channel, arrays summarised",
     "hz": "measure the rate of a channel, or of all",
@@ -37,7 +40,7 @@ COMMANDS = {
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
 
-FOR_A_READER = {"spy", "echo", "hz", "bw", "top"}
+FOR_A_READER = {"spy", "echo", "hz", "bw", "top", "info"}
 """Commands that end when nothing reads what they print; all others do what they are for."""
 
 

@@ -9,11 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.errors import ParamError, Place, UserError
+from graphnav.errors import BusError, ParamError, Place, UserError
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
     from graphnav.graph import Graph
+    from graphnav.record import ChannelFilter
 
 DEFAULT_URL = "LCM_DEFAULT_URL"
 """The environment variable that LCM's own programs read."""
@@ -169,6 +170,64 @@ def url_of(args: argparse.Namespace) -> str:
         place = Place("--url" if args.url else DEFAULT_URL)
         raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8", place)
     return with_defaults(url)
+
+
+def add_channel_options(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--channel``, ``--regex`` and ``--invert``, for `channels_of`."""
+    parser.add_argument(
+        "-c",
+        "--channel",
+        dest="globs",
+        action="append",
+        default=[],
+        metavar="GLOB",
+        help="only channels that match, as 'robot.*'; may be repeated (default: all)",
+    )
+    parser.add_argument(
+        "--regex",
+        dest="regexes",
+        action="append",
+        default=[],
+        metavar="RE",
+        help="only channels whose entire name matches a regular expression; may be repeated",
+    )
+    parser.add_argument("-v", "--invert", action="store_true", help="only channels that match none of them")
+
+
+def channels_of(args: argparse.Namespace) -> ChannelFilter:
+    """Return the channels that the options choose.
+
+    Raises
+    ------
+    UserError
+        ``--regex`` is not a regular expression, or ``--invert`` has nothing to invert.
+    """
+    from graphnav.record import ChannelFilter  # noqa: PLC0415
+
+    if args.invert and not args.globs and not args.regexes:
+        raise UserError.of("there is no filter to invert", "add --channel GLOB or --regex RE", Place("--invert"))
+    return ChannelFilter(args.globs, args.regexes, invert=args.invert)
+
+
+def group_url(url: str, place: Place | None) -> str:
+    """Return the URL of a multicast group with defaults; ``place`` is where it was written.
+
+    Raises
+    ------
+    UserError
+        It is not a ``udpm://`` URL, or no route leads there.
+    """
+    from graphnav.bus import GROUP, require_route, with_defaults  # noqa: PLC0415
+
+    if not url.startswith("udpm://"):
+        raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8", place)
+    try:
+        url = with_defaults(url)
+        require_route(url)
+    except BusError as error:
+        what, _, hint = str(error).partition("\n")
+        raise UserError.of(what, hint.strip(), place) from error
+    return url
 
 
 def catalog_of(args: argparse.Namespace) -> Catalog:

@@ -42,7 +42,8 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.bus import Bus  # noqa: PLC0415
     from graphnav.errors import UserError  # noqa: PLC0415
-    from graphnav.teleop import Drive, Session, Terminal  # noqa: PLC0415
+    from graphnav.keyboard import Terminal  # noqa: PLC0415
+    from graphnav.teleop import Drive, Session  # noqa: PLC0415
     from graphnav.teleop.keys import HELP  # noqa: PLC0415
 
     if sys.stdin is None or not sys.stdin.isatty():

@@ -8,6 +8,7 @@ from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.find_type import SHIPPED, find_type
 from graphnav.codec.known import (
     add_type,
+    known_types,
     message_class_of,
     message_classes,
     message_types,
@@ -31,6 +32,7 @@ __all__ = [
     "fields_of",
     "find_type",
     "fingerprint",
+    "known_types",
     "lcm_name",
     "lcm_text_of",
     "message_class_of",

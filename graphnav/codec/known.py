@@ -70,8 +70,13 @@ def _is_lcm_module(package: str, short: str) -> bool:
     return short.endswith("_t") and any((Path(folder) / f"{short}.py").is_file() for folder in folders)
 
 
-def type_of(data: bytes) -> type | None:
-    """Return the known lcm-gen class whose fingerprint the bytes begin with, or None."""
+def known_types() -> list[type]:
+    """Return the lcm-gen classes that ship and those of what has been imported, each once."""
     shipped = [found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__")]
     wrapped = [found.lcm_class for found in message_classes()]
-    return next((found for found in (*shipped, *wrapped, *_added.values()) if fingerprint(found) == data[:8]), None)
+    return list(dict.fromkeys((*shipped, *wrapped, *_added.values())))
+
+
+def type_of(data: bytes) -> type | None:
+    """Return the known lcm-gen class whose fingerprint the bytes begin with, or None."""
+    return next((found for found in known_types() if fingerprint(found) == data[:8]), None)

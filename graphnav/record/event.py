@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import struct
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,8 +15,6 @@ from graphnav.errors import LogError
 
 SYNC = 0xEDA1DA01
 HEADER = struct.Struct(">Iqqii")
-_MOST_CHANNEL_BYTES = 1000
-_HEAD_BYTES = HEADER.size + 63
 
 
 class Event(NamedTuple):
@@ -47,6 +44,16 @@ class Torn(NamedTuple):
         return f"the last event, {self.n_bytes} bytes from byte {self.at}, is not whole"
 
 
+class Damaged(NamedTuple):
+    """Bytes between the events of a log that are not an event: where they begin and how many there are."""
+
+    at: int
+    n_bytes: int
+
+    def __str__(self) -> str:
+        return f"{self.n_bytes} bytes from byte {self.at} are not an event"
+
+
 class LogFile:
     """The bytes of a log, read where they are asked for: a mapped file would count as memory of the process."""
 
@@ -71,31 +78,3 @@ class LogFile:
 
     def __del__(self) -> None:
         self.close()
-
-
-def scan(path: Path, file: LogFile) -> Iterator[Entry | Torn]:
-    """Yield the events of a log; the last thing is a `Torn` if the log ends within an event.
-
-    Raises LogError, saying the offset, at anything that is no event.
-    """
-    at, size = 0, file.size
-    while at < size:
-        head = file.read(at, at + _HEAD_BYTES)
-        if len(head) < HEADER.size and SYNC.to_bytes(4, "big").startswith(head[:4]):
-            yield Torn(at, size - at)
-            return
-        sync, _, utime, channel_bytes, data_bytes = (
-            HEADER.unpack_from(head) if len(head) >= HEADER.size else (0, 0, 0, 0, 0)
-        )
-        if sync != SYNC or not 0 < channel_bytes <= _MOST_CHANNEL_BYTES or data_bytes < 0:
-            what = "is no LCM log" if not at else f"has no LCM event at byte {at} of {size}"
-            raise LogError(f"{path} {what}")
-        start = at + HEADER.size + channel_bytes
-        if start + data_bytes > size:
-            yield Torn(at, size - at)
-            return
-        if HEADER.size + channel_bytes > len(head):
-            head = file.read(at, start)
-        channel = head[HEADER.size : HEADER.size + channel_bytes].decode("utf-8", "replace")
-        at = start + data_bytes
-        yield Entry(channel, utime, start, at)

@@ -11,8 +11,10 @@ from typing import Any, Self, TypeVar
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
 from graphnav.errors import LogError, UserError
 from graphnav.messages import About, Message
-from graphnav.record.event import Entry, Event, LogFile, Torn, scan
+from graphnav.record.event import Damaged, Entry, Event, LogFile, Torn
 from graphnav.record.index import Index
+from graphnav.record.scan import scan
+from graphnav.record.timeline import Timeline
 from graphnav.spec import parse_yaml
 
 M = TypeVar("M", bound=Message)
@@ -27,34 +29,41 @@ class Recording:
     """A log, of graphnav or of any other LCM program.
 
     ``channels`` maps each channel to its lcm-gen class, or to None where the type is not installed. ``torn`` says
-    what was lost at the end of a log that was cut short, else it is None.
+    what was lost at the end of a log that was cut short, else it is None; ``damaged`` says which bytes between events
+    were skipped.
 
-    Raises LogError where the file cannot be read or holds something that is no event.
+    Raises LogError where the file cannot be read or is not a log.
     """
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self.torn: Torn | None = None
+        self.damaged: list[Damaged] = []
         self._file = LogFile(self.path)
         self._index = Index()
         for entry in scan(self.path, self._file):
             if isinstance(entry, Torn):
                 self.torn = entry
+            elif isinstance(entry, Damaged):
+                self.damaged.append(entry)
             else:
                 self._index.add(entry)
 
     @cached_property
     def about(self) -> About | None:
-        """What the log says of itself in its first event, or None."""
-        if not len(self._index) or self._index[0].channel != ABOUT:
+        """What the log says of itself, or None: the first event of ``graphnav.about``, wherever a logger heard it."""
+        if not self.count(ABOUT):
             return None
-        return self._decoded(ABOUT, 0, About)[2]
+        try:
+            return self._decoded(ABOUT, 0, About)[2]
+        except LogError:
+            return None
 
     @cached_property
     def graph(self) -> dict[str, Any]:
         """The resolved graph that made the log; raises LogError where the log does not say."""
         if self.about is None:
-            raise LogError(f"{self.path} does not say which graph made it: its first event is not on '{ABOUT}'")
+            raise LogError(f"{self.path} does not say which graph made it: no event on '{ABOUT}' can be read")
         try:
             graph = parse_yaml(self.about.graph_yaml.encode(), str(self.path))[0].plain()
         except UserError:
@@ -82,6 +91,32 @@ class Recording:
         """The number of events on all channels."""
         return len(self._index)
 
+    @property
+    def n_bytes(self) -> int:
+        """The size of the file."""
+        return self._file.size
+
+    @cached_property
+    def timeline(self) -> Timeline:
+        """When each event was published, from the first one on."""
+        return Timeline([entry.utime for entry in self.entries()])
+
+    def damage_notice(self) -> str:
+        """Return what to tell of a log that is not complete; empty for one that is."""
+        lost: list[Damaged | Torn] = [*self.damaged, *([self.torn] if self.torn is not None else [])]
+        if not lost:
+            return ""
+        what = str(lost[0]) if len(lost) == 1 else f"{sum(one.n_bytes for one in lost)} bytes in {len(lost)} places"
+        return f"{self.path} is damaged: {what}\n  'graphnav info' tells more"
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield where the data of each event are, in the order of the file; reads nothing."""
+        return (self._index[number] for number in range(len(self._index)))
+
+    def at(self, number: int) -> Event:
+        """Return one event by its place in the file, counted from 0 over all channels."""
+        return self._event(self._index[number])
+
     def count(self, channel: str) -> int:
         """Return the number of events on a channel; 0 if there is no such channel."""
         return len(self._index.channels.get(channel, ()))
@@ -101,7 +136,7 @@ class Recording:
 
     def events(self) -> Iterator[Event]:
         """Yield all events in the order of the file."""
-        return (self._event(self._index[number]) for number in range(len(self._index)))
+        return map(self._event, self.entries())
 
     def event(self, channel: str, index: int) -> Event:
         """Return one event; ``index`` counts within the channel, from the end if negative."""

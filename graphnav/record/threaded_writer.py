@@ -6,20 +6,43 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 
 from graphnav.errors import LogError
-from graphnav.record.event import Event
 from graphnav.record.writer import LogWriter
 
 _MAX_QUEUED_BYTES = 64 << 20
 _EVENT_BYTES = 200
 """What a queued event takes beside its data, about."""
 _IDLE_S = 0.5
+_GATHER_S = 0.01
+"""Events that come within this time wake the thread once: the caller gets the processor back sooner."""
 _CLOSE_S = 5.0
 
 
+class Log(Protocol):
+    """What the thread writes; ``n_events`` and ``n_bytes`` count what was written, with what is not flushed yet."""
+
+    @property
+    def n_events(self) -> int:
+        """The number of events."""
+
+    @property
+    def n_bytes(self) -> int:
+        """Their size."""
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Append an event; raises LogError where the disk refuses it."""
+
+    def flush(self) -> None:
+        """Hand all events to the kernel; called now and then while there are none."""
+
+    def close(self) -> None:
+        """Flush and close."""
+
+
 class ThreadedLogWriter:
-    """A `LogWriter` behind a bounded queue.
+    """A log behind a bounded queue.
 
     An event that does not fit into ``max_bytes`` of queue is dropped and counted. A disk that refuses ends the
     recording: ``failure`` is set, ``notice`` is called once with it, from another thread, and every later event is
@@ -33,7 +56,7 @@ class ThreadedLogWriter:
         path: Path | str,
         max_bytes: int = _MAX_QUEUED_BYTES,
         notice: Callable[[str], None] = lambda _: None,
-        open_log: Callable[[Path], LogWriter] = LogWriter,
+        open_log: Callable[[Path], Log] = LogWriter,
     ) -> None:
         self.path = Path(path)
         self.dropped = 0
@@ -44,8 +67,9 @@ class ThreadedLogWriter:
         self._max_bytes, self._notice = max_bytes, notice
         self._offered = 0
         self._queued_bytes = 0
-        self._queue: deque[Event] = deque()
-        self._is_closing = False
+        self._queue: deque[tuple[str, int, bytes]] = deque()
+        self._is_closing = self._is_waiting = False
+        self._closing = threading.Event()
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name="graphnav log", daemon=True)
         self._thread.start()
@@ -68,14 +92,17 @@ class ThreadedLogWriter:
             if self.failure or self._is_closing or self._queued_bytes + size > self._max_bytes:
                 self.dropped += 1
                 return
-            self._queue.append(Event(channel, utime, data))
+            self._queue.append((channel, utime, data))
             self._queued_bytes += size
-            self._changed.notify()
+            if self._is_waiting:
+                self._is_waiting = False
+                self._changed.notify()
 
     def close(self, timeout_s: float = _CLOSE_S) -> None:
         """Write what is queued and close; a disk that takes longer than ``timeout_s`` loses the rest, counted."""
         with self._changed:
             self._is_closing = True
+            self._closing.set()
             self._changed.notify()
         self._thread.join(timeout_s)
         if self._thread.is_alive():
@@ -91,27 +118,31 @@ class ThreadedLogWriter:
         except (LogError, OSError) as error:
             self._fail(str(error))
 
-    def _next(self) -> list[Event] | None:
+    def _next(self) -> list[tuple[str, int, bytes]] | None:
         """Wait for events and take them all; none after a while without any, None once the log is closing."""
         with self._changed:
             if not self._queue and not self._is_closing:
+                self._is_waiting = True
                 self._changed.wait(_IDLE_S)
+                self._is_waiting = False
             if not self._queue and self._is_closing:
                 return None
+        self._closing.wait(_GATHER_S)
+        with self._changed:
             events = list(self._queue)
             self._queue.clear()
         return events
 
-    def _write_all(self, events: list[Event]) -> None:
+    def _write_all(self, events: list[tuple[str, int, bytes]]) -> None:
         """Write events; where there are none, flush what was written."""
         if not events:
             self._log.flush()
-        for event in events:
+        for channel, utime, data in events:
             if self.failure:
                 return
-            self._log.write(*event)
+            self._log.write(channel, utime, data)
             with self._changed:
-                self._queued_bytes -= len(event.data) + _EVENT_BYTES
+                self._queued_bytes -= len(data) + _EVENT_BYTES
 
     def _fail(self, failure: str) -> None:
         """End the recording, once."""

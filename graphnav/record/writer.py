@@ -31,7 +31,6 @@ class LogWriter:
         self.path = Path(path)
         self.n_events = 0
         self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
-        self._channels: dict[str, bytes] = {}
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
         self._whole_bytes = 0
@@ -45,9 +44,7 @@ class LogWriter:
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Append an event; raises LogError, once and for all, where the disk refuses it."""
-        name = self._channels.get(channel)
-        if name is None:
-            name = self._channels[channel] = channel.encode()
+        name = channel.encode()
         header = HEADER.pack(SYNC, self.n_events, utime, len(name), len(data)) + name
         self._waiting += (header, data)
         self._waiting_bytes += len(header) + len(data)

@@ -11,7 +11,7 @@ from graphnav.bus import Bus
 from graphnav.codec import encode
 from graphnav.messages import Message, Stop, Twist
 from graphnav.teleop.drive import Drive
-from graphnav.teleop.keys import Key, KeyDecoder
+from graphnav.teleop.keys import Key, Keys
 
 _LAST_ZEROS = 3
 _STALLED_S = 0.3
@@ -66,7 +66,7 @@ class Session:
                 self._publish(self._channel, Twist(v_mps=0.0, omega_radps=0.0))
 
     def _drive_by(self, keyboard: Keyboard) -> None:
-        decoder = KeyDecoder()
+        decoder = Keys()
         due_s = self._now_s()
         while True:
             data = keyboard.read(due_s - self._now_s())

@@ -9,7 +9,7 @@ import pytest
 from graphnav.bus import Bus
 from graphnav.codec import decode
 from graphnav.messages import Stop, Twist
-from graphnav.teleop import Drive, Key, KeyDecoder, Session
+from graphnav.teleop import Drive, Key, Keys, Session
 
 F, B, L, R = Key.FORWARD, Key.BACK, Key.LEFT, Key.RIGHT
 
@@ -33,11 +33,11 @@ F, B, L, R = Key.FORWARD, Key.BACK, Key.LEFT, Key.RIGHT
     ],
 )
 def test_bytes_are_keys(typed: bytes, keys: list[Key]) -> None:
-    assert KeyDecoder().feed(typed) == keys
+    assert Keys().feed(typed) == keys
 
 
 def test_a_sequence_may_come_in_pieces() -> None:
-    decoder = KeyDecoder()
+    decoder = Keys()
     assert [decoder.feed(bytes([byte])) for byte in b"\x1b[Aw\x1b[1;2Dd"] == [
         [], [], [F], [F], [], [], [], [], [], [], [R],
     ]  # fmt: skip

@@ -1,0 +1,41 @@
+"""``graphnav info``: what a log holds, who made it, and what of it is damaged."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from graphnav.cli.options import add_types_option, load_types_of
+from graphnav.cli.status import OK
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("log", metavar="LOG", type=Path, help="a log, also of lcm-logger, or a run folder")
+    add_types_option(parser)
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.cli.tables import TextTable, print_table  # noqa: PLC0415
+    from graphnav.loginfo import as_json, as_text, survey  # noqa: PLC0415
+    from graphnav.loginfo.as_text import HEADINGS, damage, rows  # noqa: PLC0415
+    from graphnav.record import find_log  # noqa: PLC0415
+    from graphnav.spy.adapted_types import load_adapted_types  # noqa: PLC0415
+
+    load_adapted_types()
+    load_types_of(args)
+    info = survey(find_log(args.log))
+    if args.json:
+        print(json.dumps(as_json(info)))
+        return OK
+    print("\n".join(as_text(info)))
+    if info.channels:
+        table = TextTable(*HEADINGS)
+        for row in rows(info):
+            table.add_text(*row)
+        print_table(table)
+    print("\n".join(damage(info)) or "nothing is damaged")
+    return OK

@@ -1,0 +1,152 @@
+"""``graphnav play``: publish the messages of a log again."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.cli.options import (
+    DEFAULT_URL,
+    add_channel_options,
+    add_url_option,
+    channels_of,
+    group_url,
+    positive,
+    url_of,
+)
+from graphnav.cli.quantities import counted, log_time
+from graphnav.cli.status import FAILED, OK
+from graphnav.cli.status_line import StatusLine
+from graphnav.errors import Place, shown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from graphnav.player import Chosen, Player
+    from graphnav.player.player import Keyboard
+    from graphnav.record import Recording
+
+_EXAMPLES = """\
+examples:
+  graphnav play runs/corridor_ccw-1                      as it was, on this machine's group
+  graphnav play drive.lcmlog --start 12.3s --end 20s --speed 0.5 --loop
+  graphnav play drive.lcmlog -c 'robot.*' --url udpm://239.255.1.1:7667
+
+In a terminal keys pause, step and seek. Nothing leaves this machine unless the URL says ttl=1 or more.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
+    parser.add_argument("log", metavar="LOG", type=Path, help="a log, also of lcm-logger, or a run folder")
+    parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="X times as fast (default: 1)")
+    parser.add_argument("--start", type=log_time, default=0.0, metavar="TIME", help="begin there, as 12.3s")
+    parser.add_argument("--end", type=log_time, metavar="TIME", help="end there, as 20s or 2min")
+    parser.add_argument("--loop", action="store_true", help="begin anew at the end, until Ctrl-C")
+    add_channel_options(parser)
+    add_url_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.bus import Bus  # noqa: PLC0415
+    from graphnav.notices import print_notice  # noqa: PLC0415
+    from graphnav.player import Pace, Player, choose  # noqa: PLC0415
+    from graphnav.player.player import HELP  # noqa: PLC0415
+    from graphnav.record import Recording, find_log  # noqa: PLC0415
+
+    channels = channels_of(args)
+    url = group_url(url_of(args), Place("--url" if args.url else DEFAULT_URL))
+    with Recording(find_log(args.log)) as recording:
+        chosen = choose(recording, channels, args.start, args.end)
+        _tell(recording, chosen)
+        bus = Bus(url)
+        status = StatusLine()
+
+        def notice(text: str) -> None:
+            status.clear()
+            print_notice(text)
+
+        player = Player(
+            chosen,
+            recording.at,
+            bus.publish,
+            Pace(args.speed),
+            loop=args.loop,
+            notice=notice,
+            show=lambda: status.show(_status(player, chosen)),
+        )
+        what = f"{counted(len(chosen.numbers), 'message')} on {counted(len(chosen.channels), 'channel')}"
+        length_s = (chosen.end_us - chosen.begin_us) / 1e6
+        print(f"playing {recording.path}: {what}, {length_s:.1f} s, {args.speed:g}x\n  on {url}", flush=True)
+        begin_s = time.monotonic()
+        try:
+            with _keyboard() as (keyboard, has_keys), status:
+                if has_keys:
+                    print(HELP, flush=True)
+                player.play(keyboard)
+        finally:
+            bus.close()
+            print(f"{counted(player.n_played, 'message')} played in {time.monotonic() - begin_s:.1f} s")
+    if player.n_refused:
+        print_notice(f"not published: {counted(player.n_refused, 'message')}: {shown_name(player.refusal)}")
+    return FAILED if player.n_refused and not player.n_played else OK
+
+
+def _tell(recording: Recording, chosen: Chosen) -> None:
+    """Say what is damaged, and what would move a robot that listens."""
+    from graphnav.notices import print_notice  # noqa: PLC0415
+    from graphnav.player import motor_channels  # noqa: PLC0415
+
+    if notice := recording.damage_notice():
+        print_notice(notice)
+    motors = {channel: ref for channel, ref in motor_channels(recording).items() if channel in chosen.channels}
+    for channel, ref in motors.items():
+        name = shown_name(channel)
+        print_notice(
+            f"'{name}' is a motor channel ({shown_name(ref)}): a robot that listens will move\n"
+            f"  leave it out with --invert --channel '{name}'"
+        )
+
+
+def _status(player: Player, chosen: Chosen) -> str:
+    pace = player.pace
+    at_us = min(max(pace.at_us, chosen.begin_us), chosen.end_us)
+    state = "paused " if pace.is_paused else "playing"
+    behind = f"  {player.behind_s:.1f} s behind" if player.behind_s else ""
+    return (
+        f"{state}  {at_us / 1e6:.1f} of {chosen.end_us / 1e6:.1f} s  {pace.speed_ratio:g}x  "
+        f"{counted(player.n_played, 'message')}{behind}"
+    )
+
+
+class _NoKeyboard:
+    """Where there is no terminal."""
+
+    def read(self, timeout_s: float) -> bytes:
+        """Wait."""
+        time.sleep(timeout_s)
+        return b""
+
+
+@contextmanager
+def _keyboard() -> Iterator[tuple[Keyboard, bool]]:
+    """Yield where keys come from, and whether there are any: in the foreground of a terminal."""
+    from graphnav.keyboard import Terminal  # noqa: PLC0415
+
+    if sys.stdin is None or sys.stdout is None or not (sys.stdin.isatty() and sys.stdout.isatty()):
+        yield _NoKeyboard(), False
+        return
+    fd = sys.stdin.fileno()
+    if os.tcgetpgrp(fd) != os.getpgrp():
+        yield _NoKeyboard(), False
+        return
+    with Terminal(fd) as terminal:
+        yield terminal, True

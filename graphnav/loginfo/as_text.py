@@ -1,0 +1,102 @@
+"""What a log holds, for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+
+from graphnav.errors import shown_name
+from graphnav.loginfo.made_by import MadeBy
+from graphnav.loginfo.survey import ChannelInfo, LogInfo
+from graphnav.runner.log_forecast import size_text
+
+HEADINGS = ("channel", "type", "messages", "rate", "size", "total", "lost")
+"""Of the columns of `rows`."""
+
+_MAX_SHOWN = 10
+_SHOWN_VERSIONS = ("graphnav", "lcm", "numpy")
+_MAX_TIME_US = 253_402_300_799_000_000
+"""The end of the year 9999."""
+
+
+def as_text(info: LogInfo) -> list[str]:
+    """Return the lines that stand above the table of channels."""
+    messages = f"{info.n_messages:,} messages" if info.n_messages != 1 else "1 message"
+    channels = f"{len(info.channels)} channels" if len(info.channels) != 1 else "1 channel"
+    lines = [f"{info.path}: {size_text(info.n_bytes)}, {messages} on {channels}, {info.duration_us / 1e6:.3f} s"]
+    lines.append(_begin(info) if info.n_messages else "it holds no message")
+    if info.made_by is not None:
+        lines += _made_by(info.made_by)
+    return lines
+
+
+def rows(info: LogInfo) -> list[tuple[str, ...]]:
+    """Return a row for each channel."""
+    return [
+        (
+            shown_name(channel.name),
+            _type(channel),
+            f"{channel.n_messages:,}",
+            f"{channel.rate_hz:.2f} Hz" if channel.rate_hz is not None else "",
+            _size(channel),
+            size_text(channel.n_bytes),
+            f"{channel.lost:,}" if channel.lost is not None else "",
+        )
+        for channel in info.channels
+    ]
+
+
+def damage(info: LogInfo) -> Iterator[str]:
+    """Yield what is lost or damaged, a line each; nothing for a log that is complete."""
+    for channel in info.channels:
+        name = shown_name(channel.name)
+        if channel.undecodable and channel.undecodable < channel.n_messages:
+            of = f"{channel.undecodable:,} of {channel.n_messages:,} messages"
+            yield f"{name}: {of} cannot be decoded as {channel.type_name or 'the type of the first one'}"
+        elif channel.undecodable:
+            yield f"{name}: no message can be decoded"
+        if channel.n_restarts:
+            yield f"{name}: the numbers of its messages began anew {_times(channel.n_restarts)}"
+    if info.n_jumps:
+        yield f"{info.n_jumps:,} stamps do not follow the one before: the clock was set, or they are damaged"
+    yield from map(str, info.damaged[:_MAX_SHOWN])
+    if len(info.damaged) > _MAX_SHOWN:
+        rest = info.damaged[_MAX_SHOWN:]
+        yield f"{sum(one.n_bytes for one in rest)} bytes in {len(rest)} more places are not an event"
+    if info.torn is not None:
+        yield str(info.torn)
+
+
+def _begin(info: LogInfo) -> str:
+    if not info.is_wall_time:
+        return f"simulated time from {info.begin_us / 1e6:.3f} s"
+    if info.begin_us > _MAX_TIME_US:
+        return f"begins {info.begin_us} us after 1970"
+    return f"begins {datetime.fromtimestamp(info.begin_us / 1e6, UTC):%Y-%m-%d %H:%M:%S.%f} UTC"
+
+
+def _made_by(made_by: MadeBy) -> Iterator[str]:
+    words = [f"{made_by.n_stages} stages" if made_by.n_stages is not None else "", f"seed {made_by.seed}"]
+    words += [f"run {made_by.run_id}"] if made_by.run_id else []
+    words += [f"outcome {made_by.outcome}"] if made_by.outcome else []
+    words += [f"{name} {made_by.versions[name]}" for name in _SHOWN_VERSIONS if name in made_by.versions]
+    yield shown_name(f"made by {made_by.name or 'a graph'}: " + ", ".join(filter(None, words)))
+    if made_by.about:
+        yield shown_name(f"  {made_by.about}")
+
+
+def _type(channel: ChannelInfo) -> str:
+    if channel.is_known or channel.fingerprint is None:
+        return shown_name(channel.type_name or "not a type of LCM")
+    fingerprint = f"fingerprint {channel.fingerprint}"
+    return f"{shown_name(channel.type_name)} ({fingerprint})" if channel.type_name else f"unknown, {fingerprint}"
+
+
+def _size(channel: ChannelInfo) -> str:
+    if channel.min_bytes == channel.max_bytes:
+        return size_text(channel.min_bytes)
+    return f"{size_text(channel.min_bytes)} to {size_text(channel.max_bytes)}"
+
+
+def _times(n: int) -> str:
+    return "once" if n == 1 else f"{n:,} times"

@@ -1,0 +1,153 @@
+"""Read a log once, from beginning to end, and say what is in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from graphnav.codec import Codec, DecodeError, codec_of, lcm_name, type_of
+from graphnav.loginfo.made_by import MadeBy, made_by
+from graphnav.record import Damaged, Recording, SequenceGaps, Torn
+from graphnav.record.sequence import numbered_fingerprints, seq_of
+
+_WALL_US = 1_000_000_000_000_000
+"""Stamps from September 2001 on are the time of day; simulated time begins at 0."""
+_FINGERPRINT_BYTES = 8
+
+
+@dataclass
+class ChannelInfo:
+    """The messages of one channel.
+
+    ``type_name``: None where nothing tells it; ``is_known``: whether its definition is installed; ``fingerprint``: the
+    first 8 bytes of a message in hex, None where it is shorter. ``first_us``, ``last_us``: microseconds since the first
+    event of the log. ``lost``: messages whose numbers are missing; ``n_restarts``: how often the numbering began anew;
+    both None where messages have no numbers. ``undecodable``: messages that are not of the channel's type or are
+    damaged.
+    """
+
+    name: str
+    type_name: str | None
+    fingerprint: str | None
+    first_us: int
+    is_known: bool = False
+    last_us: int = 0
+    n_messages: int = 0
+    n_bytes: int = 0
+    min_bytes: int = 0
+    max_bytes: int = 0
+    undecodable: int = 0
+    lost: int | None = None
+    n_restarts: int | None = None
+
+    @property
+    def rate_hz(self) -> float | None:
+        """Messages per second between the first and the last; None where no time passed."""
+        length_us = self.last_us - self.first_us
+        return (self.n_messages - 1) / length_us * 1e6 if length_us else None
+
+
+@dataclass(frozen=True)
+class LogInfo:
+    """What `survey` finds; ``n_jumps`` counts stamps that do not follow the one before."""
+
+    path: Path
+    n_bytes: int
+    n_messages: int
+    begin_us: int
+    duration_us: int
+    n_jumps: int
+    channels: list[ChannelInfo]
+    made_by: MadeBy | None
+    damaged: list[Damaged]
+    torn: Torn | None
+
+    @property
+    def is_wall_time(self) -> bool:
+        """Whether the stamps of the log are the time of day."""
+        return self.begin_us >= _WALL_US
+
+    @property
+    def undecodable(self) -> int:
+        """The messages of all channels that cannot be decoded."""
+        return sum(channel.undecodable for channel in self.channels)
+
+
+def survey(path: Path) -> LogInfo:
+    """Return what a log holds; reads all of it, one message at a time.
+
+    Raises LogError where the file cannot be read or is not a log.
+    """
+    with Recording(path) as recording:
+        surveys: dict[str, _Survey] = {}
+        numbered = numbered_fingerprints()
+        for event, at_us in zip(recording.events(), recording.timeline.at_us, strict=True):
+            if event.channel not in surveys:
+                surveys[event.channel] = _Survey(event.channel, event.data, at_us, numbered)
+            surveys[event.channel].take(event.data, at_us)
+        about = recording.about
+        told = dict(zip(about.channels, about.types, strict=False)) if about is not None else {}
+        return LogInfo(
+            path=path,
+            n_bytes=recording.n_bytes,
+            n_messages=recording.n_events,
+            begin_us=recording.begin_us,
+            duration_us=recording.timeline.duration_us,
+            n_jumps=recording.timeline.n_jumps,
+            channels=[surveys[name].finished(told.get(name)) for name in sorted(surveys)],
+            made_by=made_by(recording),
+            damaged=recording.damaged,
+            torn=recording.torn,
+        )
+
+
+class _Survey:
+    """What is known of one channel while its messages go by."""
+
+    def __init__(self, name: str, data: bytes, at_us: int, numbered: frozenset[bytes]) -> None:
+        self._info = ChannelInfo(name, None, None, at_us)
+        self._numbered = numbered
+        self._set_type(data)
+
+    def take(self, data: bytes, at_us: int) -> None:
+        """Count a message."""
+        if self._codec is None and data[:_FINGERPRINT_BYTES] != self._fingerprint and type_of(data) is not None:
+            self._set_type(data)
+            self._info.undecodable = self._info.n_messages
+        info, size = self._info, len(data)
+        info.min_bytes = min(info.min_bytes, size) if info.n_messages else size
+        info.max_bytes = max(info.max_bytes, size)
+        info.n_messages += 1
+        info.n_bytes += size
+        info.last_us = at_us
+        if not self._is_readable(data):
+            info.undecodable += 1
+        elif self._gaps is not None and (seq := seq_of(data)) is not None:
+            self._gaps.see(seq)
+
+    def finished(self, told: str | None) -> ChannelInfo:
+        """Return what was found; ``told`` is the type that the log itself names."""
+        info = self._info
+        info.type_name = info.type_name or told
+        info.is_known = self._codec is not None
+        if self._gaps is not None:
+            info.lost, info.n_restarts = self._gaps.lost, max(0, self._gaps.n_restarts)
+        return info
+
+    def _set_type(self, data: bytes) -> None:
+        self._fingerprint = data[:_FINGERPRINT_BYTES]
+        lcm_class = type_of(data)
+        self._codec: Codec | None = codec_of(lcm_class) if lcm_class is not None else None
+        self._gaps = SequenceGaps() if self._fingerprint in self._numbered else None
+        self._info.type_name = lcm_name(lcm_class) if lcm_class is not None else None
+        is_complete = len(self._fingerprint) == _FINGERPRINT_BYTES
+        self._info.fingerprint = self._fingerprint.hex() if is_complete else None
+
+    def _is_readable(self, data: bytes) -> bool:
+        if self._codec is None:
+            return self._info.fingerprint is None or data[:_FINGERPRINT_BYTES] == self._fingerprint
+        try:
+            self._codec.decode(data)
+        except DecodeError:
+            return False
+        return True

@@ -1,0 +1,22 @@
+"""What in a log would move a robot."""
+
+from __future__ import annotations
+
+from graphnav.errors import LogError
+from graphnav.record import Recording
+
+
+def motor_channels(recording: Recording) -> dict[str, str]:
+    """Return the motor channels of the graph that made a log, each with the output that it carried.
+
+    Empty where the log does not tell its graph.
+    """
+    try:
+        outputs = recording.graph.get("outputs")
+    except LogError:
+        return {}
+    found = {}
+    for ref, output in outputs.items() if isinstance(outputs, dict) else ():
+        if isinstance(output, dict) and output.get("motor") is True and isinstance(output.get("channel"), str):
+            found[output["channel"]] = str(ref)
+    return found

@@ -1,0 +1,83 @@
+"""A log that describes itself, also where the description is heard after other messages."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from graphnav.codec import fingerprint
+from graphnav.messages import About
+from graphnav.record.event import Event
+from graphnav.record.recording import ABOUT
+from graphnav.record.threaded_writer import Log
+
+WAIT_S = 1.2
+"""A run describes itself once a second."""
+_MAX_HELD_BYTES = 32 << 20
+_ABOUT = fingerprint(About.lcm_class)
+
+
+def is_about(channel: str, data: bytes) -> bool:
+    """Whether a message describes a run."""
+    return channel == ABOUT and data[:8] == _ABOUT
+
+
+class AboutFirst:
+    """Writes the first description of a run before everything else, with the stamp of the first event.
+
+    It waits for one for 1.2 s after the first event, or until 32 MB are held back. Without one the events are written
+    as they came: nothing is invented.
+    """
+
+    def __init__(self, log: Log, now_s: Callable[[], float] = time.monotonic) -> None:
+        self._log, self._now_s = log, now_s
+        self._held: list[Event] = []
+        self._held_bytes = 0
+        self._until_s = 0.0
+        self._is_waiting = True
+
+    @property
+    def n_events(self) -> int:
+        """The number of events, with those that are held back."""
+        return self._log.n_events + len(self._held)
+
+    @property
+    def n_bytes(self) -> int:
+        """The size of the log, without what is held back."""
+        return self._log.n_bytes
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Append an event, or hold it back; raises LogError where the disk refuses it."""
+        if self._held and self._now_s() >= self._until_s:
+            self._release()
+        if not self._is_waiting:
+            self._log.write(channel, utime, data)
+        elif is_about(channel, data):
+            self._held.insert(0, Event(channel, self._held[0].utime if self._held else utime, data))
+            self._release()
+        else:
+            if not self._held:
+                self._until_s = self._now_s() + WAIT_S
+            self._held.append(Event(channel, utime, data))
+            self._held_bytes += len(data)
+            if self._held_bytes > _MAX_HELD_BYTES:
+                self._release()
+
+    def flush(self) -> None:
+        """Hand all events to the kernel, but for what is held back."""
+        if self._held and self._now_s() >= self._until_s:
+            self._release()
+        self._log.flush()
+
+    def close(self) -> None:
+        """Write what is held back, flush and close."""
+        try:
+            self._release()
+        finally:
+            self._log.close()
+
+    def _release(self) -> None:
+        self._is_waiting = False
+        held, self._held = self._held, []
+        for event in held:
+            self._log.write(*event)

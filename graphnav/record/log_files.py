@@ -1,0 +1,138 @@
+"""A recording in one file, or in several that follow each other."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav.errors import LogError
+from graphnav.record.about_first import is_about
+from graphnav.record.event import HEADER
+from graphnav.record.recording import ABOUT
+from graphnav.record.writer import LogWriter
+
+_CHECK_S = 0.5
+
+
+class Split(NamedTuple):
+    """When a new file begins: before one would exceed ``n_bytes``, or ``us`` microseconds after its first event."""
+
+    n_bytes: int | None = None
+    us: int | None = None
+
+
+def numbered(path: Path, number: int) -> Path:
+    """Return the name of the ``number``-th file of a recording: ``drive.0003.lcmlog``."""
+    return path.with_name(f"{path.stem}.{number:04}{path.suffix}")
+
+
+def files_of(path: Path) -> list[Path]:
+    """Return the existing files of a split recording, by number."""
+    name = re.compile(rf"{re.escape(path.stem)}\.[0-9]{{4,}}{re.escape(path.suffix)}")
+    return sorted(file for file in path.parent.glob("*") if name.fullmatch(file.name))
+
+
+class LogFiles:
+    """A log in one file, or where ``split`` is given in numbered ones, of which the newest ``rotate`` are kept.
+
+    Each file after the first begins with the newest description of a run. ``free_quota_bytes``: ends the recording when
+    less is free on the disk. ``free_bytes`` tells how much that is.
+
+    Raises OSError where the first file cannot be opened.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        split: Split | None = None,
+        rotate: int | None = None,
+        free_quota_bytes: int | None = None,
+        free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+    ) -> None:
+        self._path, self._split, self._rotate = path, split, rotate
+        self._quota_bytes, self._free_bytes = free_quota_bytes, free_bytes
+        self._checked_s = -_CHECK_S
+        self._number = 0
+        self._about = b""
+        self._n_events = self._n_bytes = self._n_copies = 0
+        self._begin_us: int | None = None
+        self.paths = [path if split is None else numbered(path, 0)]
+        """The files that there are, oldest first."""
+        self._log = LogWriter(self.paths[0])
+
+    @property
+    def n_events(self) -> int:
+        """The number of events that were written, the removed ones included."""
+        return self._n_events + max(0, self._log.n_events - self._n_copies)
+
+    @property
+    def n_bytes(self) -> int:
+        """The size of all files, the removed ones included."""
+        return self._n_bytes + self._log.n_bytes
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Append an event, in a new file if it is due; raises LogError where the disk refuses it."""
+        if self._quota_bytes is not None:
+            self._check_quota(self._quota_bytes)
+        if self._begin_us is None:
+            self._begin_us = utime
+        elif self._split is not None and self._is_full(self._split, utime, HEADER.size + len(channel) + len(data)):
+            self._begin_file(channel, utime)
+        if channel == ABOUT and is_about(channel, data):
+            self._about = data
+        self._log.write(channel, utime, data)
+
+    def flush(self) -> None:
+        """Hand all events to the kernel."""
+        if self._quota_bytes is not None:
+            self._check_quota(self._quota_bytes)
+        self._log.flush()
+
+    def close(self) -> None:
+        """Flush and close; does nothing the second time."""
+        self._log.close()
+
+    def _is_full(self, split: Split, utime: int, n_bytes: int) -> bool:
+        if self._begin_us is None or self._log.n_events <= self._n_copies:
+            return False
+        max_bytes, max_us = split
+        return (max_bytes is not None and self._log.n_bytes + n_bytes > max_bytes) or (
+            max_us is not None and utime - self._begin_us >= max_us
+        )
+
+    def _begin_file(self, channel: str, utime: int) -> None:
+        self._log.close()
+        self._n_events, self._n_bytes = self.n_events, self.n_bytes
+        self._number += 1
+        path = numbered(self._path, self._number)
+        try:
+            self._log = LogWriter(path)
+        except OSError as error:
+            raise LogError(f"{path}: {error.strerror}") from error
+        self.paths.append(path)
+        self._begin_us = utime
+        self._n_copies = int(bool(self._about) and channel != ABOUT)
+        if self._n_copies:
+            self._log.write(ABOUT, utime, self._about)
+        if self._rotate is not None:
+            self._remove_oldest(self._rotate)
+
+    def _remove_oldest(self, n_kept: int) -> None:
+        while len(self.paths) > n_kept:
+            oldest = self.paths.pop(0)
+            try:
+                oldest.unlink(missing_ok=True)
+            except OSError as error:
+                raise LogError(f"cannot remove {oldest}: {error.strerror}") from error
+
+    def _check_quota(self, quota_bytes: int) -> None:
+        if time.monotonic() - self._checked_s < _CHECK_S:
+            return
+        self._checked_s = time.monotonic()
+        free_bytes = self._free_bytes(self._path.parent)
+        if free_bytes < quota_bytes:
+            raise LogError(f"{self.paths[-1]}: {free_bytes} bytes are free on its disk, less than --quota asks for")

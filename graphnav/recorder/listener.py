@@ -1,0 +1,58 @@
+"""Listening in a thread of its own, which waits for nothing but the network."""
+
+from __future__ import annotations
+
+import threading
+
+from graphnav.bus import Bus, Handler
+from graphnav.errors import BusError
+from graphnav.recorder.receive_buffer import dropped_packets, own_sockets
+
+_POLL_S = 0.05
+_MAX_WAITING = 50_000
+"""Messages that LCM keeps for this thread: its memory must be bounded, whatever is sent."""
+
+
+class Listener:
+    """Hands over every message of a group: ``take(channel, data)`` is called in the listening thread.
+
+    Raises BusError where LCM cannot be opened.
+    """
+
+    def __init__(self, url: str, take: Handler) -> None:
+        self._ending = threading.Event()
+        others = own_sockets()
+        self._bus = Bus(url)
+        self._bus.subscribe_all(take, max_waiting=_MAX_WAITING)
+        self._sockets = own_sockets() - others
+        self._thread = threading.Thread(target=self._serve, name="graphnav-listener", daemon=True)
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._thread.start()
+
+    def dropped_packets(self) -> int:
+        """Return the number of packets that the kernel dropped at this listener's socket."""
+        return dropped_packets(self._sockets)
+
+    def close(self) -> None:
+        """Stop listening; what had arrived is handed over first."""
+        self._ending.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _serve(self) -> None:
+        while not self._ending.is_set():
+            self._hear(_POLL_S)
+        for _ in range(_MAX_WAITING):
+            if not self._hear(0.0):
+                break
+        self._bus.close()
+
+    def _hear(self, timeout_s: float) -> bool:
+        """Wait for a message and hand it over; return whether one came."""
+        try:
+            return self._bus.handle(timeout_s)
+        except (BusError, OSError, RuntimeError):
+            self._ending.wait(_POLL_S)
+            return False

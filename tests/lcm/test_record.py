@@ -1,0 +1,403 @@
+"""``graphnav record``: what is heard is in the log, complete up to the end, however that comes."""
+
+from __future__ import annotations
+
+import random
+import re
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import lcm
+import numpy as np
+import pytest
+
+from graphnav.bus import GROUP, Bus
+from graphnav.cli import main
+from graphnav.codec import encode
+from graphnav.messages import About, Image, Stop, Twist
+from graphnav.record import ABOUT, ChannelFilter, Recording, ThreadedLogWriter
+from graphnav.recorder import Recorder, Tally
+
+from .conftest import TOOLS
+from .recording import GRAPHNAV, RecordProcess, events_of, wait_until
+
+DiskOf = Callable[[int], AbstractContextManager[None]]
+Start = Callable[..., RecordProcess]
+SAID = encode(About("stages: {}\n", "", "cafe", 7, ("twist",), ("graphnav_lcm.twist_t",)), 0, 0)
+
+
+def twist(k: int) -> bytes:
+    """Return the k-th command."""
+    return encode(Twist(0.1, 0.2), 1000 * k, k)
+
+
+@pytest.fixture
+def start(group: str) -> Iterator[Start]:
+    """Return what starts a process that records; all end with the test."""
+    started: list[RecordProcess] = []
+
+    def begin(path: Path, *options: str) -> RecordProcess:
+        started.append(RecordProcess(group, path, *options))
+        return started[-1]
+
+    yield begin
+    for process in started:
+        process.close()
+
+
+def heard(path: Path) -> list[tuple[str, bytes]]:
+    """Return what was recorded but for marks."""
+    return [(event.channel, event.data) for event in events_of(path) if event.channel != "mark"]
+
+
+def row_of(out: str, channel: str) -> list[str]:
+    """Return the words of a channel's row."""
+    return next(words for line in out.splitlines() if (words := line.split())[:1] == [channel])
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], ids=str)
+def test_signals_end_it_cleanly(start: Start, tmp_path: Path, number: int) -> None:
+    path = tmp_path / "log"
+    process = start(path)
+    process.publish_until_heard()
+    before_us = time.time_ns() // 1000
+    sent = [("x", bytes([k])) for k in range(50)]
+    for channel, data in sent:
+        process.bus.publish(channel, data)
+    wait_until(lambda: len(heard(path)) == 50)
+    status, out, err = process.end(number)
+    assert (status, err) == (0, "")
+    assert "nothing lost" in out
+    assert heard(path) == sent
+    stamps = [event.utime for event in events_of(path) if event.channel == "x"]
+    assert stamps == sorted(stamps)
+    assert before_us <= stamps[0] <= stamps[-1] <= time.time_ns() // 1000
+    assert subprocess.run([GRAPHNAV, "info", path], capture_output=True, check=True, text=True).stdout.endswith(
+        "nothing is damaged\n"
+    )
+
+
+def test_kill_9_leaves_complete_events(start: Start, tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    process = start(path)
+    process.publish_until_heard()
+    for k in range(200):
+        process.bus.publish("x", bytes(1000 + k))
+    wait_until(lambda: len(heard(path)) == 200)
+    process.process.kill()
+    process.process.wait()
+    with Recording(path) as recording:
+        assert (recording.torn, recording.damaged) == (None, [])
+    assert [len(data) for _, data in heard(path)] == [1000 + k for k in range(200)]
+
+
+def test_the_log_describes_itself_first(start: Start, tmp_path: Path, group: str) -> None:
+    path = tmp_path / "log"
+    process = start(path, "-c", "twist")
+    for k in range(30):
+        process.bus.publish("twist", twist(k))
+        process.bus.publish("other", b"")
+        if k == 20:
+            process.bus.publish(ABOUT, SAID)
+    wait_until(lambda: len(heard(path)) >= 31)
+    status, out, _ = process.end()
+    assert status == 0
+    events = events_of(path)
+    assert (events[0].channel, events[0].data) == (ABOUT, SAID)
+    assert events[0].utime == events[1].utime
+    assert [event.data for event in events[1:]] == [twist(k) for k in range(30)]
+    assert row_of(out, "twist")[:3] == ["twist", "graphnav_lcm.twist_t", "30"]
+
+
+def test_losses_are_told(start: Start, tmp_path: Path) -> None:
+    process = start(tmp_path / "log")
+    process.publish_until_heard()
+    for k in (5, 6, 9, 10):
+        process.bus.publish("twist", twist(k))
+    wait_until(lambda: len(heard(tmp_path / "log")) == 4)
+    status, out, _ = process.end()
+    assert status == 0
+    assert "2 messages lost (missing numbers)\n" in out
+    assert row_of(out, "twist") == ["twist", "graphnav_lcm.twist_t", "4", "160", "B", "2"]
+
+
+def test_what_a_suspended_process_loses_is_told(start: Start, tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    process = start(path)
+    sent = 0
+
+    def publish() -> None:
+        nonlocal sent
+        process.bus.publish("stop", encode(Stop(engaged=True, reason="x" * 50_000), 0, sent))
+        sent += 1
+
+    process.publish_until_heard()
+    publish()
+    process.process.send_signal(signal.SIGSTOP)
+    for _ in range(400):  # 20 MB, and 4 MB fit the receive buffer
+        publish()
+    process.process.send_signal(signal.SIGCONT)
+    last = sent
+
+    def is_heard() -> bool:
+        publish()
+        return any(data[16:24] >= last.to_bytes(8, "big") for channel, data in heard(path) if channel == "stop")
+
+    wait_until(is_heard)
+    _, out, _ = process.end()
+    seqs = [int.from_bytes(data[16:24], "big") for channel, data in heard(path) if channel == "stop"]
+    lost = seqs[-1] + 1 - len(seqs)
+    assert lost > 0
+    assert row_of(out, "stop")[-1] == str(lost)
+    assert re.search(rf"; {lost} messages? lost \(missing numbers\); [1-9]\d* packets? dropped by the kernel\n", out)
+
+
+def test_packets_that_no_program_should_send_do_no_harm(start: Start, tmp_path: Path, group: str) -> None:
+    process = start(tmp_path / "log")
+    process.publish_until_heard()
+    parts = urlsplit(group)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        rng = random.Random(5)
+        for packet in (
+            *(rng.randbytes(rng.randrange(100)) for _ in range(200)),
+            *(b"LC02\0\0\0\0" + name + b"\0data" for name in (b"", b"\xff\xfe", "fl\u00fcgel".encode(), b"x")),
+        ):
+            sender.sendto(packet, (parts.hostname or "", parts.port or 0))
+    wait_until(lambda: ("x", b"data") in heard(tmp_path / "log"))
+    _, out, err = process.end()
+    assert err == ""
+    assert heard(tmp_path / "log") == [("fl\u00fcgel", b"data"), ("x", b"data")]
+    assert "1 message on a channel without a name\n" in out
+    with Recording(tmp_path / "log") as recording:
+        assert (recording.torn, recording.damaged) == (None, [])
+
+
+def test_names_are_shown_as_text(start: Start, tmp_path: Path) -> None:
+    process = start(tmp_path / "log")
+    process.publish_until_heard()
+    process.bus.publish("\x1b[31m[red]", b"12345678")
+    wait_until(lambda: len(heard(tmp_path / "log")) == 1)
+    _, out, _ = process.end()
+    assert row_of(out, r"\x1b[31m[red]")[1:4] == ["unknown,", "3132333435363738", "1"]
+    assert "\x1b" not in out
+
+
+def test_it_ends_by_itself_and_says_that_nothing_came(
+    tmp_path: Path, group: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "log"
+    assert main(["record", group, "-o", str(path), "--for", "0.2"]) == 0
+    url = f"{group}&recv_buf_size=2097152"
+    assert capsys.readouterr().out == (
+        f"recording to {path}; Ctrl-C ends it\n  from {url}\n"
+        f"no message on {url}\n0 messages, 0 B; nothing lost\n{path}: 0 B\n"
+    )
+    assert path.stat().st_size == 0
+
+
+def test_images_are_kept(start: Start, tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    process = start(path, "-c", "image")
+    rng = np.random.default_rng(1)
+    sent = []
+    for k in range(12):
+        sent.append(encode(Image(rng.integers(0, 255, (480, 640), np.uint8)), k, k))
+        process.bus.publish("image", sent[-1])
+        if k % 4 == 3:  # more would not fit the receive buffer at once
+            wait_until(lambda n=k + 1: len(heard(path)) == n)  # type: ignore[misc]
+    process.end()
+    assert [data for _, data in heard(path)] == sent
+
+
+def test_lcm_logplayer_plays_what_was_recorded(start: Start, tmp_path: Path, group: str) -> None:
+    path = tmp_path / "log"
+    process = start(path, "-c", "twist")
+    sent = [twist(k) for k in range(40)]
+    for data in sent:
+        process.bus.publish("twist", data)
+    wait_until(lambda: len(heard(path)) == 40)
+    process.end()
+    listener = lcm.LCM(group)
+    received: list[bytes] = []
+    listener.subscribe("twist", lambda _, data: received.append(data)).set_queue_capacity(0)
+    player = subprocess.Popen([TOOLS / "lcm-logplayer", "--lcm-url", group, path], stdout=subprocess.DEVNULL)
+    while len(received) < 40 and listener.handle_timeout(10_000):
+        pass
+    assert player.wait(30) == 0
+    assert received == sent
+
+
+def test_files_are_split_and_rotated(start: Start, tmp_path: Path) -> None:
+    process = start(tmp_path / "drive.lcmlog", "--split", "10kB", "--rotate", "3")
+    process.bus.publish(ABOUT, SAID)
+    for k in range(100):
+        process.bus.publish("x", bytes(1000))
+        if k % 10 == 9:
+            wait_until(lambda k=k: _newest(tmp_path) >= k // 10)  # type: ignore[misc]
+    status, out, _ = process.end()
+    assert status == 0
+    files = sorted(tmp_path.iterdir())
+    assert len(files) == 3
+    assert all(events_of(file)[0].channel == ABOUT for file in files)
+    assert f"{files[0]} to {files[-1].name} (3 files): " in out
+
+
+def _newest(folder: Path) -> int:
+    return max(int(file.stem.rpartition(".")[2]) for file in folder.iterdir())
+
+
+def test_a_full_disk_is_told_at_once_and_ends_it(
+    tmp_path: Path, group: str, capfd: pytest.CaptureFixture[str], disk_of: DiskOf
+) -> None:
+    path, bus = tmp_path / "log", Bus(group)
+    sent = 0
+
+    def publish(recorder: Recorder) -> None:
+        nonlocal sent
+        while not recorder.failure:
+            bus.publish("x", bytes(50_000))
+            sent += 1
+            time.sleep(0.001)
+
+    notices: list[str] = []
+    with disk_of(1_000_000):
+        recorder = Recorder(group, path, ChannelFilter(), notice=notices.append)
+        recorder.start()
+        publish(recorder)
+        recorder.close()
+    bus.close()
+    assert notices == [f"{path}: File too large; the log ends whole after 19 events"]
+    assert recorder.dropped > 0
+    assert len(events_of(path)) == 19
+
+
+def test_a_full_disk_is_a_failure(group: str, capsys: pytest.CaptureFixture[str]) -> None:
+    bus = Bus(group)
+    publisher = subprocess.Popen(
+        [GRAPHNAV, "pub", "TWIST", "Twist", "--rate", "100", "--url", group], stdout=subprocess.DEVNULL
+    )
+    try:
+        assert main(["record", group, "-o", "/dev/full", "--force", "--for", "60"]) == 1
+    finally:
+        publisher.terminate()
+        publisher.wait()
+        bus.close()
+    out, err = capsys.readouterr()
+    assert err == "/dev/full: No space left on device; the log ends whole after 0 events\n"
+    assert "messages not written" in out
+
+
+def test_an_existing_log_is_kept_unless_it_is_to_be_replaced(
+    tmp_path: Path, group: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "log"
+    path.write_text("precious")
+    assert main(["record", group, "-o", str(path), "--for", "0.1"]) == 2
+    assert capsys.readouterr().err == (f"-o: {path} exists\n  name another file with -o, or replace it with --force\n")
+    assert path.read_text() == "precious"
+    assert main(["record", group, "-o", str(path), "--for", "0.1", "--force"]) == 0
+    assert path.read_text() == ""
+
+
+def test_parts_of_an_older_recording_are_kept_unless_they_are_to_be_replaced(
+    tmp_path: Path, group: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old = tmp_path / "drive.0007.lcmlog"
+    old.write_text("precious")
+    words = ["record", group, "-o", str(tmp_path / "drive.lcmlog"), "--split", "1MB", "--for", "0.1"]
+    assert main(words) == 2
+    assert capsys.readouterr().err.startswith(f"-o: {old} exists\n")
+    assert main([*words, "--force"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["drive.0000.lcmlog"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["tcpq://localhost"],
+            f"URL: 'tcpq://localhost' is not a udpm:// URL\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+        ),
+        (
+            ["udpm://127.0.0.1:7667"],
+            f"URL: '127.0.0.1' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+        ),
+        (["--rotate", "3"], "--rotate: there is only one file\n  add --split SIZE, or leave it out\n"),
+        (["--invert"], "--invert: there is no filter to invert\n  add --channel GLOB or --regex RE\n"),
+        (
+            ["--regex", "["],
+            (
+                "--regex: '[' is not a regular expression: unterminated character set at position 0\n"
+                "  escape special characters with a backslash\n"
+            ),
+        ),
+        (["-o", "{tmp}/none/log"], "-o: cannot write {tmp}/none/log: No such file or directory\n  name another file\n"),
+        (["-o", "{tmp}"], "-o: {tmp} exists\n  name another file with -o, or replace it with --force\n"),
+        (["-o", "{tmp}", "--force"], "-o: cannot write {tmp}: Is a directory\n  name another file\n"),
+    ],
+)
+def test_a_command_line_that_is_wrong_is_refused(
+    tmp_path: Path,
+    group: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    words: list[str],
+    said: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    url = [] if words[0].endswith(("localhost", "7667")) else [group]
+    assert main(["record", *url, "--for", "0.1", *(word.format(tmp=tmp_path) for word in words)]) == 2
+    assert capsys.readouterr().err == said.format(tmp=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--split", "often"], "argument --split: 'often' is not a size or time: write 100MB or 60s"),
+        (["--quota", "5"], "argument --quota: '5' is not a size: write 100MB or 2GiB"),
+        (["--for", "nan"], "argument --for: 'nan' is no number of seconds above 0"),
+        (["--rotate", "0"], "argument --rotate: '0' is no whole number above 0"),
+    ],
+)
+def test_an_argument_that_is_wrong_is_refused(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["record", *words])
+    assert said in capsys.readouterr().err
+
+
+def test_a_quota_that_is_not_kept_ends_it(tmp_path: Path, group: str, capsys: pytest.CaptureFixture[str]) -> None:
+    publisher = subprocess.Popen(
+        [GRAPHNAV, "pub", "TWIST", "Twist", "--rate", "100", "--url", group], stdout=subprocess.DEVNULL
+    )
+    try:
+        assert main(["record", group, "-o", str(tmp_path / "log"), "--quota", "1000000TB", "--for", "60"]) == 1
+    finally:
+        publisher.terminate()
+        publisher.wait()
+    assert "bytes are free on its disk, less than --quota asks for" in capsys.readouterr().err
+
+
+def test_channels_without_number_do_not_fill_the_memory() -> None:
+    tally = Tally()
+    for k in range(12_000):
+        tally.hear(f"channel {k}", twist(k))
+    assert len(tally.channels) == 10_000
+    assert tally.others.n_messages == 2000
+    assert (tally.n_messages, tally.n_bytes, tally.lost) == (12_000, 12_000 * 40, 0)
+
+
+def test_a_listener_does_not_wait_for_the_disk(tmp_path: Path, group: str) -> None:
+    """A disk that hangs costs messages, which are counted; it never holds up the listening thread."""
+    log = ThreadedLogWriter(tmp_path / "log", max_bytes=1000)
+    for _ in range(100):
+        log.write("x", 0, bytes(900))
+    log.close()
+    assert log.dropped + log.n_events == 100
