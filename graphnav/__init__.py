@@ -5,6 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from graphnav.adapter import Adapter
+    from graphnav.api.ablating import ablate
+    from graphnav.api.drawing import Drawing, draw
+    from graphnav.api.finished_run import Run, RunError
+    from graphnav.api.finished_study import Study
+    from graphnav.api.loading import check, load
+    from graphnav.api.log import Log, open_log
+    from graphnav.api.running import run
     from graphnav.continuity import Continuity
     from graphnav.errors import (
         DeclarationError,
@@ -16,6 +23,7 @@ if TYPE_CHECKING:
         did_you_mean,
         shown_path,
     )
+    from graphnav.graph import Graph
     from graphnav.grid import block_sum, coarsen
     from graphnav.hooks import hookimpl
     from graphnav.messages import (
@@ -46,6 +54,13 @@ __version__ = "0.2.0"
 
 _HOMES = {
     "graphnav.adapter": ("Adapter",),
+    "graphnav.api.ablating": ("ablate",),
+    "graphnav.api.drawing": ("Drawing", "draw"),
+    "graphnav.api.finished_run": ("Run", "RunError"),
+    "graphnav.api.finished_study": ("Study",),
+    "graphnav.api.loading": ("check", "load"),
+    "graphnav.api.log": ("Log", "open_log"),
+    "graphnav.api.running": ("run",),
     "graphnav.continuity": ("Continuity",),
     "graphnav.errors": (
         "DeclarationError",
@@ -57,6 +72,7 @@ _HOMES = {
         "did_you_mean",
         "shown_path",
     ),
+    "graphnav.graph": ("Graph",),
     "graphnav.grid": ("block_sum", "coarsen"),
     "graphnav.hooks": ("hookimpl",),
     "graphnav.messages": (
@@ -91,13 +107,16 @@ __all__ = [
     "Age",
     "Continuity",
     "DeclarationError",
+    "Drawing",
     "Finished",
     "Flow",
     "Goal",
+    "Graph",
     "GraphnavError",
     "GuardState",
     "Image",
     "Latest",
+    "Log",
     "Map",
     "Message",
     "Motion",
@@ -111,6 +130,8 @@ __all__ = [
     "Problem",
     "Recording",
     "Role",
+    "Run",
+    "RunError",
     "Since",
     "Source",
     "Stage",
@@ -120,15 +141,22 @@ __all__ = [
     "Status",
     "Steering",
     "Stop",
+    "Study",
     "Truth",
     "Twist",
     "UserError",
     "__version__",
+    "ablate",
     "block_sum",
+    "check",
     "coarsen",
     "did_you_mean",
+    "draw",
     "hookimpl",
+    "load",
+    "open_log",
     "param",
+    "run",
     "shown_path",
 ]
 

@@ -140,8 +140,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
 def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
     """Return the checked plan of the study that the command line says."""
     from graphnav.ablation.command_line import study_of_command  # noqa: PLC0415
-    from graphnav.ablation.execute import with_versions  # noqa: PLC0415
-    from graphnav.ablation.make_plan import make_plan  # noqa: PLC0415
+    from graphnav.api.study_plan import checked_plan  # noqa: PLC0415
 
     study = study_of_command(
         args.names,
@@ -152,7 +151,7 @@ def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
         seeds=args.seeds,
         one_at_a_time=args.one_at_a_time,
     )
-    return with_versions(make_plan(study, catalog, shlex.join(["graphnav", *args.words]), args.plugins))
+    return checked_plan(study, catalog, shlex.join(["graphnav", *args.words]), args.plugins)
 
 
 def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:

@@ -232,12 +232,10 @@ def group_url(url: str, place: Place | None) -> str:
 
 def catalog_of(args: argparse.Namespace) -> Catalog:
     """Return the catalog with the ``--plugin`` files."""
+    from graphnav.api.loading import add_plugins  # noqa: PLC0415
     from graphnav.catalog import Catalog  # noqa: PLC0415
 
-    catalog = Catalog()
-    for plugin in args.plugins:
-        catalog.add_file(plugin)
-    return catalog
+    return add_plugins(Catalog(), args.plugins)
 
 
 def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
@@ -248,17 +246,16 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
     UserError
         Everything that is wrong with the graph or the options.
     """
-    from graphnav.graph import load_graph  # noqa: PLC0415
+    from graphnav.api.loading import load_with  # noqa: PLC0415
 
     catalog = catalog_of(args)
-    graph = load_graph(args.graph, catalog, sets=args.sets)
+    graph = load_with(catalog, args.graph, args.sets, args.plugins)
     given = {
         name: _run_option(option, name, value)
         for option, name in (("seed", "seed"), ("until", "until_s"))
         if (value := getattr(args, option, None)) is not None
     }
-    plugins = dict.fromkeys((*graph.plugins, *(path.resolve() for path in args.plugins)))
-    return catalog, replace(graph, run=replace(graph.run, **given), plugins=tuple(plugins))
+    return catalog, replace(graph, run=replace(graph.run, **given))
 
 
 def _run_option(option: str, name: str, value: Any) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 import traceback
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.errors import DrawingError, UserError
+from graphnav.errors import DrawingError
 from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
@@ -65,6 +64,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console  # noqa: PLC0415
 
+    from graphnav.api.execute import runs_live  # noqa: PLC0415
     from graphnav.record import LOG  # noqa: PLC0415
     from graphnav.report.folder import make_run_folder  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
@@ -74,7 +74,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.runner.saved_graph import GRAPH  # noqa: PLC0415
 
     catalog, graph = load(args)
-    is_live = _is_live(args, graph)
+    is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
     live_notice = _live_notice(args, graph) if is_live else ""
     stages = graph.make_stages()
     folder = make_run_folder(args.folder, graph.path.stem)
@@ -109,18 +109,6 @@ def main(args: argparse.Namespace) -> int:
     files[0] = f"{LOG} ({size_text((folder / LOG).stat().st_size)})"
     console.print(f"{folder}: " + ", ".join(files), markup=False)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
-
-
-def _is_live(args: argparse.Namespace, graph: Graph) -> bool:
-    """Return whether the run is live; raise UserError for options that then mean nothing."""
-    if args.pace is not None and not 0 < args.pace < math.inf:
-        raise UserError.of(f"--pace is {args.pace:g}, but must be above 0", "leave it out to run as fast as it goes")
-    is_live = bool(args.live or graph.is_live)
-    if is_live and args.pace is not None:
-        raise UserError.of("--pace has no effect on a live run, which follows the wall clock", "leave --pace out")
-    if not is_live and args.url is not None:
-        raise UserError.of("--url is for live runs, but this graph runs in lockstep", "add --live, or leave --url out")
-    return is_live
 
 
 def _live_notice(args: argparse.Namespace, graph: Graph) -> str:
@@ -158,34 +146,24 @@ def _run(
 ) -> Summary:
     from rich.console import Console  # noqa: PLC0415
 
+    from graphnav.api.execute import execute  # noqa: PLC0415
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
-    from graphnav.live import run_live  # noqa: PLC0415
-    from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
 
     def show_cause(error: GraphnavError) -> None:
         if args.verbose:
             traceback.print_exception(error)
 
     with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-        if is_live:
-            return run_live(
-                graph,
-                stages,
-                folder,
-                url=args.url,
-                tap=tap,
-                run_id=run_id,
-                on_time=lambda run_s: on_tick(round(run_s * 1e6)),
-                on_failure=show_cause,
-            )
-        return run_recorded(
+        return execute(
             graph,
             stages,
             folder,
-            pace_ratio=args.pace,
+            is_live=is_live,
+            pace=args.pace,
+            url=args.url,
             tap=tap,
             run_id=run_id,
-            on_tick=on_tick,
+            on_time=lambda run_s: on_tick(round(run_s * 1e6)),
             on_failure=show_cause,
             notice=print_notice,
         )

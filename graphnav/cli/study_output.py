@@ -6,17 +6,15 @@ from pathlib import Path
 
 from rich.console import Console
 
-from graphnav.ablation.comparison import compare
-from graphnav.ablation.csv_files import RESULTS, TIMING, figure_columns, write_results, write_timing
+from graphnav.ablation.csv_files import RESULTS, TIMING, figure_columns
 from graphnav.ablation.folder import read_plan
-from graphnav.ablation.markdown import TABLE, table_markdown
+from graphnav.ablation.markdown import TABLE
 from graphnav.ablation.pair_studies import pair_studies
 from graphnav.ablation.pairing_markdown import pairing_markdown
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import read_records
-from graphnav.ablation.report import write_report
 from graphnav.ablation.table import print_comparison, print_pairing
-from graphnav.ablation.whole_file import write_whole
+from graphnav.api.study_files import write_study_files
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError, did_you_mean
 
@@ -31,20 +29,16 @@ def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) 
     GraphnavError
         The disk refuses; what it refuses stays as it was.
     """
-    records = read_records(plan, folder)
-    comparison = compare(plan, records)
-    write_results(plan, records, folder / RESULTS)
-    write_timing(plan, records, folder / TIMING)
-    write_whole(folder / TABLE, table_markdown(plan, comparison))
-    report = write_report(plan, comparison, records, folder, catalog)
+    files = write_study_files(plan, folder, catalog)
+    comparison = files.comparison
     print_comparison(console, comparison, plan)
-    for figure in plan.figures if records else ():
+    for figure in plan.figures if files.records else ():
         if not comparison.says(figure):
-            hint = did_you_mean(figure, figure_columns(plan, records)) or f"{RESULTS} has them all"
+            hint = did_you_mean(figure, figure_columns(plan, files.records)) or f"{RESULTS} has them all"
             console.print(f"no run says the figure '{figure}'\n  {hint}", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
-    console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {report.name}", markup=False)
+    console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:

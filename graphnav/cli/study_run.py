@@ -7,7 +7,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import joblib
 from rich.console import Console
 
 from graphnav.ablation.execute import execute, missing
@@ -16,7 +15,8 @@ from graphnav.ablation.gallery import draw_failures, undrawn, worst_failures
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import read_records
 from graphnav.ablation.tasks import Tasks
-from graphnav.ablation.workers import Workers, cluster_workers, local_workers
+from graphnav.ablation.workers import Workers
+from graphnav.api.ablating import study_workers
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
 
@@ -28,9 +28,8 @@ MANY_RUNS = 1000
 def workers_of(cluster: str | None, jobs: int | None, folder: StudyFolder) -> Iterator[Workers]:
     """Let a cluster, or as many processes as asked for or there are cores, make runs; SIGTERM stops like Ctrl-C."""
     old = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    makers = cluster_workers(cluster) if cluster else local_workers(jobs or joblib.cpu_count(), folder.scratch)
     try:
-        with makers as workers:
+        with study_workers(cluster, jobs, folder.scratch) as workers:
             yield workers
     finally:
         signal.signal(signal.SIGTERM, old)

@@ -11,15 +11,17 @@ from graphnav.graph import Graph
 _DEFAULT = "LCM_DEFAULT_URL"
 
 
-def live_url(graph: Graph, given: str | None) -> str:
+def live_url(graph: Graph, given: str | None, option: str = "--url") -> str:
     """Return the LCM URL of a live run: what was given, the graph's, ``LCM_DEFAULT_URL``, or this machine's group.
+
+    ``option``: what errors call the one that was given.
 
     Raises
     ------
     UserError
         No other program can be reached there.
     """
-    choices = (("--url", given), ("run.url", graph.run.url), (_DEFAULT, os.environ.get(_DEFAULT) or None))
+    choices = ((option, given), ("run.url", graph.run.url), (_DEFAULT, os.environ.get(_DEFAULT) or None))
     where, url = next(((where, url) for where, url in choices if url is not None), ("", GROUP))
     place = Place(where) if where else None
     if not url.startswith("udpm://"):

@@ -134,6 +134,10 @@ class Recording:
             return [entry.utime for entry in entries]
         return [self._stamp(entry) for entry in entries]
 
+    def event_utimes(self, channel: str) -> list[int]:
+        """Return the stamps of a channel's events, microseconds: simulated time, or when they were logged."""
+        return [self._index[number].utime for number in self._index.channels.get(channel, ())]
+
     def events(self) -> Iterator[Event]:
         """Yield all events in the order of the file."""
         return map(self._event, self.entries())

@@ -1,0 +1,1 @@
+"""The Python door: what notebooks and scripts call; `graphnav` exports its names."""

@@ -1,0 +1,80 @@
+"""Run a checked graph into a folder, in lockstep or live: what ``graphnav run`` and `graphnav.run` share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from graphnav.errors import GraphnavError, UserError
+from graphnav.graph import Graph
+from graphnav.live import run_live
+from graphnav.runner.recorded import LiveSink, run_recorded
+from graphnav.runner.summary import Summary
+from graphnav.stage import Stage
+
+
+def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, option: str = "") -> bool:
+    """Return whether a run is live.
+
+    ``option``: what stands before the name of an option where a user wrote it: ``--`` on the command line.
+
+    Raises
+    ------
+    UserError
+        An option has no effect on such a run, or the pace is not above 0.
+    """
+    if pace is not None and not 0 < pace < math.inf:
+        hint = "leave it out to run as fast as it goes"
+        raise UserError.of(f"{option}pace is {pace:g}, but must be above 0", hint)
+    is_live = live or graph.is_live
+    if is_live and pace is not None:
+        what = f"{option}pace has no effect on a live run, which follows the wall clock"
+        raise UserError.of(what, f"leave {option}pace out")
+    if not is_live and url is not None:
+        what = f"{option}url is for live runs, but this graph runs in lockstep"
+        raise UserError.of(what, f"add {option}live{'' if option else '=True'}, or leave {option}url out")
+    return is_live
+
+
+def execute(
+    graph: Graph,
+    stages: dict[str, Stage],
+    folder: Path,
+    *,
+    is_live: bool,
+    pace: float | None,
+    url: str | None,
+    tap: LiveSink | None,
+    run_id: str,
+    on_time: Callable[[float], None],
+    on_failure: Callable[[GraphnavError], None],
+    notice: Callable[[str], None],
+) -> Summary:
+    """Run a graph into an existing, empty folder; see `run_recorded` and `run_live`.
+
+    ``on_time`` gets seconds: the simulated time of each tick to come; live, the time since the start, now and then.
+    """
+    if is_live:
+        return run_live(
+            graph,
+            stages,
+            folder,
+            url=url,
+            tap=tap,
+            run_id=run_id,
+            on_time=on_time,
+            on_failure=on_failure,
+            notice=notice,
+        )
+    return run_recorded(
+        graph,
+        stages,
+        folder,
+        pace_ratio=pace,
+        tap=tap,
+        run_id=run_id,
+        on_tick=lambda utime: on_time(utime / 1e6),
+        on_failure=on_failure,
+        notice=notice,
+    )

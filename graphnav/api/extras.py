@@ -1,0 +1,22 @@
+"""Packages that a plain installation does not bring."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from graphnav.errors import UserError
+
+
+def import_pandas(who: str) -> Any:
+    """Return pandas, for ``who``.
+
+    Raises
+    ------
+    UserError
+        It is not installed.
+    """
+    try:
+        import pandas  # noqa: PLC0415, ICN001 - an extra
+    except ImportError as error:
+        raise UserError.of(f"{who} needs pandas", 'pip install "graphnav[pandas]"') from error
+    return pandas

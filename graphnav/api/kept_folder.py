@@ -1,0 +1,64 @@
+"""The folder of a run or a study: one that the caller names, or a temporary one that lives while it is used."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import weakref
+from pathlib import Path
+
+from graphnav.api.arguments import PathLike, path_of
+from graphnav.errors import UserError
+
+
+class KeptFolder:
+    """A folder; a temporary one is removed with the last object that holds this."""
+
+    def __init__(self, path: Path, *, is_temporary: bool) -> None:
+        self.path = path
+        self.is_temporary = is_temporary
+        if is_temporary:
+            weakref.finalize(self, shutil.rmtree, path, ignore_errors=True)
+
+
+def temporary_folder() -> KeptFolder:
+    """Return a new folder below the system's folder of temporary files.
+
+    Raises
+    ------
+    UserError
+        It cannot be made.
+    """
+    try:
+        return KeptFolder(Path(tempfile.mkdtemp(prefix="graphnav-")), is_temporary=True)
+    except OSError as error:
+        raise UserError.of(
+            f"cannot make a temporary folder: {error.strerror or error}", 'write folder="runs/1"'
+        ) from error
+
+
+def new_folder(given: PathLike | None) -> KeptFolder:
+    """Return a new or empty folder that can be written: ``given``, else a temporary one.
+
+    Raises
+    ------
+    UserError
+        ``given`` is not empty, not a folder, or cannot be made or written.
+    """
+    if given is None:
+        return temporary_folder()
+    path = path_of(given, "folder", "runs/1")
+    hint = "choose another folder"
+    try:
+        if path.exists() and not path.is_dir():
+            raise UserError.of(f"folder: {path} is a file", hint)
+        path.mkdir(parents=True, exist_ok=True)
+        if any(path.iterdir()):
+            raise UserError.of(f"folder: {path} is not empty", f"{hint}, or remove this one")
+    except (OSError, ValueError) as error:
+        said = error.strerror if isinstance(error, OSError) else error
+        raise UserError.of(f"folder: cannot make {path}: {said}", hint) from error
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise UserError.of(f"folder: cannot write into {path}", hint)
+    return KeptFolder(path.absolute(), is_temporary=False)

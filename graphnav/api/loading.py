@@ -1,0 +1,139 @@
+"""Load and check graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from graphnav.api.arguments import PathLike, path_of, paths_of, plain, set_texts
+from graphnav.catalog import Catalog
+from graphnav.errors import ParamError, Problem, UserError
+from graphnav.graph import Graph, RunOptions, load_graph
+from graphnav.stage import params_of
+
+
+def load(
+    graph: PathLike | Graph,
+    *,
+    set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
+    plugins: Sequence[PathLike] = (),
+) -> Graph:
+    """Return the checked graph of a file, or of the name of one that ships.
+
+    Parameters
+    ----------
+    graph
+        A YAML file, or the name of a graph in the working folder or among those that ship: ``"corridor_ccw"``.
+    set
+        What ``--set`` takes, as a mapping: ``{"plane": "plane.affine"}`` swaps a stage, ``{"robot.noise_sigma": 3}`` a
+        parameter, ``{"plane.in.flow": "flow.flow"}`` a wire, ``{"run.until_s": 5}`` an option of the run, and
+        ``{"twin+": "plane.affine"}`` adds a stage. Lists, numpy scalars, paths and None are values too.
+    plugins
+        Files with stages of your own, as ``--plugin`` takes them.
+
+    Raises
+    ------
+    UserError
+        Everything that is wrong, with file, line and column: ``error.problems``.
+    """
+    checked = loaded(graph, set, plugins, Catalog())
+    checked.make_stages()
+    return checked
+
+
+def check(
+    graph: PathLike | Graph,
+    *,
+    set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
+    plugins: Sequence[PathLike] = (),
+) -> list[Problem]:
+    """Return everything that is wrong with a graph, sorted by line: an empty list if nothing is.
+
+    The arguments are those of `graphnav.load`. ``str(problem)`` is what ``graphnav check`` prints.
+
+    Raises
+    ------
+    UserError
+        An argument has a wrong type.
+    """
+    texts, files = set_texts(set), paths_of(plugins, "plugins", "my_stage.py")
+    if isinstance(graph, Graph):
+        _refuse_changes(texts, files)
+    name = None if isinstance(graph, Graph) else path_of(graph, "graph", "corridor_ccw")
+    try:
+        found = graph if isinstance(graph, Graph) else load_with(add_plugins(Catalog(), files), str(name), texts, files)
+        found.make_stages()
+    except UserError as error:
+        return list(error.problems)
+    return []
+
+
+def loaded(
+    graph: PathLike | Graph,
+    sets: Mapping[str, object] | None,
+    plugins: Sequence[PathLike],
+    catalog: Catalog,
+) -> Graph:
+    """Return the graph that the arguments of `load` mean; where it is loaded here, ``catalog`` gets its plugins.
+
+    Raises
+    ------
+    UserError
+        Everything that is wrong with it.
+    """
+    texts, files = set_texts(sets), paths_of(plugins, "plugins", "my_stage.py")
+    if isinstance(graph, Graph):
+        _refuse_changes(texts, files)
+        return graph
+    name = path_of(graph, "graph", "corridor_ccw")
+    return load_with(add_plugins(catalog, files), str(name), texts, files)
+
+
+def add_plugins(catalog: Catalog, files: Iterable[Path]) -> Catalog:
+    """Return the catalog with one-file plugins added.
+
+    Raises
+    ------
+    CatalogError
+        A file cannot be used.
+    """
+    for file in files:
+        catalog.add_file(file)
+    return catalog
+
+
+def load_with(catalog: Catalog, graph: str, sets: Sequence[str], plugins: Sequence[Path]) -> Graph:
+    """Return a checked graph; ``catalog`` holds the ``plugins`` already, and the run's folder gets copies of them.
+
+    Raises
+    ------
+    UserError
+        Everything that is wrong with it.
+    """
+    found = load_graph(graph, catalog, sets=sets)
+    return replace(found, plugins=tuple(dict.fromkeys((*found.plugins, *(path.resolve() for path in plugins)))))
+
+
+def _refuse_changes(sets: Sequence[str], plugins: Sequence[Path]) -> None:
+    if sets or plugins:
+        raise UserError.of("set and plugins change a graph while it is loaded", "give them to graphnav.load")
+
+
+def with_run_options(graph: Graph, **options: object) -> Graph:
+    """Return the graph with other ``run`` options; None leaves what the graph says.
+
+    Raises
+    ------
+    UserError
+        A value has a wrong type or is out of bounds.
+    """
+    given: dict[str, Any] = {}
+    for name, value in options.items():
+        if value is not None:
+            try:
+                given[name] = params_of(RunOptions)[name].parse(plain(value, name))
+            except ParamError as error:
+                raise UserError.of(error.what, error.hint) from error
+    return replace(graph, run=replace(graph.run, **given))

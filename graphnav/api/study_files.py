@@ -1,0 +1,42 @@
+"""The files that a study leaves beside its runs: tables for people and programs, and the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from graphnav.ablation.comparison import Comparison, compare
+from graphnav.ablation.csv_files import RESULTS, TIMING, write_results, write_timing
+from graphnav.ablation.markdown import TABLE, table_markdown
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.records import Record, read_records
+from graphnav.ablation.report import write_report
+from graphnav.ablation.whole_file import write_whole
+from graphnav.catalog import Catalog
+
+
+@dataclass(frozen=True)
+class StudyFiles:
+    """What was written, and what it was made from."""
+
+    records: tuple[Record, ...]
+    comparison: Comparison
+    report: Path
+
+
+def write_study_files(plan: Plan, folder: Path, catalog: Catalog) -> StudyFiles:
+    """Make tables and report from the existing runs of a study.
+
+    Raises
+    ------
+    UserError
+        A run's summary is not complete.
+    GraphnavError
+        The disk refuses; what it refuses stays as it was.
+    """
+    records = read_records(plan, folder)
+    comparison = compare(plan, records)
+    write_results(plan, records, folder / RESULTS)
+    write_timing(plan, records, folder / TIMING)
+    write_whole(folder / TABLE, table_markdown(plan, comparison))
+    return StudyFiles(records, comparison, write_report(plan, comparison, records, folder, catalog))
