@@ -73,9 +73,9 @@ class Log:
 
     @property
     def damage(self) -> tuple[str, ...]:
-        """What is lost: the truncated end of the file, and messages that could not be decoded so far."""
+        """What is lost: bytes that are not events, a truncated end, and messages that could not be decoded so far."""
         torn = self._recording.torn
-        lost = [f"truncated: {torn}"] if torn else []
+        lost = [*map(str, self._recording.damaged), *([f"truncated: {torn}"] if torn else [])]
         for channel, errors in self._undecodable.items():
             n_all = self._recording.count(channel)
             what = f"{len(errors)} of {n_all} messages of '{printable(channel)}' cannot be decoded"

@@ -236,6 +236,29 @@ def test_a_damaged_message_is_left_out_and_told(
     assert caplog.messages[0].endswith("it is left out, and Log.damage counts them")
 
 
+def test_a_log_whose_description_is_damaged_is_read_by_fingerprints(log_file: Path, tmp_path: Path) -> None:
+    data = bytearray(log_file.read_bytes())
+    with Recording(log_file) as recording:
+        begin = data.index(recording.event("graphnav.about", 0).data)
+    data[begin + 24 : begin + 28] = b"\xff\xff\xff\xff"  # the length of its first string
+    (tmp_path / "damaged.lcmlog").write_bytes(data)
+    with open_log(tmp_path / "damaged.lcmlog") as log:
+        assert log.stack("sensor.flow", "uv_px").values.shape == (11, 4, 6, 2)
+        assert log.times_s("sensor.flow")[-1] == 1.0
+
+
+def test_bytes_that_are_not_events_are_skipped_and_told(log_file: Path, tmp_path: Path) -> None:
+    data = bytearray(log_file.read_bytes())
+    with Recording(log_file) as recording:
+        begin = data.index(recording.event("sensor.twist", 3).data)
+    data[begin - 40 : begin] = bytes(40)  # its header and channel
+    (tmp_path / "damaged.lcmlog").write_bytes(data)
+    with open_log(tmp_path / "damaged.lcmlog") as log:
+        assert len(log.damage) == 1
+        assert log.damage[0].endswith("are not an event")
+        assert set(range(1, 12)) - {4, 5} <= {twist.v_mps for _, twist in log.messages("sensor.twist")}
+
+
 def test_a_log_of_another_program_is_timed_by_its_events(tmp_path: Path) -> None:
     noon_us = 1_700_000_000_000_000
     with LogWriter(tmp_path / "heard.lcmlog") as writer:
