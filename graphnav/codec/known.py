@@ -61,13 +61,14 @@ def type_named(name: str) -> type | None:
 
 
 def _is_lcm_module(package: str, short: str) -> bool:
-    """Whether lcm-gen may have made ``package``; a log must not make us import anything else."""
+    """Whether lcm-gen may have made ``package``; a log or a network must not make us import anything else."""
+    top, *inner = package.split(".")
     try:
-        spec = package and importlib.util.find_spec(package)
-    except ModuleNotFoundError:
+        spec = importlib.util.find_spec(top) if top else None
+    except (ModuleNotFoundError, ValueError):
         return False
     folders = (spec.submodule_search_locations if spec else None) or ()
-    return short.endswith("_t") and any((Path(folder) / f"{short}.py").is_file() for folder in folders)
+    return short.endswith("_t") and any(Path(folder, *inner, f"{short}.py").is_file() for folder in folders)
 
 
 def known_types() -> list[type]:
