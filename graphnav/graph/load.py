@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,8 +34,17 @@ def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] =
     return graph_of(read_bytes(path, Place(source)), path, catalog, sets, source)
 
 
-def graph_of(data: bytes, path: Path, catalog: Catalog, sets: Sequence[str] = (), source: str = "") -> Graph:
+def graph_of(
+    data: bytes,
+    path: Path,
+    catalog: Catalog,
+    sets: Sequence[str] = (),
+    source: str = "",
+    replaced: Collection[str] = (),
+) -> Graph:
     """Return the checked graph that the bytes of the file ``path`` say; errors name it ``source``.
+
+    ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
 
     Raises
     ------
@@ -46,7 +55,7 @@ def graph_of(data: bytes, path: Path, catalog: Catalog, sets: Sequence[str] = ()
     notices: list[str] = []
     files = read_files(data, path, source or str(path), problems)
     unusable: list[Problem] = []
-    plugins = load_plugins(files, catalog, unusable)
+    plugins = load_plugins(files, catalog, unusable, replaced)
     merged = merge_files(files, catalog, problems, notices)
     spec, more = parse_spec(merged.value)
     problems += more + unusable

@@ -12,7 +12,7 @@ from typing import Any
 from graphnav.adapter import Adapter
 from graphnav.errors import ParamError, Place, Problem
 from graphnav.messages import Message
-from graphnav.stage import Port, Source, Stage
+from graphnav.stage import Port, Source, Stage, ports_of
 
 
 @dataclass(frozen=True)
@@ -138,6 +138,11 @@ class Node:
     def params(self) -> Mapping[str, Any]:
         """Every parameter and the value that the stage gets."""
         return MappingProxyType({name: setting.value for name, setting in self.settings.items()})
+
+    @property
+    def output_ports(self) -> tuple[Port, ...]:
+        """The output ports in the order of declaration."""
+        return ports_of(self.stage_class).outputs
 
     @property
     def is_source(self) -> bool:

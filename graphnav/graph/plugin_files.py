@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,15 +25,19 @@ class PluginFile:
     """As the graph names it."""
 
 
-def load_plugins(files: Sequence[GraphFile], catalog: Catalog, problems: list[Problem]) -> tuple[PluginFile, ...]:
+def load_plugins(
+    files: Sequence[GraphFile], catalog: Catalog, problems: list[Problem], replaced: Collection[str] = ()
+) -> tuple[PluginFile, ...]:
     """Add the plugins of a graph's files to the catalog and return them, each once; what is wrong goes to ``problems``.
 
-    A path is relative to the folder of the file that it is written in.
+    A path is relative to the folder of the file that it is written in. Files with a name in ``replaced`` are left out.
     """
     found: dict[Path, PluginFile] = {}
     for file in files:
         for item in _items(file.value, problems):
             path = file.path.parent / os.path.expanduser(str(item.data))
+            if path.name in replaced:
+                continue
             try:
                 catalog.add_file(path)
             except CatalogError as error:

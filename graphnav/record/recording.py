@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import struct
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
 from graphnav.errors import LogError, UserError
@@ -23,6 +25,23 @@ ABOUT = "graphnav.about"
 """The channel of the first event, which describes the log."""
 
 _FINGERPRINT_BYTES = 8
+_HEAD = struct.Struct(">8sqq")
+
+
+class Head(NamedTuple):
+    """An event without its data: what it says of itself, and the fields with which every message type begins.
+
+    ``place`` counts within the channel, ``logged_us`` is the stamp of the event, ``utime`` and ``seq`` are those of
+    the message; ``fingerprint`` is empty where the data are too short for them.
+    """
+
+    channel: str
+    place: int
+    logged_us: int
+    n_bytes: int
+    fingerprint: bytes
+    utime: int
+    seq: int
 
 
 class Recording:
@@ -142,6 +161,14 @@ class Recording:
         """Yield all events in the order of the file."""
         return map(self._event, self.entries())
 
+    def heads(self) -> Iterator[Head]:
+        """Yield the heads of all events in the order of the file, without reading their data."""
+        counts: Counter[str] = Counter()
+        for number in range(len(self._index)):
+            entry = self._index[number]
+            yield self._head(entry, counts[entry.channel])
+            counts[entry.channel] += 1
+
     def event(self, channel: str, index: int) -> Event:
         """Return one event; ``index`` counts within the channel, from the end if negative."""
         return self._event(self._index.of(channel, index))
@@ -183,6 +210,11 @@ class Recording:
     def _stamp(self, entry: Entry) -> int:
         begin = entry.start + _FINGERPRINT_BYTES
         return int.from_bytes(self._file.read(begin, min(begin + 8, entry.stop)), "big", signed=True)
+
+    def _head(self, entry: Entry, place: int) -> Head:
+        data = self._file.read(entry.start, min(entry.start + _HEAD.size, entry.stop))
+        first = _HEAD.unpack(data) if len(data) == _HEAD.size else (b"", 0, 0)
+        return Head(entry.channel, place, entry.utime, entry.stop - entry.start, *first)
 
     def _event(self, entry: Entry) -> Event:
         return Event(entry.channel, entry.utime, self._file.read(entry.start, entry.stop))

@@ -70,8 +70,9 @@ class Port:
     """One input or output: its name, its message type, how it is read.
 
     ``latest``: sampled (`Latest`). ``since``: holds everything since the last firing (`Since`). ``optional``: a plain
-    input annotated ``T | None``: a timer may fire the stage before there is a message. ``defaulted``: a plain input
-    declared ``T | None = None``.
+    input annotated ``T | None``: a timer may fire the stage before there is a message; an output that a step may leave
+    out. ``defaulted``: a plain input declared ``T | None = None``. ``stamped``: an output with stamps of its own
+    (`Stamped`).
     """
 
     name: str
@@ -80,6 +81,7 @@ class Port:
     since: bool = False
     optional: bool = False
     defaulted: bool = False
+    stamped: bool = False
 
     @property
     def is_plain(self) -> bool:
@@ -169,22 +171,25 @@ def _outputs(cls: type, hint: Any) -> tuple[tuple[Port, ...], type | None]:
         raise DeclarationError(
             f"step() of {cls.__qualname__} does not say what it returns: annotate it (None if nothing)"
         )
-    hint = _without_none(hint)
+    returned, hint = hint, _without_none(hint)
+    may_be_silent = hint is not returned
     if hint is type(None):
         return (), None
     if _is_message(hint):
-        return (Port(snake_case(hint.__name__), hint),), None
+        return (Port(snake_case(hint.__name__), hint, optional=may_be_silent),), None
     if isinstance(hint, type) and issubclass(hint, tuple) and hasattr(hint, "_fields"):
         ports = []
         for name, field_hint in get_type_hints(hint).items():
             message = _without_none(field_hint)
-            if get_origin(message) is Stamped:
+            optional = may_be_silent or message is not field_hint
+            stamped = get_origin(message) is Stamped
+            if stamped:
                 message = get_args(message)[0]
             if not _is_message(message):
                 raise DeclarationError(
                     f"output '{name}' of {cls.__qualname__} is {_written(message)}: use a Message type"
                 )
-            ports.append(Port(name, message))
+            ports.append(Port(name, message, optional=optional, stamped=stamped))
         return tuple(ports), hint
     raise DeclarationError(
         f"step() of {cls.__qualname__} returns {_written(hint)}: return a Message, a NamedTuple of Messages, or None"

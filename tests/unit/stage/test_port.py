@@ -50,17 +50,25 @@ class Sink(Stage):
 def test_inputs_outputs_and_stamps() -> None:
     ports = ports_of(Full)
     assert ports.inputs == (Port("image", Image), Port("command", Twist, latest=True))
-    assert ports.outputs == (Port("flow", Flow), Port("model", PlanarModel))
+    assert ports.outputs == (Port("flow", Flow, optional=True), Port("model", PlanarModel, optional=True))
     assert ports.stamps == ("now",)
     assert ports.result is Pair
 
 
 def test_an_output_with_a_stamp_of_its_own_is_of_its_message() -> None:
-    assert ports_of(Sensor).outputs == (Port("flow", Flow), Port("model", PlanarModel))
+    assert ports_of(Sensor).outputs == (
+        Port("flow", Flow, optional=True, stamped=True),
+        Port("model", PlanarModel, optional=True, stamped=True),
+    )
+
+
+def test_an_output_that_every_step_gives_is_not_optional() -> None:
+    cls = type("Always", (Stage,), {"step": gives_a_pair, "__module__": __name__})
+    assert ports_of(cls).outputs == (Port("flow", Flow), Port("model", PlanarModel, optional=True))
 
 
 def test_a_single_output_has_the_name_of_its_type() -> None:
-    assert ports_of(One).outputs == (Port("planar_model", PlanarModel),)
+    assert ports_of(One).outputs == (Port("planar_model", PlanarModel, optional=True),)
     assert ports_of(Sink).outputs == ()
 
 
@@ -68,6 +76,7 @@ def wrong(step: Any) -> type[Stage]:
     return type("Wrong", (Stage,), {"step": step, "__module__": __name__})
 
 
+def gives_a_pair(self: Any, image: Image) -> Pair: ...  # type: ignore[empty-body]
 def takes_number(self: Any, count: int) -> Flow: ...  # type: ignore[empty-body]
 def takes_nothing_said(self: Any, image) -> Flow: ...  # type: ignore[empty-body, no-untyped-def]  # noqa: ANN001
 def takes_many(self: Any, *images: Image) -> Flow: ...  # type: ignore[empty-body]
