@@ -8,6 +8,7 @@ import graphnav_lcm
 
 from graphnav.codec import lcm_name, lcm_text_of
 from graphnav.graph import Graph
+from graphnav.live.firing import FIRED
 from graphnav.messages import About
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recorded import about_of
@@ -34,6 +35,9 @@ def live_about(graph: Graph, *, by_outside_names: bool) -> About:
                 classes.append(source.lcm_class)
     channels[STATUS] = lcm_name(graphnav_lcm.status_t)
     classes.append(graphnav_lcm.status_t)
+    if not by_outside_names:
+        channels[FIRED] = lcm_name(graphnav_lcm.fired_t)
+        classes.append(graphnav_lcm.fired_t)
     ordered = sorted(channels.items())
     return replace(
         about,

@@ -12,11 +12,15 @@ MAX_UNMATCHED = 8
 
 @dataclass(frozen=True)
 class Held:
-    """A message that waits; ``birth_s``: the arrival of the input that it was made from, monotonic seconds."""
+    """A message that waits; ``birth_s``: the arrival of the input that it was made from, monotonic seconds.
+
+    ``number``: which message of its channel it is, from 0.
+    """
 
     message: Any
     birth_s: float
     arrived_s: float
+    number: int = 0
 
 
 @dataclass(frozen=True)

@@ -12,15 +12,19 @@ from graphnav.bus import Bus
 from graphnav.codec import EncodeError, decode, encode
 from graphnav.graph import Channel, Graph
 from graphnav.live.clock import LiveClock
+from graphnav.live.firing import FIRED, Used, encoded_firing
 from graphnav.live.intake import Intake, Received
 from graphnav.live.live_unit import LiveUnit
 from graphnav.live.outlet import Outlet
 from graphnav.live.timer import Timer
 from graphnav.messages import Message
 from graphnav.runner.lifecycle import close_stages, reset_stages
-from graphnav.runner.lockstep import Outcome, Sink
+from graphnav.runner.lockstep import Outcome
+from graphnav.runner.wired_stages import Sink
 from graphnav.stage import Source, Stage
 
+_MAX_UNLOGGED = 32
+"""Firings that wait to be logged where the run is never idle."""
 _MAX_WAIT_S = 0.05
 """So often it is looked whether the run should stop, however long nothing comes."""
 
@@ -49,12 +53,15 @@ class LiveRunner:
         self.firings = 0
         self.step_began: tuple[str, float] | None = None
         self.sinks: list[Sink] = []
+        self._firing_log: Sink | None = None
+        self._unlogged: list[tuple[int, str, int, float, Sequence[Used]]] = []
         self.outlets: dict[str, Outlet] = {}
         """By the reference of what is sent."""
         self.intakes = {intake.source.channel.ref: intake for intake in intakes}
         self._wake = wake
         self._bus = Bus("memq://")
         self._seqs: dict[str, int] = defaultdict(int)
+        self._numbers: dict[str, int] = defaultdict(int)
         self._newest_stamp = self._stamp = clock.start_utime
         self._units = {
             node.name: LiveUnit(node, stages[node.name], self._publish, graph.queues, self._fault_of)
@@ -89,6 +96,13 @@ class LiveRunner:
             (f"{name}.{port}", n) for name, unit in self._units.items() for port, n in unit.join.overtaken.items()
         )
         return Counter({edge: count for edge, count in counts if count})
+
+    def log_to(self, sinks: Sequence[Sink], firings: Sink | None) -> None:
+        """Give every message to the ``sinks``, and to ``firings`` what each stage steps with, for replays."""
+        self.sinks = list(sinks)
+        self._firing_log = firings
+        for unit in self._units.values():
+            unit.before_step = None if firings is None else self._note_firing
 
     def reset(self, seed: int) -> None:
         """Make every stage's state anew from ``seed``.
@@ -147,6 +161,7 @@ class LiveRunner:
             if not fired and is_over():
                 return Outcome.END
             if not fired:
+                self._log_firings()
                 self._wake.wait(self._wait_s(end_s))
 
     def close(self) -> None:
@@ -157,6 +172,7 @@ class LiveRunner:
         StageError
             The first failure, once every stage was closed.
         """
+        self._log_firings()
         self._bus.close()
         close_stages(self._units, self.clock.run_s())
 
@@ -235,8 +251,10 @@ class LiveRunner:
                 unit.begin_anew()
         name = intake.source.channel.name
         now_s = self.clock.now_s()
+        number = self._numbers[name]
+        self._numbers[name] = number + 1
         for unit, port in self._readers[name]:
-            unit.deliver(port, received.utime, received.message, received.birth_s, now_s)
+            unit.deliver(port, received.utime, received.message, received.birth_s, now_s, number)
         if self.sinks:
             data = received.raw or encode(received.message, received.utime, self.next_seq(name))
             self.record(name, data)
@@ -268,10 +286,23 @@ class LiveRunner:
                 self._bus.subscribe(channel.name, partial(self._receive, channel.message))
 
     def _receive(self, message_class: type[Message], name: str, data: bytes) -> None:
-        utime, _, message = decode(message_class, data)
+        utime, seq, message = decode(message_class, data)
         now_s = self.clock.now_s()
         for unit, port in self._readers[name]:
-            unit.deliver(port, utime, message, self._firing.birth_s, now_s)
+            unit.deliver(port, utime, message, self._firing.birth_s, now_s, seq)
+
+    def _note_firing(self, unit: LiveUnit, utime: int, age_s: float, used: Sequence[Used]) -> None:
+        """Keep a firing for the log until nothing else is to be done: no command waits for the log."""
+        self._unlogged.append((self.clock.now(), unit.node.name, utime, age_s, used))
+        if len(self._unlogged) >= _MAX_UNLOGGED:
+            self._log_firings()
+
+    def _log_firings(self) -> None:
+        for at_us, stage, utime, age_s, used in self._unlogged:
+            if self._firing_log is not None:
+                data = encoded_firing(at_us, stage, utime, self.next_seq(FIRED), age_s, used)
+                self._firing_log.write(FIRED, self.clock.now(), data)
+        self._unlogged.clear()
 
     def _own_stamp(self, now_s: float) -> int:
         """Return a stamp of the run's own clock, later than all before."""

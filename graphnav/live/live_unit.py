@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from graphnav.errors import StageError
 from graphnav.graph import Node
+from graphnav.live.firing import Used
 from graphnav.live.join import MAX_UNMATCHED, Held, Join, MatchedSet
 from graphnav.messages import Message
 from graphnav.runner.unit import Publish, Unit
@@ -42,8 +43,10 @@ class LiveUnit(Unit):
         they differ for a stage with a timer, whose every firing is a new decision; NaN where nothing new came in."""
         self._fault_of = fault_of
         self._held: MatchedSet | None = None
-        self._newest: dict[str, tuple[Message, float]] = {}
-        self._gathered: dict[str, deque[tuple[int, Message]]] = {p: deque(maxlen=MAX_GATHERED) for p in self._since}
+        self.before_step: Callable[[LiveUnit, int, float, Sequence[Used]], None] | None = None
+        """Called before each step with the stamp, the age of the plain inputs and the messages, if it is set."""
+        self._newest: dict[str, tuple[Message, float, Used]] = {}
+        self._gathered: dict[str, deque[tuple[Message, Used]]] = {p: deque(maxlen=MAX_GATHERED) for p in self._since}
         self._reached: dict[str, int] = {}
         self._channel_of = {i.port.name: i.channel.ref for i in node.inputs if i.channel is not None}
         self._needs = {i.port.name for i in node.inputs if i.port.is_plain and not i.port.optional}
@@ -58,15 +61,15 @@ class LiveUnit(Unit):
         """Messages that were overtaken."""
         return self.join.overtaken.total()
 
-    def deliver(self, port: str, utime: int, message: Message, birth_s: float, now_s: float) -> None:
-        """Take a message."""
+    def deliver(self, port: str, utime: int, message: Message, birth_s: float, now_s: float, number: int) -> None:
+        """Take a message; ``number``: which one of its channel it is, from 0."""
         if port in self._gathered:
-            self._gathered[port].append((utime, message))
+            self._gathered[port].append((message, Used(port, number, utime)))
             self._reached[port] = max(utime, self._reached.get(port, utime))
         elif port in self._latest:
-            self._newest[port] = (message, birth_s)
+            self._newest[port] = (message, birth_s, Used(port, number, utime))
         else:
-            self.join.put(port, utime, Held(message, birth_s, now_s))
+            self.join.put(port, utime, Held(message, birth_s, now_s, number))
 
     def begin_anew(self) -> None:
         """Drop everything whose stamps mean nothing any more."""
@@ -120,12 +123,20 @@ class LiveUnit(Unit):
     def _fire(self, utime: int, now_s: float) -> str | None:
         held, held_s = (self._held.held, self._held.birth_s) if self._held is not None else ({}, 0.0)
         inputs: dict[str, Any] = {port: held[port].message if port in held else None for port in self._plain}
+        used = [Used(port, one.number, self._held.utime) for port, one in held.items() if self._held is not None]
         for port in self._latest:
             inputs[port] = self._sample(port, now_s)
+            if port in self._channel_of:
+                newest = self._newest[port][2] if port in self._newest else Used(port, -1, 0)
+                used.append(newest._replace(age_s=inputs[port].age_s, fault=inputs[port].fault))
         for port, gathered in self._gathered.items():
-            inputs[port] = Since(tuple(gathered))
+            inputs[port] = Since(tuple((one.utime, message) for message, one in gathered))
+            used += [one for _, one in gathered]
             gathered.clear()
-        return self.step(utime, inputs, now_s - held_s if held else math.inf)
+        age_s = now_s - held_s if held else math.inf
+        if self.before_step is not None:
+            self.before_step(self, utime, age_s, used)
+        return self.step(utime, inputs, age_s)
 
     def _sample(self, port: str, now_s: float) -> Latest[Any]:
         if port not in self._channel_of:
@@ -133,7 +144,7 @@ class LiveUnit(Unit):
         fault = self._fault_of(self._channel_of[port], now_s)
         if port not in self._newest:
             return Latest(fault=fault)
-        message, birth_s = self._newest[port]
+        message, birth_s, _ = self._newest[port]
         return Latest(message, now_s - birth_s, fault)
 
     def _failure(self, utime: int, what: str) -> StageError:

@@ -26,11 +26,12 @@ from graphnav.notices import print_notice
 from graphnav.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
-from graphnav.runner.lockstep import Outcome, Sink
+from graphnav.runner.lockstep import Outcome
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recorded import LiveSink, note_failure, write_summary
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
+from graphnav.runner.wired_stages import Sink
 from graphnav.stage import Stage
 
 
@@ -74,7 +75,7 @@ def run_live(
         cleanup.callback(writer.close)
         runner = LiveRunner(graph, stages, clock, intakes, wake)
         cleanup.callback(note_failure, failures, on_failure, runner.close)
-        runner.sinks = [_kept(graph, writer, keep), *_watched(graph, tap, url)]
+        runner.log_to([_kept(graph, writer, keep), *_watched(graph, tap, url)], writer if keep is None else None)
         if tap is not None:
             cleanup.callback(tap.close)
         observer = Observer(runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)

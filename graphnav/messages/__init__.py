@@ -2,11 +2,12 @@
 
 from graphnav.messages.driving import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
 from graphnav.messages.message import Message, snake_case
-from graphnav.messages.running import About, Status
+from graphnav.messages.running import About, Fired, Status
 from graphnav.messages.vision import Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [
     "About",
+    "Fired",
     "Flow",
     "Goal",
     "GuardState",

@@ -17,6 +17,7 @@ Floats = npt.NDArray[np.float32]
 Doubles = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int32]
+Ints64 = npt.NDArray[np.int64]
 
 
 def snake_case(name: str) -> str:

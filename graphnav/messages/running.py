@@ -1,4 +1,4 @@
-"""What a run says of itself, on the reserved channels ``graphnav.about`` and ``graphnav.status``."""
+"""What a run says of itself, on the reserved channels ``graphnav.about``, ``.status`` and ``.fired``."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import graphnav_lcm
 
-from graphnav.messages.message import Message
+from graphnav.messages.message import Doubles, Ints64, Message
 
 
 class About(Message, lcm=graphnav_lcm.about_t):
@@ -43,3 +43,22 @@ class Status(Message, lcm=graphnav_lcm.status_t):
     inputs: tuple[dict[str, Any], ...]
     outputs: tuple[dict[str, Any], ...]
     edges: tuple[dict[str, Any], ...]
+
+
+class Fired(Message, lcm=graphnav_lcm.fired_t):
+    """A firing of a stage in a live run, so that its log can be replayed.
+
+    ``fired_us``: when it was, by the run's clock. ``age_s``: of the plain inputs. ``ports``, ``numbers``,
+    ``stamps_us``, ``ages_s``, ``faults``: one entry for each message that the stage stepped with and for every sampled
+    input: the port, which message of its channel it was (from 0; -1 for none yet), its stamp, and of a sampled input
+    its age and what was wrong with it.
+    """
+
+    fired_us: int
+    stage: str
+    age_s: float
+    ports: tuple[str, ...]
+    numbers: Ints64
+    stamps_us: Ints64
+    ages_s: Doubles
+    faults: tuple[str, ...]

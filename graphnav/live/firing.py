@@ -1,0 +1,43 @@
+"""A firing as the log of a live run holds it: what a stage stepped with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from graphnav.codec import encode
+from graphnav.messages import Fired
+
+FIRED = "graphnav.fired"
+"""The channel on which the log of a live run has the firings in their order, soon after what they published."""
+
+
+class Used(NamedTuple):
+    """A message that a stage stepped with.
+
+    ``number``: which one of its channel it is, from 0; -1 for a sampled input before its first message. ``age_s``,
+    ``fault``: of a sampled input.
+    """
+
+    port: str
+    number: int
+    utime: int
+    age_s: float = 0.0
+    fault: str = ""
+
+
+def encoded_firing(fired_us: int, stage: str, utime: int, seq: int, age_s: float, used: Sequence[Used]) -> bytes:
+    """Return the bytes of a `Fired`."""
+    fired = Fired(
+        fired_us=fired_us,
+        stage=stage,
+        age_s=age_s,
+        ports=tuple(one.port for one in used),
+        numbers=np.array([one.number for one in used], np.int64),
+        stamps_us=np.array([one.utime for one in used], np.int64),
+        ages_s=np.array([one.age_s for one in used], np.float64),
+        faults=tuple(one.fault for one in used),
+    )
+    return encode(fired, utime, seq)
