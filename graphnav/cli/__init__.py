@@ -23,6 +23,7 @@ COMMANDS = {
     "new-stage": "write a working one-file plugin and its test",
     "schema": "print the JSON Schema of graphs, for completion in editors",
     "teach": "run an obstacle-free graph and save the planar model that it learns",
+    "replay": "step the stages of a recorded run again, with swaps, and compare with what was recorded",
     "figure": "draw the pictures of a recorded run again",
     "record": "record what is heard on LCM channels into a log that describes itself",
     "play": "publish the messages of a log again: faster, slower, paused, step by step",

@@ -25,6 +25,12 @@ def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True)
     parser.add_argument(
         "graph", nargs=None if required else "?", metavar="GRAPH", help="a YAML file, or the name of a graph that ships"
     )
+    add_set_option(parser)
+    add_plugin_option(parser)
+
+
+def add_set_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--set``."""
     parser.add_argument(
         "--set",
         dest="sets",
@@ -34,7 +40,6 @@ def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True)
         help="swap a stage (plane=plane.affine), a parameter (plane.rule=otsu), a time (guard.every_ms=20) or a wire "
         "(plane.in.flow=flow.flow), or add a stage (twin+=plane.affine)",
     )
-    add_plugin_option(parser)
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:

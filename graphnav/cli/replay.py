@@ -1,0 +1,136 @@
+"""``graphnav replay``: step the stages of a recorded run again and compare."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of
+from graphnav.cli.status import FAILED, OK
+from graphnav.errors import LogError, UserError
+
+if TYPE_CHECKING:
+    from graphnav.errors import GraphnavError
+    from graphnav.record import Recording
+    from graphnav.replay import LogGraph, Tolerance
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("log", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
+    parser.add_argument(
+        "--graph", metavar="FILE", help="step this graph, with the seed of the log (default: the graph of the log)"
+    )
+    add_set_option(parser)
+    add_plugin_option(parser)
+    parser.add_argument(
+        "--play",
+        dest="play",
+        action="append",
+        default=[],
+        type=_words,
+        metavar="CHANNEL,...",
+        help="play these channels from the log too, so that the stages which made them do not step",
+    )
+    parser.add_argument(
+        "--from",
+        dest="from_s",
+        type=_at,
+        default=0.0,
+        metavar="S",
+        help="compare from here on (12.3s), after warming up from the start",
+    )
+    parser.add_argument("--cold", action="store_true", help="begin at --from with fresh state, without warming up")
+    parser.add_argument(
+        "--tolerance",
+        type=_tolerance,
+        metavar="ABS[,REL]",
+        help="take numbers for equal up to ABS + REL * |recorded| (default: 0, exact)",
+    )
+    parser.add_argument("-o", dest="out", type=Path, metavar="FILE", help="also write the log of the replay")
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+    parser.add_argument("-v", "--verbose", action="store_true", help="show the cause of a failure with its traceback")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command; the status is 1 where anything differs."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
+    from graphnav.record import find_log  # noqa: PLC0415
+    from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay  # noqa: PLC0415
+
+    def show_failure(error: GraphnavError) -> None:
+        print(error, file=sys.stderr)
+        if args.verbose:
+            traceback.print_exception(error)
+
+    if args.cold and not args.from_s:
+        raise UserError.of("--cold begins at --from with fresh state, but there is no --from", "add --from S")
+    log = find_log(args.log)
+    catalog = catalog_of(args)
+    with _opened(log) as recording:
+        made = graph_to_replay(recording, catalog, graph=args.graph, sets=args.sets, plugins=args.plugins)
+        play = [word for words in args.play for word in words]
+        _print_notices(made, play)
+        options = ReplayOptions(play, args.from_s, args.cold, args.tolerance or Tolerance())
+        with progress_bar(Console(stderr=True), log.parent.name or log.name, None) as on_tick:
+            result = replay(recording, made, options, out=args.out, on_tick=on_tick, on_failure=show_failure)
+    for line in result.lost:
+        print(f"{result.log}: {line}", file=sys.stderr)
+    if args.json:
+        print(json.dumps(result.as_json()))
+    else:
+        console = Console(highlight=False, soft_wrap=True)
+        console.print(as_text(result, console), soft_wrap=True)
+    return OK if result.is_equal else FAILED
+
+
+def _opened(log: Path) -> Recording:
+    from graphnav.record import Recording  # noqa: PLC0415
+
+    try:
+        return Recording(log)
+    except LogError as error:
+        raise UserError.of(str(error), "name a run folder, or a log") from error
+
+
+def _print_notices(made: LogGraph, play: list[str]) -> None:
+    from graphnav.notices import print_notice  # noqa: PLC0415
+    from graphnav.replay import make_plan, notices_of  # noqa: PLC0415
+
+    for notice in (*made.graph.notices, *notices_of(make_plan(made.graph, play))):
+        print_notice(notice)
+
+
+def _words(text: str) -> list[str]:
+    words = [word.strip() for word in text.split(",")]
+    if all(words):
+        return words
+    raise argparse.ArgumentTypeError(f"'{text}' does not list channels: write flow.flow,planar.planar")
+
+
+def _at(text: str) -> float:
+    try:
+        if 0 <= (value := float(text.removesuffix("s"))) <= 1e9:
+            return value
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a time in seconds: write 12.3s")
+
+
+def _tolerance(text: str) -> Tolerance:
+    from graphnav.replay import Tolerance  # noqa: PLC0415
+
+    try:
+        numbers = [float(part) for part in text.split(",")]
+        if len(numbers) <= 2 and all(0 <= number < math.inf for number in numbers):
+            return Tolerance(*numbers)
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a tolerance: write 1e-6, or 1e-6,1e-3 for absolute,relative")

@@ -1,0 +1,167 @@
+"""Replay a log: play what sources published, step the other stages again, compare."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from graphnav.codec import DecodeError, encode
+from graphnav.errors import GraphnavError, StageError, UserError
+from graphnav.graph.channels import RESERVED
+from graphnav.record import ABOUT, LogWriter, Recording
+from graphnav.replay.comparison import Comparison, Scope
+from graphnav.replay.contents import read_contents
+from graphnav.replay.field_differences import Tolerance
+from graphnav.replay.log_graph import LogGraph
+from graphnav.replay.plan import make_plan
+from graphnav.replay.recorded_scores import recorded_scores
+from graphnav.replay.result import ReplayResult
+from graphnav.replay.session import live_session, lockstep_session
+from graphnav.runner.recorded import about_of
+from graphnav.runner.summary import scores_of
+from graphnav.runner.unit import Unit
+from graphnav.runner.wired_stages import Sink
+
+
+@dataclass(frozen=True)
+class ReplayOptions:
+    """What a replay does other than the run did.
+
+    ``play``: channels that are played beside those of sources (``stage.port``, or ``stage`` for all of its ports).
+    ``from_s``: compare from here on; ``is_cold``: also begin here, with fresh state, instead of warming up from the
+    start.
+    """
+
+    play: Sequence[str] = ()
+    from_s: float = 0.0
+    is_cold: bool = False
+    tolerance: Tolerance = field(default_factory=Tolerance)
+
+
+class Replayer(Protocol):
+    """What steps the stages by what a log says."""
+
+    ticks: int
+    utime: int
+    is_ready: bool
+
+    @property
+    def units(self) -> Mapping[str, Unit]:
+        """The stages at work, by name."""
+
+    def reset(self, seed: int) -> None:
+        """Make every stage's state anew."""
+
+    def replay(self) -> Iterator[int]:
+        """Go through the log; yield the run's clock after each part of it, microseconds."""
+
+    def close(self) -> None:
+        """Release what the stages hold."""
+
+
+def replay(
+    recording: Recording,
+    made: LogGraph,
+    options: ReplayOptions,
+    *,
+    out: Path | None = None,
+    on_tick: Callable[[int], None] = lambda _: None,
+    on_failure: Callable[[GraphnavError], None] = lambda _: None,
+) -> ReplayResult:
+    """Step the stages of a graph by what a log says, and compare what they publish with what the log holds.
+
+    ``out``: the file that gets the replay's own log. ``on_tick`` gets the time of the run that is replayed,
+    microseconds, ``on_failure`` the error of a stage that ends the replay.
+
+    Raises
+    ------
+    UserError
+        The log lacks what is needed, an option does not fit it, or a stage cannot be made.
+    LogError
+        ``out`` cannot be written.
+    """
+    wall_begin_s = time.monotonic()
+    plan = make_plan(made.graph, options.play)
+    contents = read_contents(recording, made.graph, made.about, is_live=made.is_live)
+    begin_us = recording.begin_us if made.is_live else 0
+    end_us = max((message.at_us for message in contents.order), default=begin_us)
+    from_us = begin_us + round(options.from_s * 1e6)
+    if not contents.order or from_us > end_us:
+        what = f"{recording.path} ends at {(end_us - begin_us) / 1e6:.2f} s"
+        raise UserError.of(what, f"--from {options.from_s:g} is behind that" if contents.order else "")
+    make_session = live_session if made.is_live else lockstep_session
+    session = make_session(recording, made, plan, contents, from_us if options.is_cold else begin_us)
+    stages = plan.stepped.make_stages()
+    recorded = made.about.channels if made.about is not None else None
+    scope = Scope(begin_us, from_us, session.last_us, options.tolerance, made.is_small, recorded)
+    comparison = Comparison(recording, plan.compared, contents, scope)
+    lost, failure, done_us = [*contents.lost, *session.lost], "", begin_us
+    with ExitStack() as cleanup:
+        writers: list[Sink] = []
+        if out is not None:
+            writers.append(cleanup.enter_context(_log_writer(out, made)))
+        replayer: Replayer = session.make(stages, [comparison, *writers], writers)
+        comparison.now_us = lambda: replayer.utime
+        try:
+            cleanup.callback(replayer.close)
+            replayer.reset(made.graph.run.seed)
+            for done in replayer.replay():
+                done_us = done
+                on_tick(done_us - begin_us)
+        except DecodeError:
+            lost.append(f"replayed up to {(done_us - begin_us) / 1e6:.2f} s: the next message is damaged")
+        except StageError as error:
+            failure = str(error)
+            on_failure(error)
+        scores = _scores(replayer, on_failure)
+    stepped = {channel.name for channel in plan.compared}
+    played = tuple(channel.name for channel in plan.played if contents.messages[channel.name])
+    return ReplayResult(
+        log=str(recording.path),
+        from_s=options.from_s,
+        until_s=(done_us - begin_us) / 1e6,
+        n_ticks=replayer.ticks,
+        is_live=made.is_live,
+        wall_s=time.monotonic() - wall_begin_s,
+        stepped=tuple(node.name for node in plan.stepped.order),
+        played=played,
+        not_needed=plan.not_needed,
+        channels=comparison.results(done_us if replayer.ticks else begin_us - 1),
+        not_replayed=tuple(_not_replayed(recording, made, (stepped | set(played)) - contents.other_types)),
+        lost=tuple(lost),
+        failure=failure,
+        scores=scores,
+        recorded_scores=recorded_scores(recording.path),
+    )
+
+
+def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> dict[str, dict[str, float]]:
+    try:
+        return scores_of(replayer.units) if replayer.is_ready else {}
+    except StageError as error:
+        on_failure(error)
+        return {}
+
+
+def _log_writer(path: Path, made: LogGraph) -> LogWriter:
+    if made.is_live:
+        raise UserError.of("the replay of a live run cannot be written as a log", "leave -o out")
+    if path.exists():
+        raise UserError.of(f"{path} exists already", "choose another file with -o")
+    try:
+        writer = LogWriter(path)
+    except OSError as error:
+        raise UserError.of(f"cannot write {path}: {error.strerror}", "choose another file with -o") from error
+    writer.write(ABOUT, 0, encode(about_of(made.graph), 0, 0))
+    return writer
+
+
+def _not_replayed(recording: Recording, made: LogGraph, replayed: set[str]) -> Iterator[str]:
+    """Yield the channels that the log says of itself and that the replay does not have."""
+    for name in made.about.channels if made.about is not None else ():
+        if name not in replayed and not name.startswith(RESERVED) and recording.count(name):
+            yield name

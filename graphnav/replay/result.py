@@ -1,0 +1,164 @@
+"""What a replay found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple
+
+Kind = Literal["field", "missing", "extra"]
+
+
+class FirstDifference(NamedTuple):
+    """Where a channel differs first: a field of a message, or a message that only one side has.
+
+    ``at_us``: microseconds of the run. ``where``: the index in an array.
+    """
+
+    at_us: int
+    kind: Kind
+    field: str = ""
+    where: tuple[int, ...] = ()
+    recorded: Any = None
+    replayed: Any = None
+
+
+@dataclass
+class FieldResult:
+    """A field that differs: in how many messages, how far apart at most, and where first.
+
+    ``max_gap``: None where there are no two numbers to compare, infinity where one of them is not finite.
+    """
+
+    first: FirstDifference
+    n_messages: int = 0
+    max_gap: float | None = None
+
+
+@dataclass
+class ChannelResult:
+    """How the messages of a channel compare."""
+
+    n_compared: int = 0
+    n_differing: int = 0
+    n_missing: int = 0
+    """Messages of the log that the replay did not publish."""
+    n_extra: int = 0
+    """Messages that the replay published and the recorded run did not."""
+    n_not_recorded: int = 0
+    """Messages that the replay published and that the log does not hold: it is damaged, or keeps small ones only."""
+    first: FirstDifference | None = None
+    fields: dict[str, FieldResult] = field(default_factory=dict)
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether nothing differs."""
+        return self.first is None
+
+    @property
+    def max_gap(self) -> float | None:
+        """How far numbers are apart at most, None where none are."""
+        return max((one.max_gap for one in self.fields.values() if one.max_gap is not None), default=None)
+
+
+@dataclass(frozen=True)
+class ReplayResult:
+    """What was replayed and how its messages compare with the recorded ones."""
+
+    log: str
+    from_s: float
+    """Compared from here on."""
+    until_s: float
+    """The stamp of the last tick."""
+    n_ticks: int
+    """Of a live run: its firings."""
+    is_live: bool
+    """Whether the run was live."""
+    wall_s: float
+    stepped: tuple[str, ...]
+    played: tuple[str, ...]
+    not_needed: tuple[str, ...]
+    channels: dict[str, ChannelResult]
+    """By channel, in firing order."""
+    not_replayed: tuple[str, ...]
+    """Channels of the log on which the replay publishes nothing."""
+    lost: tuple[str, ...]
+    """What of the log is damaged, and what that costs."""
+    failure: str
+    """What ended the replay before its time, empty if nothing did."""
+    scores: Mapping[str, Mapping[str, float]]
+    recorded_scores: Mapping[str, Mapping[str, float]]
+    """Metrics by stage, those of the recorded run where its folder has a summary."""
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether everything that could be compared is equal."""
+        return not self.failure and all(channel.is_equal for channel in self.channels.values())
+
+    @property
+    def first(self) -> tuple[str, FirstDifference] | None:
+        """The channel that differs first, of several at one stamp the one that is published first, and where."""
+        found = [(name, channel.first) for name, channel in self.channels.items() if channel.first is not None]
+        return min(found, key=lambda one: one[1].at_us, default=None)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as JSON can hold it; numbers that are not finite become null."""
+        first = self.first
+        return {
+            "log": self.log,
+            "equal": self.is_equal,
+            "first": {"channel": first[0], **_first_as_json(first[1])} if first else None,
+            "from_s": self.from_s,
+            "until_s": self.until_s,
+            "live": self.is_live,
+            "ticks": self.n_ticks,
+            "wall_s": round(self.wall_s, 4),
+            "stepped": list(self.stepped),
+            "played": list(self.played),
+            "not_needed": list(self.not_needed),
+            "not_replayed": list(self.not_replayed),
+            "channels": {name: _channel_as_json(channel) for name, channel in self.channels.items()},
+            "scores": {stage: _finite(figures) for stage, figures in self.scores.items()},
+            "recorded_scores": {stage: _finite(figures) for stage, figures in self.recorded_scores.items()},
+            "lost": list(self.lost),
+            "failure": self.failure,
+        }
+
+
+def _channel_as_json(channel: ChannelResult) -> dict[str, Any]:
+    return {
+        "equal": channel.is_equal,
+        "compared": channel.n_compared,
+        "differing": channel.n_differing,
+        "missing": channel.n_missing,
+        "extra": channel.n_extra,
+        "not_recorded": channel.n_not_recorded,
+        "first": _first_as_json(channel.first) if channel.first else None,
+        "fields": {
+            name: {
+                "differing": one.n_messages,
+                "max_abs": _number(one.max_gap),
+                "first": _first_as_json(one.first),
+            }
+            for name, one in channel.fields.items()
+        },
+    }
+
+
+def _first_as_json(first: FirstDifference) -> dict[str, Any]:
+    where = {"at_s": first.at_us / 1e6, "kind": first.kind}
+    if first.kind != "field":
+        return where
+    values = {"recorded": _number(first.recorded), "replayed": _number(first.replayed)}
+    return {**where, "field": first.field, "index": list(first.where), **values}
+
+
+def _finite(figures: Mapping[str, float]) -> dict[str, Any]:
+    return {name: _number(value) for name, value in figures.items()}
+
+
+def _number(value: Any) -> Any:
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, int | float | str | None) else repr(value)

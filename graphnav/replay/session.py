@@ -1,0 +1,86 @@
+"""What a log says of how its stages are to be stepped: by the ticks of lockstep, or by the firings of a live run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from graphnav.bus import Bus
+from graphnav.errors import UserError
+from graphnav.record import Recording
+from graphnav.replay.check_log import reach_of, refuse_unreadable
+from graphnav.replay.contents import Contents
+from graphnav.replay.firing_runner import FiringRunner
+from graphnav.replay.firings import new_inputs, read_firings
+from graphnav.replay.log_graph import LogGraph
+from graphnav.replay.plan import Plan
+from graphnav.replay.replay_runner import ReplayRunner
+from graphnav.replay.schedule import ticks_of
+from graphnav.runner.wired_stages import Sink
+from graphnav.stage import Stage
+
+Make = Callable[[Mapping[str, Stage], Sequence[Sink], Sequence[Sink]], ReplayRunner | FiringRunner]
+
+
+@dataclass(frozen=True)
+class Session:
+    """What makes the runner of a replay: from stages, what takes their messages, and what takes the played ones.
+
+    ``last_us``: the run's clock at the last tick or firing of the log, within which the log may have ended.
+    """
+
+    make: Make
+    last_us: int
+    lost: tuple[str, ...] = ()
+    """What damage of the log costs."""
+
+
+def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents: Contents, start_us: int) -> Session:
+    """Return how the log of a lockstep run is replayed from a stamp on.
+
+    Raises
+    ------
+    UserError
+        The log lacks what is needed, or the graph does not run in lockstep.
+    """
+    if plan.graph.inputs:
+        what = f"the graph has inputs ({', '.join(plan.graph.inputs)}), but the log is that of a lockstep run"
+        raise UserError.of(what, "replay it with a graph that runs in lockstep")
+    refuse_unreadable(plan, contents, recording, made.about)
+    reach = reach_of(plan, contents, recording, start_us, is_small=made.is_small)
+    ticks = [tick for tick in ticks_of(plan, contents) if start_us <= tick.utime <= reach.until_us]
+    earlier = ([m for m in contents.messages[channel.name] if m.utime < start_us] for channel in plan.needed)
+    before = [messages[-1] for messages in earlier if messages]
+
+    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], player_sinks: Sequence[Sink]) -> ReplayRunner:
+        return ReplayRunner(plan, stages, Bus("memq://"), sinks, recording, ticks, before, player_sinks)
+
+    return Session(make, contents.last_us, reach.lost)
+
+
+def live_session(recording: Recording, made: LogGraph, plan: Plan, contents: Contents, start_us: int) -> Session:
+    """Return how the log of a live run is replayed from a time of the run's clock on.
+
+    Raises
+    ------
+    UserError
+        The log lacks what is needed, or a stage reads what it did not read in the run.
+    """
+    for name, new in new_inputs(plan, made.wires):
+        assert new.channel is not None
+        what = (
+            f"stage '{name}' reads '{new.channel.ref}' on '{new.port.name}', as it did not in the live run: "
+            "the log does not say which of its messages the stage would have stepped with"
+        )
+        raise UserError.of(what, "swap it for a stage with the inputs of the recorded one")
+    refuse_unreadable(plan, contents, recording, made.about)
+    logged = read_firings(plan, contents, recording)
+
+    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], _: Sequence[Sink]) -> FiringRunner:
+        return FiringRunner(plan, stages, recording, logged, sinks, recording.begin_us, start_us)
+
+    last_us = logged.firings[-1].at_us
+    if not logged.is_cut:
+        return Session(make, last_us)
+    done_s = (last_us - recording.begin_us) / 1e6
+    return Session(make, last_us, (f"replayed up to {done_s:.2f} s; messages that later firings read are missing",))
