@@ -43,7 +43,7 @@ class Reach(NamedTuple):
 def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int, *, is_small: bool) -> Reach:
     """Return how far a log holds everything that is needed from ``start_us`` on.
 
-    What a run itself has logged in whole is missing only where the log is damaged: then the part before it is used.
+    A run that logs everything lacks a message only where its log is damaged: then the part before it is used.
 
     Raises
     ------

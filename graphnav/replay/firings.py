@@ -52,23 +52,23 @@ def read_firings(plan: Plan, contents: Contents, recording: Recording) -> Logged
     reader = _Reader(plan, contents)
     firings: list[Firing] = []
     lacking: Counter[str] = Counter()
-    n_whole: float = math.inf
+    n_complete: float = math.inf
     for firing in _decoded(recording, plan):
         lacks = reader.take(firing)
         if lacks:
             lacking.update(lacks)
-            n_whole = min(n_whole, len(firings))
+            n_complete = min(n_complete, len(firings))
         firings.append(firing)
     if not firings:
         what = f"{recording.path} does not say when each stage fired: it holds no '{FIRED}'"
         raise UserError.of(what, "record the live run with this version of graphnav, in its own log")
-    if lacking and not (contents.lost and n_whole):
+    if lacking and not (contents.lost and n_complete):
         lines = [f"{name}: {count} of {reader.read[name]}" for name, count in lacking.items()]
         what = "\n  ".join([f"{recording.path} lacks messages that its stages stepped with:", *lines])
         raise UserError.of(
             what, "record everything: --set run.record=all; or play what these stages publish with --play"
         )
-    kept = firings if math.isinf(n_whole) else firings[: int(n_whole)]
+    kept = firings if math.isinf(n_complete) else firings[: int(n_complete)]
     return LoggedFirings(tuple(kept), reader.played, reader.awaited, is_cut=len(kept) < len(firings))
 
 

@@ -18,7 +18,7 @@ class Plan:
     graph: Graph
     """All of it."""
     stepped: Graph
-    """The stages that step, in their firing order; its channels are those of the whole graph."""
+    """The stages that step, in their firing order; its channels are those of the entire graph."""
     played: tuple[Channel, ...]
     """What comes from the log, in the order of the graph."""
     needed: tuple[Channel, ...]

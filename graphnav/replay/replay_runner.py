@@ -17,7 +17,7 @@ from graphnav.stage import Stage
 
 
 class ReplayRunner(WiredStages):
-    """Owns the stages that step; each tick of the log is a tick, in the firing order of the whole graph.
+    """Owns the stages that step; each tick of the log is a tick, in the firing order of the entire graph.
 
     ``before``: messages from before the first of the ``ticks``, for stages that sample their channels. ``sinks`` take
     what the stages publish, ``player_sinks`` what is played.

@@ -119,8 +119,8 @@ class ReplayResult:
             "not_needed": list(self.not_needed),
             "not_replayed": list(self.not_replayed),
             "channels": {name: _channel_as_json(channel) for name, channel in self.channels.items()},
-            "scores": {stage: _finite(figures) for stage, figures in self.scores.items()},
-            "recorded_scores": {stage: _finite(figures) for stage, figures in self.recorded_scores.items()},
+            "scores": {stage: _finite(metrics) for stage, metrics in self.scores.items()},
+            "recorded_scores": {stage: _finite(metrics) for stage, metrics in self.recorded_scores.items()},
             "lost": list(self.lost),
             "failure": self.failure,
         }
@@ -154,8 +154,8 @@ def _first_as_json(first: FirstDifference) -> dict[str, Any]:
     return {**where, "field": first.field, "index": list(first.where), **values}
 
 
-def _finite(figures: Mapping[str, float]) -> dict[str, Any]:
-    return {name: _number(value) for name, value in figures.items()}
+def _finite(metrics: Mapping[str, float]) -> dict[str, Any]:
+    return {name: _number(value) for name, value in metrics.items()}
 
 
 def _number(value: Any) -> Any:

@@ -167,7 +167,7 @@ def _value(value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Return text that a stranger may have written, without anything that a terminal obeys."""
+    """Return text of an unknown writer without anything that a terminal obeys."""
     return json.dumps(text)[1:-1]
 
 

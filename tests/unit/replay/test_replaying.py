@@ -52,6 +52,8 @@ def test_the_metrics_stand_beside_the_recorded_ones(record: Record, again: Again
     result = again(log)
     assert result.scores.keys() == {"score"}
     assert result.scores == result.recorded_scores
+    (log.parent / "other.lcmlog").write_bytes(log.read_bytes())
+    assert again(log.parent / "other.lcmlog").recorded_scores == {}
     (log.parent / "summary.json").write_text("[1, ")
     assert again(log).recorded_scores == {}
 
