@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         Truth,
         Twist,
     )
+    from graphnav.pictures import PictureContext
     from graphnav.record import Recording
     from graphnav.stage import Age, Finished, Latest, Role, Since, Source, Stage, Stamp, Stamped, param
 
@@ -96,6 +97,7 @@ _HOMES = {
         "Truth",
         "Twist",
     ),
+    "graphnav.pictures": ("PictureContext",),
     "graphnav.record": ("Recording",),
     "graphnav.stage": ("Age", "Finished", "Latest", "Role", "Since", "Source", "Stage", "Stamp", "Stamped", "param"),
 }
@@ -122,6 +124,7 @@ __all__ = [
     "Motion",
     "Odometry",
     "ParamError",
+    "PictureContext",
     "Place",
     "Planar",
     "PlanarModel",
