@@ -9,9 +9,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from graphnav.codec.errors import DecodeError, EncodeError
-from graphnav.codec.flat import flat_decoder, flat_encoder, is_flat
+from graphnav.codec.flat import flat_decoder, flat_encoder, flat_measure, is_flat
 from graphnav.codec.layout import Field, fields_of, fingerprint, lcm_name
 from graphnav.codec.parts import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, Text, Values
+from graphnav.codec.peeks import peeks
 
 
 class Codec:
@@ -31,6 +32,8 @@ class Codec:
         self._sizes = tuple({dim for field in fields for dim in field.dims if isinstance(dim, str)})
         self._flat_encode = flat_encoder(fields, self.fingerprint) if is_flat(fields) else None
         self._flat_decode = flat_decoder(fields, self.fingerprint) if is_flat(fields) else None
+        self._flat_measure = flat_measure(fields, self.fingerprint) if is_flat(fields) else None
+        self._peeks = peeks(fields)
         self.least_bytes = 0
         self._parts: list[Part] = []
         self._arrays: list[ArrayPart] = []
@@ -64,6 +67,27 @@ class Codec:
         if end != len(data):
             raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: it ends at {end}")
         return values
+
+    def fits(self, data: bytes) -> bool:
+        """Whether the bytes are a complete message of this type; arrays of numbers are measured and not made."""
+        if self._flat_measure is not None:
+            return bool(self._flat_measure(data))
+        try:
+            self.decode(data)
+        except DecodeError:
+            return False
+        return True
+
+    def peek(self, data: bytes, name: str) -> int | None:
+        """Return one integer of a complete message, None where the type has no such field or it is not an integer.
+
+        Cheap for a field of the scalars that a type begins with, as stamps and numbers are; else all is decoded.
+        """
+        if name in self._peeks:
+            packer, at = self._peeks[name]
+            return int(packer.unpack_from(data, at)[0])
+        value = self.decode(data).get(name) if name in self._known else None
+        return value if isinstance(value, int) else None
 
     def encode_into(self, fields: Mapping[str, Any], out: list[Any]) -> None:
         """Append the bytes of a struct without its fingerprint."""

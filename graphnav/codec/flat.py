@@ -18,7 +18,9 @@ from graphnav.codec.layout import PRIMITIVES, Field
 
 FlatEncoder = Callable[[Mapping[str, Any]], bytes | None]
 FlatDecoder = Callable[[bytes], dict[str, Any] | None]
+FlatMeasure = Callable[[bytes], bool | None]
 
+_MAX_SIDE = 1 << 28
 _MISFITS = (struct.error, KeyError, TypeError, ValueError, AttributeError, OverflowError)
 
 
@@ -101,6 +103,29 @@ def flat_decoder(fields: list[Field], fingerprint: bytes) -> FlatDecoder:
     body += ["if end != len(d): return None", f"return {{{result}}}"]
     decode: FlatDecoder = _function("d", body, names)
     return decode
+
+
+def flat_measure(fields: list[Field], fingerprint: bytes) -> FlatMeasure:
+    """Return a function that tells whether bytes are as long as their sizes announce; None stands for no."""
+    variables = {field.name: f"v{place}" for place, field in enumerate(fields)}
+    sizes = _sizes(fields)
+    names: dict[str, Any] = {"fp": fingerprint, "most": _MAX_SIDE}
+    body = ["if d[:8] != fp: return False", "end = 8"]
+    for run, (is_scalar, group) in enumerate(itertools.groupby(fields, lambda field: not field.dims)):
+        if is_scalar:
+            scalars = list(group)
+            packer = names[f"scalars{run}"] = _packer(scalars)
+            if any(field.name in sizes for field in scalars):
+                body.append(f"{''.join(f'{variables[f.name]}, ' for f in scalars)}= scalars{run}.unpack_from(d, end)")
+            body.append(f"end += {packer.size}")
+            continue
+        for field in group:
+            dims = [str(dim) if isinstance(dim, int) else variables[dim] for dim in field.dims]
+            body += [f"if not 0 <= {variables[dim]} <= most: return False" for dim in field.dims if dim in sizes]
+            body.append(f"end += {' * '.join(dims)} * {_dtypes(field)[0].itemsize}")
+    body.append("return end == len(d)")
+    measure: FlatMeasure = _function("d", body, names)
+    return measure
 
 
 def _function(argument: str, body: list[str], names: dict[str, Any]) -> Any:

@@ -1,0 +1,30 @@
+"""Where the integers lie that a type begins with: what can be read of a message without decoding it."""
+
+from __future__ import annotations
+
+import itertools
+import struct
+
+from graphnav.codec.layout import PRIMITIVES, Field
+
+_FINGERPRINT_BYTES = 8
+_INTEGERS = frozenset("bhiq")
+
+Peek = tuple[struct.Struct, int]
+"""What unpacks a field, and the field's offset in the message."""
+
+
+def peeks(fields: list[Field]) -> dict[str, Peek]:
+    """Return how to read the integers among the scalars that stand before the first string, array or struct."""
+    found: dict[str, Peek] = {}
+    at = _FINGERPRINT_BYTES
+    for field in itertools.takewhile(_has_fixed_size, fields):
+        packer = struct.Struct(">" + PRIMITIVES[field.primitive])
+        if packer.format[-1] in _INTEGERS:
+            found[field.name] = packer, at
+        at += packer.size
+    return found
+
+
+def _has_fixed_size(field: Field) -> bool:
+    return not field.dims and field.struct is None and field.primitive != "string"
