@@ -64,7 +64,7 @@ def drawing() -> Iterator[None]:
 
 def _check(picture: Bytes, context: PictureContext) -> None:
     """Raise DrawingError for what is not a picture, or is larger than the box."""
-    shape = getattr(picture, "shape", ())
+    shape: tuple[int, ...] = getattr(picture, "shape", ())
     is_picture = isinstance(picture, np.ndarray) and picture.dtype == np.uint8 and len(shape) == 3 and shape[2] == 3
     if not is_picture or not 0 < shape[0] <= context.rows or not 0 < shape[1] <= context.cols:
         raise DrawingError(

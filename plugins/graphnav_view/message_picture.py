@@ -69,13 +69,17 @@ def _truth(truth: Truth, context: PictureContext) -> Bytes:
 
 def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int, context: PictureContext) -> Bytes:
     """Draw a dominant map over the image of its moment, alone where there is none of the same view."""
-    stretch = _stretch(obstacle.shape, context)
     image = context.find(Image)
     camera = None
-    if image is not None and _is_same_view(obstacle.shape, step_px, image):
-        camera = camera_rgb(stretch, _at_step_1(image))
+    if image is None or not _is_same_view(obstacle.shape, step_px, image):
+        step_px = 1
+        stretch = _stretch(obstacle.shape, context)
+    else:
+        rows, cols = obstacle.shape
+        stretch = _stretch((rows * step_px, cols * step_px), context)
+        camera = camera_rgb(stretch, image)
     nothing = np.empty((0, 0), np.float32)
-    return plane_tile(stretch, camera, Plane(obstacle, nothing, valid, step_px=1, obstacle_ratio=0.0))
+    return plane_tile(stretch, camera, Plane(obstacle, nothing, valid, step_px=step_px, obstacle_ratio=0.0))
 
 
 def _potential(potential: Potential, context: PictureContext) -> Bytes:

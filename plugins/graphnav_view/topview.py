@@ -19,6 +19,8 @@ Bytes = npt.NDArray[np.uint8]
 _SHIFT = 4
 """Binary digits of a pixel that lines are placed to."""
 _MARGIN_M = 0.25
+_SMALL_PX = 160
+"""In a smaller view lines are thin and the robot is drawn nearer to its own size."""
 
 
 class TopView:
@@ -35,6 +37,8 @@ class TopView:
         low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
         self._per_m = float(np.min(np.array([cols, rows]) / (high - low)))
         self._middle_m, self._middle_px = (low + high) / 2, np.array([cols, rows]) / 2
+        is_small = min(cols, rows) < _SMALL_PX
+        self._line_px, self._min_radius_px = (1, 2) if is_small else (2, 4)
         self._ground = self._background(cols, rows)
         if with_scale:
             self._scale_bar(self._ground)
@@ -52,18 +56,18 @@ class TopView:
             self._fill(seen, moved(self._world.footprint_m, pose), ink.rgb(ink.SEEN))
             cv2.addWeighted(seen, 0.25, tile, 0.75, 0, dst=tile)
         trace = self._to_px(path_m)[:, None]
-        cv2.polylines(tile, [trace], False, ink.rgb(ink.ROBOT), 2, cv2.LINE_AA, _SHIFT)  # noqa: FBT003 - OpenCV's own order
+        cv2.polylines(tile, [trace], False, ink.rgb(ink.ROBOT), self._line_px, cv2.LINE_AA, _SHIFT)  # noqa: FBT003 - OpenCV's own order
         self._robot(tile, pose, contact=state.contact)
         return tile
 
     def _robot(self, tile: Bytes, pose: Doubles, *, contact: bool) -> None:
         centre = self._to_px(pose[None, :2])[0]
-        radius = max(round(self._world.robot_radius_m * self._per_m * 2**_SHIFT), 4 << _SHIFT)
+        radius = max(round(self._world.robot_radius_m * self._per_m * 2**_SHIFT), self._min_radius_px << _SHIFT)
         colour = ink.rgb(ink.CONTACT if contact else ink.ROBOT)
         cv2.circle(tile, centre.tolist(), radius, (255, 255, 255), -1, cv2.LINE_AA, _SHIFT)
-        cv2.circle(tile, centre.tolist(), radius, colour, 2, cv2.LINE_AA, _SHIFT)
+        cv2.circle(tile, centre.tolist(), radius, colour, self._line_px, cv2.LINE_AA, _SHIFT)
         nose = centre + np.round(radius * np.array([math.cos(pose[2]), -math.sin(pose[2])])).astype(np.int32)
-        cv2.line(tile, centre.tolist(), nose.tolist(), colour, 2, cv2.LINE_AA, _SHIFT)
+        cv2.line(tile, centre.tolist(), nose.tolist(), colour, self._line_px, cv2.LINE_AA, _SHIFT)
 
     def _background(self, cols: int, rows: int) -> Bytes:
         tile = np.full((rows, cols, 3), ink.rgb(ink.FLOOR), np.uint8)

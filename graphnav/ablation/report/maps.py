@@ -12,9 +12,9 @@ from graphnav.ablation.report.looks import chips, colours_of
 from graphnav.ablation.report.material import Material
 from graphnav.ablation.report.pictures import embedded
 from graphnav.errors import DrawingError, GraphnavError
+from graphnav.pictures import DRAWING_FAMILY, drawing
 from graphnav.record import Recording
 from graphnav.record.find import LOG
-from graphnav.report.pictures import DRAWING_FAMILY, drawing
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4

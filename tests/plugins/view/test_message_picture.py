@@ -1,0 +1,201 @@
+"""The picture of one message: what it shows, the box that it fits, and messages that no sane program sends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from graphnav import Flow, Image, Map, Message, PictureContext, Plane, Potential, Recording, State, Steering, Twist
+from graphnav.catalog import Catalog
+from graphnav.codec import DecodeError, decode, encode
+from graphnav.errors import DrawingError
+from graphnav.messages import Planar, Truth
+from graphnav.pictures import Pictures
+
+KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth)
+Messages = dict[type[Message], Message]
+Bytes = npt.NDArray[np.uint8]
+
+
+@pytest.fixture(scope="module")
+def pictures() -> Pictures:
+    """Return what asks the installed plugins."""
+    return Pictures(Catalog())
+
+
+@pytest.fixture
+def drive(record: Callable[..., Recording]) -> Messages:
+    """Return the last message of each kind of a drive, a planar flow and truth beside them."""
+    recording = record()
+    found: Messages = {}
+    for name in recording.channels:
+        message = recording.message(name, -1)[2]
+        found[type(message)] = message
+    flow, plane = found[Flow], found[Plane]
+    assert isinstance(flow, Flow)
+    assert isinstance(plane, Plane)
+    found[Planar] = Planar(flow.uv_px, flow.valid, flow.uv_px[..., 0], 100_000)
+    obstacle = plane.obstacle
+    found[Truth] = Truth(obstacle, obstacle.astype(np.float32), flow.uv_px[::4, ::4], 100_000, plane.step_px)
+    return found
+
+
+def around(messages: Messages, rows: int, cols: int, **more: Any) -> PictureContext:
+    """Return a context that finds messages by their class."""
+    return PictureContext(rows, cols, messages.get, **more)  # type: ignore[arg-type]
+
+
+def drawn(pictures: Pictures, message: Message, context: PictureContext) -> Bytes:
+    """Return the picture of a message that has one."""
+    picture = pictures.draw(message, context)
+    assert picture is not None
+    return picture
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+@pytest.mark.parametrize(("rows", "cols"), [(120, 160), (480, 640), (40, 60), (61, 43), (1, 1), (300, 2), (2, 300)])
+def test_a_picture_fills_its_box_in_one_direction(
+    pictures: Pictures, drive: Messages, kind: type[Message], rows: int, cols: int
+) -> None:
+    picture = drawn(pictures, drive[kind], around(drive, rows, cols))
+    assert picture.dtype == np.uint8
+    assert picture.shape[2] == 3
+    assert picture.shape[0] == rows or picture.shape[1] == cols
+
+
+def test_a_message_without_a_picture_has_none(pictures: Pictures) -> None:
+    assert pictures.draw(Twist(0.1, 0.2), PictureContext()) is None
+
+
+def test_the_image_is_itself(pictures: Pictures, drive: Messages) -> None:
+    image = drive[Image]
+    assert isinstance(image, Image)
+    picture = drawn(pictures, image, PictureContext(*image.pixels.shape[:2]))
+    assert np.array_equal(picture, image.pixels)
+
+
+def test_a_plane_lies_over_the_image_of_its_moment(pictures: Pictures, drive: Messages) -> None:
+    over = drawn(pictures, drive[Plane], around(drive, 120, 160))
+    alone = drawn(pictures, drive[Plane], PictureContext(120, 160))
+    plane = drive[Plane]
+    assert isinstance(plane, Plane)
+    obstacle = plane.obstacle.repeat(plane.step_px, 0).repeat(plane.step_px, 1) != 0
+    for picture in (over, alone):
+        red, blue = picture[..., 0].astype(int), picture[..., 2].astype(int)
+        assert (red - blue)[obstacle].mean() > 60
+    image = drive[Image]
+    assert isinstance(image, Image)
+    ground = plane.valid.repeat(plane.step_px, 0).repeat(plane.step_px, 1) != 0
+    ground &= ~obstacle
+    assert np.median(np.abs(over.astype(int) - image.pixels)[ground]) == 0
+    assert np.median(alone[ground]) == 235
+
+
+def test_an_image_of_another_view_is_not_used(pictures: Pictures, drive: Messages) -> None:
+    other = Image(np.full((300, 40), 9, np.uint8))
+    over = drawn(pictures, drive[Plane], around({Image: other}, 120, 160))
+    assert np.array_equal(over, drawn(pictures, drive[Plane], PictureContext(120, 160)))
+
+
+def test_the_map_shows_the_robot_and_its_path(pictures: Pictures, drive: Messages) -> None:
+    state = drive[State]
+    assert isinstance(state, State)
+    bare = drawn(pictures, drive[Map], PictureContext(200, 200))
+    path_m = np.array([[state.x_m - 1.0, state.y_m], [state.x_m, state.y_m]])
+    plain = drawn(pictures, drive[Map], around(drive, 200, 200))
+    traced = drawn(pictures, drive[Map], around(drive, 200, 200, path_m=lambda: path_m))
+    assert not np.array_equal(bare, plain)
+    assert not np.array_equal(plain, traced)
+    assert np.array_equal(plain, drawn(pictures, state, around(drive, 200, 200)))
+    assert pictures.draw(state, PictureContext()) is None
+
+
+def test_legends_come_where_there_is_room(pictures: Pictures, drive: Messages) -> None:
+    for kind in (Flow, Map):
+        for size, differ in ((400, True), (100, False)):
+            one, other = (
+                drawn(pictures, drive[kind], around(drive, size, size, with_legend=on)) for on in (True, False)
+            )
+            assert np.array_equal(one, other) is not differ
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(data=st.data())
+def test_damaged_messages_are_drawn_or_refused(pictures: Pictures, kind: type[Message], data: st.DataObject) -> None:
+    small = _small()
+    bytes_ = bytearray(encode(small[kind], 1, 2))
+    for place in data.draw(st.lists(st.integers(24, len(bytes_) - 1), max_size=6)):
+        bytes_[place] = data.draw(st.integers(0, 255))
+    try:
+        message = decode(kind, bytes(bytes_))[2]
+    except DecodeError:
+        return
+    rows, cols = data.draw(st.integers(1, 90)), data.draw(st.integers(1, 90))
+    try:
+        drawn(pictures, message, around(small, rows, cols))
+    except DrawingError:
+        return
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 3e38, 1e300])
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_numbers_of_any_size_are_drawn_or_refused(pictures: Pictures, kind: type[Message], value: float) -> None:
+    small = _small()
+    message = small[kind]
+    for field in fields(message):
+        old = getattr(message, field.name)
+        if isinstance(old, np.ndarray) and old.dtype.kind == "f":
+            with np.errstate(over="ignore"):
+                new: Any = np.full_like(old, value)
+        elif isinstance(old, float):
+            new = value
+        else:
+            continue
+        try:
+            drawn(pictures, replace(message, **{field.name: new}), around(small, 50, 70))
+        except DrawingError:
+            continue
+
+
+def test_a_map_of_a_million_bodies_is_refused(pictures: Pictures) -> None:
+    world = _small()[Map]
+    many = replace(world, kind=np.zeros(10**6, np.uint8), height_m=np.zeros(10**6))
+    with pytest.raises(DrawingError, match="1000000 bodies"):
+        drawn(pictures, many, PictureContext())
+
+
+def _small() -> Messages:
+    """Return a small message of each kind."""
+    uv, valid = np.ones((6, 8, 2), np.float32), np.ones((6, 8), np.uint8)
+    square = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], np.float64)
+    world = Map(
+        kind=np.array([0], np.uint8),
+        height_m=np.ones(1),
+        vertices_m=square,
+        body=np.zeros(4, np.int32),
+        start=np.array([2.0, 2.0, 0.0]),
+        goal_m=square / 4,
+        robot_radius_m=0.2,
+        shortest_m=1.0,
+        footprint_m=square / 8,
+    )
+    force = np.array([0.1, 0.9])
+    return {
+        Image: Image(np.arange(48, dtype=np.uint8).reshape(6, 8)),
+        Flow: Flow(uv, valid, 1),
+        Plane: Plane(valid, uv[..., 0], valid, 1, 0.5),
+        Potential: Potential(uv[..., 0], uv, 1),
+        State: State(1.0, 2.0, 0.1, 0.0, 0.0, 0.5, False, False, np.zeros((1, 3))),
+        Map: world,
+        Steering: Steering(force, force, force, 0.1, force),
+        Planar: Planar(uv, valid, uv[..., 0], 1),
+        Truth: Truth(valid, uv[..., 0], uv, 1),
+    }
