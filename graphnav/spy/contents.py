@@ -47,6 +47,11 @@ def described(summary: Mapping[str, Any], indent: str = "    ") -> list[str]:
     return lines
 
 
+def value_text(name: str, value: Any) -> str:
+    """Return one field as a person reads it: an array by shape, range and mean, a long text cut."""
+    return _text(_summary(name, value))
+
+
 def _summary(name: str, value: Any) -> Any:
     if isinstance(value, np.ndarray) and value.dtype != object:
         return _array(name, value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,7 +46,7 @@ class Feed:
         """The time of day, in seconds since 1970, at which the clock of the arrivals was 0; 0 in a log."""
         return time.time() - time.monotonic() if self.is_live else 0.0
 
-    def listen(self, for_s: float | None) -> Iterator[Heard | None]:
+    def listen(self, for_s: float | None) -> Generator[Heard | None]:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""
         return self._live(for_s) if self.is_live else self._recorded()
 
@@ -60,7 +60,7 @@ class Feed:
         hint = "" if channel else "\n  start a run that can be watched: graphnav run GRAPH --pace 1"
         return GraphnavError(what + within + hint)
 
-    def _live(self, for_s: float | None) -> Iterator[Heard | None]:
+    def _live(self, for_s: float | None) -> Generator[Heard | None]:
         waiting: deque[Heard] = deque()
         bus = Bus(self.name)
         bus.subscribe_all(lambda channel, data: waiting.append(Heard(channel, data, time.monotonic())))
@@ -75,7 +75,7 @@ class Feed:
         finally:
             bus.close()
 
-    def _recorded(self) -> Iterator[Heard]:
+    def _recorded(self) -> Generator[Heard | None]:
         with Recording(self.path) as recording:
             self.torn = str(recording.torn or "")
             for event in recording.events():

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from graphnav.errors import printable
 from graphnav.spy.contents import declared, described, summarised
-from graphnav.spy.traffic import ChannelTraffic, Traffic
+from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
 
 _APART_RATIO = 0.05
@@ -21,6 +21,7 @@ def as_json(traffic: Traffic, feed: str) -> dict[str, Any]:
     return {
         "feed": feed,
         "runs": traffic.runs,
+        "overflow": traffic.overflow,
         "channels": {name: channel_as_json(traffic.channels[name]) for name in sorted(traffic.channels)},
     }
 
@@ -54,6 +55,8 @@ def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text
         lines.append(Text(printable(name), "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
         if with_fields:
             lines += map(Text, described(fields_of_channel(channel)))
+    if traffic.overflow:
+        lines.append(Text(f"{traffic.overflow} messages of further channels, beyond {MAX_CHANNELS}, were not kept"))
     return Text("\n").join(lines)
 
 

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
-from graphnav.codec import DecodeError, codec_of, decode, fingerprint, lcm_name, type_named, type_of
+from graphnav.codec import Codec, DecodeError, codec_of, decode, lcm_name, type_named, type_of
 from graphnav.errors import UserError, did_you_mean
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.rate_history import RateHistory
 from graphnav.spy.window import RECENT_S, Periods, Window
 
 _SILENT_S = 1.0
 _SILENT_PERIODS = 3
 """A channel is silent after so many of its periods without a message, and after a second at the earliest."""
+
+MAX_CHANNELS = 512
+"""Messages of further channels are counted and not kept: anybody may invent names."""
+_MAX_EARLY_S, _MAX_LATE_S = 1.0, 60.0
+"""A stamp so far from the time of day is of another clock."""
+_MAX_RUNS = 32
+_MAX_UNKNOWN = 1024
 
 Clock = Callable[[], float]
 
@@ -23,9 +32,10 @@ Clock = Callable[[], float]
 class Traffic:
     """All channels, by name, and the runs that said that they publish there.
 
-    ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not. ``clock`` returns the
-    time now in seconds, on the clock of the arrivals; without one, as for a log, no channel is silent and rates are
-    those of the newest 10,000 messages, else those of the last 10 s.
+    ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not. There are at most 512;
+    ``overflow`` counts the messages of all others. ``clock`` returns the time now in seconds, on the clock of the
+    arrivals; without one, as for a log, no channel is silent and rates are those of the newest 10,000 messages, else
+    those of the last 10 s.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -33,6 +43,8 @@ class Traffic:
         self.channels: dict[str, ChannelTraffic] = {}
         self.runs: list[str] = []
         self.told = False
+        self.overflow = 0
+        self._types = KnownTypes()
         load_adapted_types()
 
     def find(self, name: str, feed: Feed, for_s: float | None) -> ChannelTraffic:
@@ -58,13 +70,21 @@ class Traffic:
         return UserError.of(f"{feed.name} has no channel '{name}'", hint)
 
     def hear(self, heard: Heard) -> ChannelTraffic:
-        """Count a message; return its channel."""
+        """Count a message; return its channel, one that is not kept where there are too many."""
         if heard.channel == ABOUT:
             self._learn(heard.data)
-        channel = self.channels.get(heard.channel)
+        channel = self._channel(heard.channel)
         if channel is None:
-            channel = self.channels[heard.channel] = ChannelTraffic(heard.channel, clock=self._clock)
+            self.overflow += 1
+            channel = ChannelTraffic(heard.channel, self._types, clock=self._clock)
         channel.hear(heard)
+        return channel
+
+    def _channel(self, name: str, told: str | None = None) -> ChannelTraffic | None:
+        """Return the channel of a name, made where it is new; None where there are too many."""
+        channel = self.channels.get(name)
+        if channel is None and len(self.channels) < MAX_CHANNELS:
+            channel = self.channels[name] = ChannelTraffic(name, self._types, told, self._clock)
         return channel
 
     def _learn(self, data: bytes) -> None:
@@ -73,51 +93,106 @@ class Traffic:
         except DecodeError:
             return
         self.told = True
-        for name, type_name in zip(about.channels, about.types, strict=False):
-            channel = self.channels.setdefault(name, ChannelTraffic(name, type_name, self._clock))
-            channel.type_name = channel.type_name or type_name
+        for name, type_name in zip(about.channels[:MAX_CHANNELS], about.types, strict=False):
+            channel = self._channel(name, type_name)
+            if channel is not None:
+                channel.type_name = channel.type_name or type_name
         if about.run_id and about.run_id not in self.runs:
-            self.runs.append(about.run_id)
+            self.runs = [*self.runs, about.run_id][-_MAX_RUNS:]
+
+
+class KnownTypes:
+    """The codecs of messages by their fingerprints, looked up once each."""
+
+    def __init__(self) -> None:
+        self._codecs: dict[bytes, tuple[type, Codec] | None] = {}
+
+    def of(self, data: bytes) -> tuple[type, Codec] | None:
+        """Return type and codec of a message, None where its type is not installed."""
+        key = data[:8]
+        if key not in self._codecs:
+            if len(self._codecs) >= _MAX_UNKNOWN:
+                self._codecs.clear()
+            lcm_class = type_of(data)
+            self._codecs[key] = None if lcm_class is None else (lcm_class, codec_of(lcm_class))
+        return self._codecs[key]
 
 
 class ChannelTraffic:
     """The messages of one channel.
 
-    ``values`` are the fields of the newest message that could be decoded; ``decodes`` says whether that is the newest.
+    Every message is measured; decoded is only the newest one, when its ``values`` are asked for. ``decodes`` says
+    whether the newest message is complete and of a known type; ``is_unknown``, that no installed type has its
+    ``fingerprint``. ``heard_s``: when it arrived.
     """
 
-    def __init__(self, name: str, told: str | None = None, clock: Clock | None = None) -> None:
+    def __init__(self, name: str, types: KnownTypes, told: str | None = None, clock: Clock | None = None) -> None:
         self.name = name
         self.type_name = told
         self.lcm_class = type_named(told) if told else None
         self.count = self.undecodable = self.last_bytes = 0
-        self.values: dict[str, Any] | None = None
-        self.decodes = False
+        self.decodes = self.is_unknown = False
+        self.fingerprint = b""
+        self.heard_s = 0.0
+        self.history = RateHistory()
+        self._types = types
         self._clock = clock
-        self._heard_s = 0.0
+        self._newest: bytes | None = None
+        self._values: dict[str, Any] | None = None
         self._recent_s = None if clock is None else RECENT_S
         self._arrivals, self._stamps = Window(self._recent_s), Window(self._recent_s)
         self._first_seq = self._last_seq = self._numbered = 0
 
     def hear(self, heard: Heard) -> None:
         """Count a message."""
+        data = heard.data
         self.count += 1
-        self.last_bytes = len(heard.data)
-        self._heard_s = heard.at_s
+        self.last_bytes = len(data)
+        self.heard_s = heard.at_s
         self._arrivals.add(heard.at_s, heard.at_s, self.count)
-        values = self._decoded(heard.data)
-        self.decodes = values is not None
-        if values is None:
+        self.history.add(heard.at_s, len(data))
+        known = self._types.of(data)
+        self.is_unknown, self.fingerprint = known is None, data[:8]
+        self.decodes = known is not None and known[1].fits(data)
+        if known is not None and (known[0] is not self.lcm_class or self.type_name is None):
+            self._take_type(known[0])
+        if known is None or not self.decodes:
             self.undecodable += 1
             return
-        self.values = values
-        utime, seq = values.get("utime"), values.get("seq")
-        if isinstance(utime, int) and isinstance(seq, int):
+        codec = known[1]
+        self._newest, self._values = data, None
+        utime, seq = codec.peek(data, "utime"), codec.peek(data, "seq")
+        if utime is not None and seq is not None:
             if not self._numbered or seq <= self._last_seq:
                 self._stamps, self._first_seq, self._numbered = Window(self._recent_s), seq, 0
             self._stamps.add(heard.at_s, utime / 1e6, seq)
             self._last_seq = seq
             self._numbered += 1
+
+    def _take_type(self, lcm_class: type) -> None:
+        """Let the channel be of a type; what came of another one is forgotten."""
+        self.lcm_class, self.type_name = lcm_class, lcm_name(lcm_class)
+        self._newest = self._values = None
+
+    @property
+    def values(self) -> dict[str, Any] | None:
+        """The fields of the newest message that could be decoded, None before the first."""
+        if self._values is None and self._newest is not None and self.lcm_class is not None:
+            with suppress(DecodeError):  # sizes beyond what numpy can shape
+                self._values = codec_of(self.lcm_class).decode(self._newest)
+        return self._values
+
+    def latency_s(self, clock_offset_s: float) -> float | None:
+        """Return the median time from a message's own stamp to its arrival.
+
+        ``clock_offset_s`` is added to the clock of the arrivals to give the time of day. None where the stamps are not
+        on that clock, as those of simulated time.
+        """
+        behind_s = self._stamps.behind_s()
+        if behind_s is None:
+            return None
+        latency_s = behind_s + clock_offset_s
+        return latency_s if latency_s and -_MAX_EARLY_S < latency_s < _MAX_LATE_S else None
 
     @property
     def lost(self) -> int:
@@ -127,7 +202,7 @@ class ChannelTraffic:
     @property
     def silent_s(self) -> float | None:
         """How long ago the newest message arrived; None in a log and before the first."""
-        return None if self._clock is None or not self.count else max(0.0, self._clock() - self._heard_s)
+        return None if self._clock is None or not self.count else max(0.0, self._clock() - self.heard_s)
 
     @property
     def is_silent(self) -> bool:
@@ -157,14 +232,3 @@ class ChannelTraffic:
     def wall_rate_hz(self) -> float | None:
         """Messages per second as they arrived."""
         return self.arriving.rate_hz if self.arriving else None
-
-    def _decoded(self, data: bytes) -> dict[str, Any] | None:
-        if self.lcm_class is None or data[:8] != fingerprint(self.lcm_class):
-            found = type_of(data)
-            if found is None:
-                return None
-            self.lcm_class, self.type_name = found, lcm_name(found)
-        try:
-            return codec_of(self.lcm_class).decode(data)
-        except DecodeError:
-            return None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import statistics
 from collections import deque
 from dataclasses import dataclass
 
@@ -11,14 +13,15 @@ import numpy as np
 RECENT_S = 10.0
 """How far back a live rate looks; two messages at least."""
 MAX_MESSAGES = 10_000
+_RECENT_MESSAGES = 100
 
 
 @dataclass(frozen=True)
 class Periods:
     """Rate and periods of the messages in a window.
 
-    ``min_s``, ``max_s``, ``std_s``: of the periods between neighbours, without those that span lost messages; None
-    where there are none. ``rate_hz`` counts the lost ones. ``n``: messages in the window.
+    ``min_s``, ``mean_s``, ``max_s``, ``std_s``: of the periods between neighbours, without those that span lost
+    messages; None where there are none. ``rate_hz`` counts the lost ones. ``n``: messages in the window.
     """
 
     rate_hz: float
@@ -26,6 +29,7 @@ class Periods:
     max_s: float | None
     std_s: float | None
     n: int
+    mean_s: float | None = None
 
 
 class Window:
@@ -46,6 +50,13 @@ class Window:
         """Whether no message was taken."""
         return not self._newest
 
+    def behind_s(self) -> float | None:
+        """Return the median time from the messages' own times to their arrivals, over the newest 100."""
+        if not self._newest:
+            return None
+        newest = itertools.islice(reversed(self._newest), _RECENT_MESSAGES)
+        return statistics.median(at_s - time_s for at_s, time_s, _ in newest)
+
     def periods(self) -> Periods | None:
         """Return the periods, None below two messages or where no time passed between the first and the last."""
         if len(self._newest) < 2:
@@ -58,4 +69,5 @@ class Window:
         steps = np.diff(times)[np.diff(numbers) == 1]
         if not steps.size:
             return Periods(rate_hz, None, None, None, len(times))
-        return Periods(rate_hz, float(steps.min()), float(steps.max()), float(steps.std()), len(times))
+        least_s, most_s = float(steps.min()), float(steps.max())
+        return Periods(rate_hz, least_s, most_s, float(steps.std()), len(times), float(steps.mean()))
