@@ -1,10 +1,14 @@
-"""``graphnav spy``: every channel of a live run or of a log, with type, rate, size and contents."""
+"""``graphnav spy``: every channel of a live run or of a log, on a full screen where there is one, else as a list."""
 
 from __future__ import annotations
 
 import argparse
+import gc
 import json
+import os
+import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_feed_argument, add_types_option, load_types_of, seconds
@@ -16,6 +20,8 @@ if TYPE_CHECKING:
     from graphnav.spy import Feed, Traffic
 
 _REFRESH_S = 0.5
+_PRINT_S = 2.0
+_PLAIN_TERMINALS = {"dumb", "unknown", ""}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,6 +45,8 @@ def main(args: argparse.Namespace) -> int:
 
     load_types_of(args)
     feed = Feed(args.feed)
+    if not (args.once or args.json) and _has_screen():
+        return _full_screen(feed)
     traffic = Traffic(feed.clock)
     console = Console(highlight=False, soft_wrap=True)
     if feed.is_live and not (args.once or args.json):
@@ -57,8 +65,31 @@ def main(args: argparse.Namespace) -> int:
     return OK
 
 
+def _has_screen() -> bool:
+    """Whether this is a terminal that a full screen can be drawn on and keys come from."""
+    streams = (sys.__stdin__, sys.__stdout__, sys.__stderr__)
+    is_terminal = all(stream is not None and stream.isatty() for stream in streams)
+    return is_terminal and os.environ.get("TERM", "dumb") not in _PLAIN_TERMINALS
+
+
+def _full_screen(feed: Feed) -> int:
+    """Show the feed until the user leaves."""
+    from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.spy.screen import SpyApp, watch_of  # noqa: PLC0415
+
+    gc.freeze()  # what was imported stays: it need not be looked through again and again
+    watch = watch_of(feed)
+    watch.start()
+    try:
+        app = SpyApp(watch, Catalog(), Path.cwd())
+        app.run()
+    finally:
+        watch.close()
+    return app.return_code or OK
+
+
 def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
-    """Show what goes by, a line a channel, until Ctrl-C."""
+    """Show what goes by, a line a channel, until Ctrl-C; anew below where a terminal cannot go back."""
     from rich.live import Live  # noqa: PLC0415
 
     from graphnav.spy import as_text  # noqa: PLC0415
@@ -68,7 +99,11 @@ def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
         for heard in feed.listen(None):
             if heard is not None:
                 traffic.hear(heard)
-            elif time.monotonic() - shown_s > _REFRESH_S:
+            elif time.monotonic() - shown_s > (_PRINT_S if console.is_dumb_terminal else _REFRESH_S):
                 shown_s = time.monotonic()
                 heading = f"{feed.name}: {len(traffic.channels)} channels"
-                live.update(as_text(traffic, heading, with_fields=False), refresh=True)
+                text = as_text(traffic, heading, with_fields=False)
+                if console.is_dumb_terminal:
+                    console.print(text)
+                else:
+                    live.update(text, refresh=True)

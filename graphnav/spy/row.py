@@ -1,0 +1,57 @@
+"""What the table says of one channel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from graphnav.spy.traffic import ChannelTraffic
+
+
+@dataclass(frozen=True)
+class Row:
+    """One channel; None is what is not known.
+
+    ``rate_hz``: by the messages' own stamps. ``min_s`` to ``std_s``: of their periods. ``bandwidth_bps``: bytes per
+    second. ``n_bytes``: of the newest message. ``drops``: gaps in the numbers. ``age_s``: since the newest arrived.
+    ``counts``: messages of each of the last seconds, oldest first.
+    """
+
+    name: str
+    type_name: str | None
+    messages: int
+    rate_hz: float | None
+    min_s: float | None
+    mean_s: float | None
+    max_s: float | None
+    std_s: float | None
+    bandwidth_bps: float | None
+    n_bytes: int | None
+    latency_s: float | None
+    drops: int
+    undecodable: int
+    age_s: float | None
+    is_stale: bool
+    counts: tuple[int, ...]
+
+
+def row_of(channel: ChannelTraffic, now_s: float, clock_offset_s: float, age_s: float | None) -> Row:
+    """Return what is known of a channel at ``now_s`` on the clock of the arrivals; ``age_s``: of its newest message."""
+    periods = channel.published
+    return Row(
+        name=channel.name,
+        type_name=channel.type_name,
+        messages=channel.count,
+        rate_hz=periods.rate_hz if periods else None,
+        min_s=periods.min_s if periods else None,
+        mean_s=periods.mean_s if periods else None,
+        max_s=periods.max_s if periods else None,
+        std_s=periods.std_s if periods else None,
+        bandwidth_bps=channel.history.bandwidth_bps(now_s),
+        n_bytes=channel.last_bytes if channel.count else None,
+        latency_s=channel.latency_s(clock_offset_s),
+        drops=channel.lost,
+        undecodable=channel.undecodable,
+        age_s=age_s,
+        is_stale=channel.is_silent,
+        counts=tuple(channel.history.counts(now_s)),
+    )

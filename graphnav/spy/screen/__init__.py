@@ -1,0 +1,13 @@
+"""``graphnav spy`` on a full screen: the table of channels, and one channel with its fields, plots and picture."""
+
+from graphnav.spy.feed import Feed
+from graphnav.spy.live_watch import LiveWatch
+from graphnav.spy.log_watch import LogWatch
+from graphnav.spy.screen.app import SpyApp
+
+__all__ = ["SpyApp", "watch_of"]
+
+
+def watch_of(feed: Feed) -> LiveWatch | LogWatch:
+    """Return what watches a feed; raises LogError where it is a log that cannot be read."""
+    return LiveWatch(feed) if feed.is_live else LogWatch(feed)

@@ -1,0 +1,134 @@
+"""The full-screen spy."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+from typing import ClassVar
+
+from textual.app import App
+from textual.binding import Binding, BindingType
+
+from graphnav.catalog import Catalog
+from graphnav.spy.live_watch import LiveWatch
+from graphnav.spy.log_watch import LogWatch
+from graphnav.spy.screen.channel_screen import ChannelScreen
+from graphnav.spy.screen.channels_screen import ChannelsScreen
+from graphnav.spy.screen.screen_image import screen_image
+from graphnav.spy.screen.session import Session
+
+_TICK_S = 0.1
+_LIVE_ONLY = {"freeze", "record"}
+_LOG_ONLY = {"play", "step", "skip"}
+
+
+class SpyApp(App[None]):
+    """Shows a watch that was started; what is saved and recorded goes to ``folder``."""
+
+    CSS_PATH = "spy.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    TITLE = "graphnav spy"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space", "freeze", "freeze"),
+        Binding("space", "play", "play"),
+        Binding("comma", "step(-1)", "step back", key_display=","),
+        Binding("full_stop", "step(1)", "step", key_display="."),
+        Binding("less_than_sign", "skip(-1.0)", "1 s back", show=False),
+        Binding("greater_than_sign", "skip(1.0)", "1 s on", show=False),
+        Binding("r", "record", "record"),
+        Binding("w", "save", "save PNG"),
+        Binding("q", "quit", "quit"),
+    ]
+
+    def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog, folder: Path) -> None:
+        super().__init__(ansi_color=True)
+        self._watch = watch
+        self._session = Session(watch, catalog)
+        self._folder = folder
+        self._played_s = 0.0
+
+    def on_mount(self) -> None:
+        """Show the channels."""
+        self.push_screen(ChannelsScreen(self._session))
+        self.set_interval(_TICK_S, self._play_on)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Return whether a key means something: freezing is for what is live, stepping for logs."""
+        del parameters
+        return action not in (_LOG_ONLY if self._watch.is_live else _LIVE_ONLY)
+
+    def action_freeze(self) -> None:
+        """Let the view stand still, or go on."""
+        self._session.is_frozen = not self._session.is_frozen
+        self._show()
+
+    def action_play(self) -> None:
+        """Go through the log as fast as it was recorded, from its begin where its end is shown; or pause."""
+        if not isinstance(self._watch, LogWatch):
+            return
+        self._session.is_playing = not self._session.is_playing
+        if self._session.is_playing and self._watch.at_s >= self._watch.end_s:
+            self._watch.go_to(self._watch.begin_s)
+        self._played_s = time.monotonic()
+        self._show()
+
+    def action_step(self, count: int) -> None:
+        """Go on or back by messages: of the channel that is open, else by stamps."""
+        if isinstance(self._watch, LogWatch):
+            self._session.is_playing = False
+            screen = self.screen
+            self._watch.step(screen.channel_name if isinstance(screen, ChannelScreen) else None, count)
+            self._show()
+
+    def action_skip(self, seconds: float) -> None:
+        """Go on or back by seconds."""
+        if isinstance(self._watch, LogWatch):
+            self._watch.go_to(self._watch.at_s + seconds)
+            self._show()
+
+    def action_record(self) -> None:
+        """Begin to record all channels, or end it."""
+        if not isinstance(self._watch, LiveWatch):
+            return
+        if self._watch.recording is not None:
+            self.notify(self._watch.stop_recording(), title="recorded", markup=False)
+        else:
+            path = self._folder / f"spy-{_time()}.lcmlog"
+            try:
+                self._watch.record(path)
+            except OSError as error:
+                self.notify(f"{path}: {error.strerror}", title="cannot record", severity="error", markup=False)
+        self._show()
+
+    def action_save(self) -> None:
+        """Save what the screen shows, and the picture in its own size, as PNG."""
+        screen = self.screen
+        name = screen.channel_name if isinstance(screen, ChannelScreen) else "channels"
+        path = self._folder / f"spy-{re.sub(r'[^A-Za-z0-9._-]', '_', name)}-{_time()}.png"
+        try:
+            screen_image(screen).save(path)
+        except OSError as error:
+            self.notify(f"{path}: {error.strerror or error}", title="cannot save", severity="error", markup=False)
+        else:
+            self.notify(str(path), title="saved", markup=False)
+
+    def _play_on(self) -> None:
+        if not self._session.is_playing or not isinstance(self._watch, LogWatch):
+            return
+        now_s = time.monotonic()
+        self._watch.go_to(self._watch.at_s + now_s - self._played_s)
+        self._played_s = now_s
+        self._session.is_playing = self._watch.at_s < self._watch.end_s
+
+    def _show(self) -> None:
+        """Bring the screen up to date at once."""
+        screen = self.screen
+        if isinstance(screen, ChannelScreen):
+            screen.show(at_once=True)
+        elif isinstance(screen, ChannelsScreen):
+            screen.show()
+
+
+def _time() -> str:
+    return time.strftime("%Y%m%d-%H%M%S")

@@ -1,0 +1,106 @@
+"""A screen as a picture: cell by cell, in the letters that Matplotlib brings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from PIL import Image, ImageDraw, ImageFont
+from rich.cells import cell_len
+from rich.color import Color
+from rich.segment import Segment
+from rich.style import Style
+from rich.terminal_theme import MONOKAI
+from textual.geometry import Region
+from textual.screen import Screen
+from textual.widget import Widget
+
+from graphnav.spy.half_blocks import UPPER_HALF
+
+_FONT = Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSansMono.ttf"
+_FONT_PX = 16
+_CELL_PX = (10, 20)
+"""Columns and rows of pixels of a cell: one letter of the font."""
+_BASE_PX = 1
+_BRAILLE = 0x2800
+_DOTS = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (0, 3), (1, 3))
+"""Column and row of the dot of each bit."""
+
+Rgb = tuple[int, int, int]
+
+
+def screen_image(screen: Screen[Any]) -> Image.Image:
+    """Return what a screen shows."""
+    width, height = screen.size
+    cols_px, rows_px = _CELL_PX
+    image = Image.new("RGB", (width * cols_px, height * rows_px), tuple(MONOKAI.background_color))
+    draw = ImageDraw.Draw(image)
+    font = ImageFont.truetype(str(_FONT), _FONT_PX)
+    for x, y, segment in cells_of(screen):
+        _draw_segment(draw, font, x * cols_px, y * rows_px, segment)
+    return image
+
+
+def cells_of(screen: Screen[Any]) -> Iterator[tuple[int, int, Segment]]:
+    """Yield column, row and segment of everything that the visible widgets draw, what lies above others last."""
+    for widget in sorted(screen.walk_children(Widget), key=_is_above):
+        if widget.is_container or not widget.is_on_screen or not widget.display:
+            continue
+        region = widget.region
+        for y, strip in enumerate(widget.render_lines(Region(0, 0, region.width, region.height))):
+            x = region.x
+            for segment in strip:
+                yield x, region.y + y, segment
+                x += cell_len(segment.text)
+
+
+def _is_above(widget: Widget) -> bool:
+    """Whether a widget lies in a layer of its own, as notifications do."""
+    return any(isinstance(node, Widget) and node.layer != "default" for node in widget.ancestors_with_self)
+
+
+def _draw_segment(draw: ImageDraw.ImageDraw, font: ImageFont.FreeTypeFont, x: int, y: int, segment: Segment) -> None:
+    cols_px, rows_px = _CELL_PX
+    fore, back = _colours(segment.style or Style())
+    width = cell_len(segment.text) * cols_px
+    if back is not None:
+        draw.rectangle((x, y, x + width - 1, y + rows_px - 1), fill=back)
+    if segment.text and not segment.text.strip(UPPER_HALF):
+        draw.rectangle((x, y, x + width - 1, y + rows_px // 2 - 1), fill=fore)
+        return
+    for place, letter in enumerate(segment.text):
+        left = x + cell_len(segment.text[:place]) * cols_px
+        if _BRAILLE <= ord(letter) < _BRAILLE + 256:
+            _draw_dots(draw, left, y, ord(letter) - _BRAILLE, fore)
+        elif letter != " ":
+            draw.text((left, y + _BASE_PX), letter, fill=fore, font=font)
+
+
+def _draw_dots(draw: ImageDraw.ImageDraw, x: int, y: int, dots: int, colour: Rgb) -> None:
+    """Draw a letter of braille, which the font lacks: two columns of four dots."""
+    cols_px, rows_px = _CELL_PX
+    for bit, (col, row) in enumerate(_DOTS):
+        if dots >> bit & 1:
+            left, top = x + col * cols_px // 2 + 1, y + row * rows_px // 4 + 1
+            draw.rectangle((left, top, left + 2, top + 2), fill=colour)
+
+
+def _colours(style: Style) -> tuple[Rgb, Rgb | None]:
+    """Return the colours of letters and ground; None for the ground of the screen."""
+    fore = _rgb(style.color, is_fore=True) or MONOKAI.foreground_color
+    back = _rgb(style.bgcolor, is_fore=False)
+    ground = back or MONOKAI.background_color
+    if style.reverse:
+        fore, back = ground, fore
+    elif style.dim:
+        red, green, blue = ((one + other) // 2 for one, other in zip(fore, ground, strict=True))
+        fore = red, green, blue
+    return fore, back
+
+
+def _rgb(colour: Color | None, *, is_fore: bool) -> Rgb | None:
+    if colour is None or colour.is_default:
+        return None
+    return colour.get_truecolor(MONOKAI, foreground=is_fore)

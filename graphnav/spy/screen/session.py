@@ -1,0 +1,37 @@
+"""What the screens share: the watch, how its messages are decoded and drawn, and whether the view stands still."""
+
+from __future__ import annotations
+
+import os
+
+from rich.text import Text
+
+from graphnav.catalog import Catalog
+from graphnav.pictures import Pictures
+from graphnav.spy.live_watch import LiveWatch
+from graphnav.spy.log_watch import LogWatch
+from graphnav.spy.moment import Moment
+
+
+class Session:
+    """One use of the full-screen spy.
+
+    ``is_frozen``: the view stands still, and what is heard meanwhile is kept all the same. ``is_playing``: a log goes
+    on by itself.
+    """
+
+    def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog) -> None:
+        self.watch = watch
+        self.moment = Moment(watch, catalog)
+        self.pictures = Pictures(catalog)
+        self.has_colour = not os.environ.get("NO_COLOR")
+        self.is_frozen = self.is_playing = False
+
+    def heading(self) -> Text:
+        """Return what there is to say of the feed and of the view."""
+        text = Text("graphnav spy  ", "bold") + Text(self.watch.heading())
+        for is_so, word in ((self.is_frozen, "FROZEN"), (self.is_playing, "PLAYING")):
+            if is_so:
+                text.append("  ")
+                text.append(f" {word} ", "bold reverse")
+        return text

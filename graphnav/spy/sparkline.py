@@ -1,0 +1,15 @@
+"""A row of counts as a row of bars."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+_BARS = "▁▂▃▄▅▆▇█"
+
+
+def sparkline(counts: Sequence[int], width: int) -> str:
+    """Return the newest ``width`` counts as bars from the right, the greatest full; a space where there were none."""
+    newest = list(counts)[-width:] if width > 0 else []
+    most = max(newest, default=0)
+    bars = [_BARS[-(-count * len(_BARS) // most) - 1] if count else " " for count in newest]
+    return "".join(bars).rjust(width)

@@ -1,0 +1,124 @@
+"""The spy in a real terminal: tmux shows what a user sees, in two sizes, with and without colour."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sysconfig
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from .test_spy_screen import publishing
+
+GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
+PATIENCE_S = 60.0
+
+pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
+
+
+@dataclass
+class Terminal:
+    """A terminal inside a tmux server of its own."""
+
+    socket: Path
+
+    def tmux(self, *words: str) -> str:
+        """Run a command of tmux and return what it prints."""
+        done = subprocess.run(["tmux", "-S", self.socket, *words], capture_output=True, text=True, check=True)
+        return done.stdout
+
+    def press(self, *keys: str) -> None:
+        """Press keys."""
+        self.tmux("send-keys", *keys)
+
+    def screen(self, *options: str) -> str:
+        """Return what stands on the screen."""
+        return self.tmux("capture-pane", "-p", *options)
+
+    def wait_for(self, condition: Callable[[str], bool]) -> str:
+        """Return the screen as soon as a condition holds for it."""
+        end_s = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end_s:
+            if condition(shown := self.screen()):
+                return shown
+            time.sleep(0.1)
+        raise AssertionError(f"it never came to that:\n{shown}")
+
+
+@pytest.fixture
+def terminal(tmp_path: Path) -> Iterator[Callable[..., Terminal]]:
+    """Return a function that runs a command in a terminal of a size."""
+    made: list[Terminal] = []
+
+    def start(command: str, size: tuple[int, int], **environment: str) -> Terminal:
+        one = Terminal(tmp_path / f"tmux-{len(made)}")
+        made.append(one)
+        variables = [word for name, value in environment.items() for word in ("-e", f"{name}={value}")]
+        width, height = map(str, size)
+        command = f"env -u COLUMNS -u LINES {command}"  # Textual takes them for the terminal's size
+        one.tmux("-f", os.devnull, "new-session", "-d", "-x", width, "-y", height, *variables, command)
+        return one
+
+    yield start
+    for one in made:
+        subprocess.run(["tmux", "-S", one.socket, "kill-server"], capture_output=True, check=False)
+
+
+def open_image(one: Terminal) -> None:
+    """Filter for the image and open it, at a person's pace."""
+    one.press("/")
+    one.wait_for(lambda shown: "part of a channel" in shown)
+    one.press("image")
+    one.wait_for(lambda shown: "control.twist" not in shown and "robot.image" in shown)
+    one.press("Enter")
+    one.wait_for(lambda shown: "part of a channel" not in shown)
+    one.press("Enter")
+
+
+@pytest.mark.parametrize("size", [(80, 24), (200, 50)], ids=lambda size: f"{size[0]}x{size[1]}")
+def test_a_live_group_is_seen_in_tmux(group: str, terminal: Callable[..., Terminal], size: tuple[int, int]) -> None:
+    one = terminal(f"{GRAPHNAV} spy '{group}'; sleep 60", size)
+    one.wait_for(lambda shown: "no publisher" in shown)
+    with publishing(group, "robot.image", "control.twist"):
+        shown = one.wait_for(lambda shown: "control.twist" in shown and "Hz" in shown)
+        assert ("latency ms" in shown) is (size[0] == 200)
+        assert "freeze" in shown.splitlines()[-1]
+        open_image(one)
+        shown = one.wait_for(lambda shown: "▀" in shown)
+        assert len(shown.splitlines()) <= size[1]
+        one.press("Escape")
+        one.wait_for(lambda shown: "▀" not in shown)
+        one.press("q")
+
+
+def test_without_colour_pictures_are_shades(group: str, terminal: Callable[..., Terminal]) -> None:
+    one = terminal(f"{GRAPHNAV} spy '{group}'; sleep 60", (80, 24), NO_COLOR="1")
+    with publishing(group, "robot.image"):
+        one.wait_for(lambda shown: "Hz" in shown)
+        open_image(one)
+        shown = one.wait_for(lambda shown: any(letter * 16 in shown for letter in ".:-=+*#%@"))
+        assert "▀" not in shown
+        coloured = one.screen("-e")
+        assert "38;2;" not in coloured
+        assert "48;2;" not in coloured
+
+
+def test_a_dumb_terminal_gets_the_plain_list(group: str, terminal: Callable[..., Terminal]) -> None:
+    one = terminal(f"TERM=dumb {GRAPHNAV} spy '{group}'; sleep 60", (100, 24))
+    with publishing(group, "control.twist"):
+        shown = one.wait_for(lambda shown: "graphnav_lcm.twist_t, " in shown)
+        assert "freeze" not in shown
+
+
+def test_output_that_is_read_by_a_program_stays_as_it_is(group: str) -> None:
+    with publishing(group, "control.twist"):
+        done = subprocess.run(
+            [GRAPHNAV, "spy", "--json", "--for", "1", group], capture_output=True, text=True, check=True
+        )
+    assert json.loads(done.stdout)["channels"]["control.twist"]["messages"] > 0
