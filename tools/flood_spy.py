@@ -1,0 +1,108 @@
+"""Flood the full-screen spy with mutated messages and packets of garbage; what it counts and what it takes."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import random
+import socket
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from graphnav.bus import Bus
+from graphnav.catalog import Catalog
+from graphnav.codec import encode
+from graphnav.messages import About, Message, Status, Stop, Twist
+from graphnav.spy import Feed
+from graphnav.spy.live_watch import LiveWatch
+from graphnav.spy.screen import SpyApp
+
+GROUP = "udpm://239.255.78.9:7709?ttl=0"
+_MAGIC = 0x4C433032
+"""Of a packet with a whole message; the next number is that of a fragment. LCM's own library (1.5) ends the process at
+a packet of the first kind without any zero byte, whoever receives it: garbage with this number ends with one here."""
+_DIFFERENT = 20_000
+_PER_PAUSE = 50
+_PAUSE_S = 0.005
+
+
+def flood(count: int, seed: int) -> None:
+    """Send ``count`` mutated messages and as many packets of garbage."""
+    rng = random.Random(seed)
+    parts = urlsplit(GROUP)
+    address = (parts.hostname, parts.port)
+    bus = Bus(GROUP)
+    messages = [_mutated(rng) for _ in range(_DIFFERENT)]
+    garbage = [rng.randbytes(rng.randrange(300)) for _ in range(_DIFFERENT // 2)]
+    garbage += [struct.pack(">II", _MAGIC + rng.randrange(2), 1) + one + b"\0" for one in garbage]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for k in range(count):
+            bus.publish(*messages[k % _DIFFERENT])
+            sender.sendto(garbage[k % _DIFFERENT], address)
+            if k % _PER_PAUSE == 0:
+                time.sleep(_PAUSE_S)
+    bus.close()
+
+
+def _mutated(rng: random.Random) -> tuple[str, bytes]:
+    name = rng.choice(["[red]x", "\x1b[2J", "a b", "[/]"]) if rng.random() < 0.9 else f"n{rng.randrange(10**6)}"
+    message: Message = rng.choice(
+        [
+            Twist(1, 2),
+            Stop(engaged=True, reason="[bold]\x1b[31m"),
+            Status("run", "g", False, 0, 0, 0, 0, 0, 0, (), (), (), ()),  # noqa: FBT003
+            About("[red]", "", f"\x1b{rng.random()}", 1, (name,), ("x.y_t",)),
+        ]
+    )
+    data = bytearray(encode(message, rng.getrandbits(60), rng.getrandbits(60)))
+    for _ in range(rng.randrange(6)):
+        data[rng.randrange(len(data))] = rng.getrandbits(8)
+    return name, bytes(data[: rng.randrange(len(data))] if rng.random() < 0.5 else data)
+
+
+def _rss_mb() -> float:
+    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * 4096 / 1e6
+
+
+async def watch_flood(count: int) -> None:
+    """Run the spy without a terminal while another process floods it; print what was counted."""
+    watch = LiveWatch(Feed(GROUP))
+    watch.start()
+    async with SpyApp(watch, Catalog(), Path.cwd()).run_test(size=(200, 50)) as pilot:
+        await pilot.pause(1.0)
+        begin_s, begin_mb = time.monotonic(), _rss_mb()
+        with subprocess.Popen([sys.executable, __file__, "--send", "--count", str(count)]) as sender:
+            while sender.poll() is None:
+                await pilot.pause(0.5)
+                await pilot.press("down", "enter")
+                await pilot.pause(0.5)
+                await pilot.press("escape")
+        await pilot.pause(2.0)
+        rows = watch.rows()
+        print(
+            f"{count} mutated messages and {count} packets of garbage in {time.monotonic() - begin_s:.0f} s: "
+            f"{watch.version} counted, on {len(rows)} channels and beside them, "
+            f"{sum(row.undecodable for row in rows)} of those kept undecodable, failure '{watch.failure}', "
+            f"memory {begin_mb:.0f} MB before, {_rss_mb():.0f} MB after"
+        )
+    watch.close()
+
+
+def main() -> None:
+    """Flood, or watch the flood."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=10**6)
+    parser.add_argument("--send", action="store_true", help="only send")
+    args = parser.parse_args()
+    if args.send:
+        flood(args.count, 7)
+    else:
+        asyncio.run(watch_flood(args.count))
+
+
+if __name__ == "__main__":
+    main()
