@@ -32,7 +32,7 @@ def why_empty(channel: ChannelTraffic, for_s: float) -> str:
         if channel.is_unknown:
             return (
                 f"unknown fingerprint {channel.fingerprint.hex()}: no installed type has it\n"
-                "install the package that lcm-gen made of it"
+                "install the package that lcm-gen made of it, or name it: --types PACKAGE_OR_DIR"
             )
         return f"the newest message of {size_of(channel.last_bytes)} is not a complete {channel.type_name}"
     if channel.is_silent:

@@ -77,7 +77,7 @@ def open_image(one: Terminal) -> None:
     one.press("image")
     one.wait_for(lambda shown: "control.twist" not in shown and "robot.image" in shown)
     one.press("Enter")
-    one.wait_for(lambda shown: "part of a channel" not in shown)
+    one.wait_for(lambda shown: "⏎ open" in shown)
     one.press("Enter")
 
 
