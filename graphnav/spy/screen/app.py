@@ -39,6 +39,7 @@ class SpyApp(App[None]):
         Binding("r", "record", "record"),
         Binding("w", "save", "save PNG"),
         Binding("q", "quit", "quit"),
+        Binding("ctrl+c", "quit", "quit", show=False, priority=True),
     ]
 
     def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog, folder: Path) -> None:
