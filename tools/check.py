@@ -17,7 +17,7 @@ STEPS: dict[str, list[str]] = {
     "lint": [sys.executable, "-m", "ruff", "check", "--quiet", *CHECKED],
     "types": [sys.executable, "-m", "mypy", *CHECKED],
     "architecture": [str(SCRIPTS / "lint-imports"), "--no-logo"],
-    "tests": [sys.executable, "-m", "pytest", "-q"],
+    "tests": [sys.executable, "-m", "pytest", "-q", "-n", "auto"],
 }
 
 
