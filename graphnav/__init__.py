@@ -47,7 +47,7 @@ if TYPE_CHECKING:
         Truth,
         Twist,
     )
-    from graphnav.pictures import PictureContext
+    from graphnav.pictures import PictureContext, VideoFrames
     from graphnav.record import Recording
     from graphnav.stage import Age, Finished, Latest, Role, Since, Source, Stage, Stamp, Stamped, param
 
@@ -97,7 +97,7 @@ _HOMES = {
         "Truth",
         "Twist",
     ),
-    "graphnav.pictures": ("PictureContext",),
+    "graphnav.pictures": ("PictureContext", "VideoFrames"),
     "graphnav.record": ("Recording",),
     "graphnav.stage": ("Age", "Finished", "Latest", "Role", "Since", "Source", "Stage", "Stamp", "Stamped", "param"),
 }
@@ -148,6 +148,7 @@ __all__ = [
     "Truth",
     "Twist",
     "UserError",
+    "VideoFrames",
     "__version__",
     "ablate",
     "block_sum",

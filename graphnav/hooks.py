@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ from graphnav.stage import Stage
 
 if TYPE_CHECKING:
     from graphnav.messages import Message
-    from graphnav.pictures import PictureContext
+    from graphnav.pictures import PictureContext, VideoFrames
     from graphnav.record import Recording
 
 PROJECT = "graphnav"
@@ -35,8 +35,11 @@ def graphnav_adapters() -> list[Adapter]:  # type: ignore[empty-body]
 
 
 @hookspec
-def graphnav_draw(recording: Recording, folder: Path, video: bool) -> list[Path]:  # type: ignore[empty-body] # noqa: FBT001
+def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) -> list[Path]:  # type: ignore[empty-body] # noqa: FBT001
     """Draw pictures (and a video, if asked) of a recorded run into ``folder``; return what was written.
+
+    ``suffix``: of the pictures' names, which says their format: ``.png``, ``.svg`` or ``.pdf``. A plugin that writes
+    PNG only leaves this argument out.
 
     Everything is drawn from the log, so that a log from another machine draws the same.
     """
@@ -74,4 +77,41 @@ def graphnav_picture(message: Message, context: PictureContext) -> npt.NDArray[n
 
     The message may come from any program: its numbers need not be finite, its shapes need not agree with those of
     other messages. What is raised becomes a DrawingError, and the viewer says it in place of the picture.
+    """
+
+
+@hookspec(firstresult=True)
+def graphnav_draw_frames(
+    recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
+) -> list[Path] | None:
+    """Draw the panels of single frames of a recorded run into ``folder``, one picture each; return the files.
+
+    ``times_s``: seconds since the log begins; of each, the frame nearest to it is drawn. ``suffix``: ``.png``, ``.svg``
+    or ``.pdf``. Return None where the log holds nothing that a camera saw; raise UserError for a time outside of it.
+    """
+
+
+@hookspec(firstresult=True)
+def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
+    """Draw a contact sheet of a recorded run: a frame every so many seconds, small, side by side.
+
+    ``from_s``, ``until_s``: seconds since the log begins; they may lie outside of it. The suffix of ``file`` says its
+    format: ``.png``, ``.svg`` or ``.pdf``. Return ``file``, or None, without writing, where the log holds nothing that
+    a camera saw; raise UserError for a span without frames, or more frames than a sheet holds.
+    """
+
+
+@hookspec(firstresult=True)
+def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -> VideoFrames | None:
+    """Return the frames of the video of a recorded run, its panels, between two times (seconds since the log begins).
+
+    Return None where the log holds no images in that span.
+    """
+
+
+@hookspec(firstresult=True)
+def graphnav_write_video(frames: VideoFrames, file: Path) -> Path | None:
+    """Write frames as a video; the suffix of ``file`` says its format. Return ``file``.
+
+    Raise UserError where this machine cannot write it, OSError where the file does not hold every frame.
     """

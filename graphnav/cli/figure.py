@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
+from graphnav.cli.quantities import log_time
+from graphnav.cli.spans import add_span_options, period
 from graphnav.cli.status import OK
 from graphnav.errors import UserError
+from graphnav.notices import print_notice
+
+PICTURE_FORMATS = ("png", "svg", "pdf")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,23 +22,52 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o", dest="folder", type=Path, metavar="DIR", help="where the pictures go (default: beside the log)"
     )
     parser.add_argument("--video", action="store_true", help="also draw video.mp4")
+    parser.add_argument(
+        "--at",
+        dest="times_s",
+        type=log_time,
+        action="append",
+        default=[],
+        metavar="T",
+        help="the panels of the frame at T (12.3s) instead; may be given several times",
+    )
+    parser.add_argument(
+        "--every", dest="every_s", type=period, metavar="T", help="a contact sheet instead: a frame every T (0.5s)"
+    )
+    add_span_options(parser, "of a contact sheet: ")
+    parser.add_argument("--format", choices=PICTURE_FORMATS, default="png", help="of the pictures (default: png)")
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and print what was written."""
     from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.record import find_log  # noqa: PLC0415
-    from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
+    from graphnav.record import Recording, find_log  # noqa: PLC0415
+    from graphnav.report.pictures import draw_all, draw_frames, draw_sheet  # noqa: PLC0415
 
+    if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):
+        raise UserError.of("--from and --until are for a contact sheet", "add --every 0.5s, or leave them out")
     log = find_log(args.run)
     folder = args.folder or log.parent
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        drawn = draw_pictures(Catalog(), log, folder, video=args.video)
-    except OSError as error:
-        raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
+    suffix = f".{args.format}"
+    catalog = Catalog()
+    with Recording(log) as recording:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            drawn: list[Path] = []
+            if args.times_s:
+                drawn += draw_frames(catalog, recording, args.times_s, folder, suffix)
+            if args.every_s is not None:
+                drawn += draw_sheet(catalog, recording, args.every_s, (args.from_s, args.until_s), folder, suffix)
+            if (not args.times_s and args.every_s is None) or args.video:
+                drawn += draw_all(catalog, recording, folder, suffix, video=args.video)
+        except OSError as error:
+            raise UserError.of(
+                f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"
+            ) from error
     if not drawn:
         raise UserError.of(f"{log} holds nothing to draw", "record images, planes or a robot's states")
     for path in drawn:
         print(path)
+    for damage in (*recording.damaged, *filter(None, [recording.torn])):
+        print_notice(f"{log}: {damage}; the pictures show the rest")
     return OK

@@ -2,5 +2,6 @@
 
 from graphnav.pictures.context import PictureContext, no_message, no_path
 from graphnav.pictures.pictures import DRAWING_FAMILY, Pictures, drawing
+from graphnav.pictures.video import VideoFrames
 
-__all__ = ["DRAWING_FAMILY", "PictureContext", "Pictures", "drawing", "no_message", "no_path"]
+__all__ = ["DRAWING_FAMILY", "PictureContext", "Pictures", "VideoFrames", "drawing", "no_message", "no_path"]

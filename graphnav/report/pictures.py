@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError
 from graphnav.pictures import DRAWING_FAMILY, drawing
 from graphnav.record import Recording
+
+PNG = ".png"
 
 
 def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> list[Path]:
@@ -20,12 +24,51 @@ def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> 
     GraphnavError
         A picture cannot be written; the log has everything to draw it later.
     """
+    with Recording(log) as recording:
+        return draw_all(catalog, recording, folder, PNG, video=video)
+
+
+def draw_all(catalog: Catalog, recording: Recording, folder: Path, suffix: str, *, video: bool) -> list[Path]:
+    """Draw as `draw_pictures` does, in the format that ``suffix`` says: ``.png``, ``.svg`` or ``.pdf``."""
+    with _drawing_into(catalog, folder):
+        drawn = catalog.hook.graphnav_draw(recording=recording, folder=folder, video=video, suffix=suffix)
+    return [path for paths in drawn for path in paths]
+
+
+def draw_frames(
+    catalog: Catalog, recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
+) -> list[Path]:
+    """Draw the panels of the frames nearest to ``times_s``, seconds since the log begins; raises as `draw_pictures`.
+
+    Raises UserError for a time outside of the log.
+    """
+    with _drawing_into(catalog, folder):
+        drawn = catalog.hook.graphnav_draw_frames(recording=recording, times_s=times_s, folder=folder, suffix=suffix)
+    return drawn or []
+
+
+def draw_sheet(
+    catalog: Catalog, recording: Recording, every_s: float, span_s: tuple[float, float], folder: Path, suffix: str
+) -> list[Path]:
+    """Draw a contact sheet, a frame every ``every_s`` of ``span_s`` (since the log begins); raises as `draw_pictures`.
+
+    Raises UserError for a span without frames, or too many of them.
+    """
+    from_s, until_s = span_s
+    with _drawing_into(catalog, folder):
+        drawn = catalog.hook.graphnav_draw_sheet(
+            recording=recording, every_s=every_s, from_s=from_s, until_s=until_s, file=folder / f"sheet{suffix}"
+        )
+    return [] if drawn is None else [drawn]
+
+
+@contextmanager
+def _drawing_into(catalog: Catalog, folder: Path) -> Iterator[None]:
     catalog.load(DRAWING_FAMILY)
     try:
-        with Recording(log) as recording, drawing():
-            drawn = catalog.hook.graphnav_draw(recording=recording, folder=folder, video=video)
+        with drawing():
+            yield
     except OSError as error:
         raise GraphnavError(
             f"cannot draw into {folder}: {error.strerror}\n  make room, then run: graphnav figure {folder}"
         ) from error
-    return [path for paths in drawn for path in paths]

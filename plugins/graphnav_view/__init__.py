@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,18 +12,18 @@ import numpy.typing as npt
 from graphnav import hookimpl
 
 if TYPE_CHECKING:
-    from graphnav import Message, PictureContext, Recording
+    from graphnav import Message, PictureContext, Recording, VideoFrames
 
 
 @hookimpl
-def graphnav_draw(recording: Recording, folder: Path, video: bool) -> list[Path]:  # noqa: FBT001 - the hook's signature
+def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) -> list[Path]:  # noqa: FBT001 - the hook's signature
     """Draw what the log holds into ``folder``; return what was written, in a fixed order.
 
     A log without a map gives no ``map.png``, one without anything that a camera saw no ``panels.png``.
     """
     from graphnav_view.pictures import draw  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
 
-    return draw(recording, folder, with_video=video)
+    return draw(recording, folder, with_video=video, suffix=suffix)
 
 
 @hookimpl
@@ -48,3 +48,40 @@ def graphnav_picture(message: Message, context: PictureContext) -> npt.NDArray[n
     from graphnav_view.message_picture import picture_of  # noqa: PLC0415 - OpenCV only when something is drawn
 
     return picture_of(message, context)
+
+
+@hookimpl
+def graphnav_draw_frames(
+    recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
+) -> list[Path] | None:
+    """Draw the panels of each frame; None where the log holds nothing that a camera saw."""
+    from graphnav_view.frames import draw_frames  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
+    from graphnav_view.signals import Signals  # noqa: PLC0415
+
+    return draw_frames(Signals(recording), times_s, folder, suffix)
+
+
+@hookimpl
+def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
+    """Draw the dominant plane over the picture and the control force, a frame every so many seconds."""
+    from graphnav_view.sheet import draw_sheet  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
+    from graphnav_view.signals import Signals  # noqa: PLC0415
+
+    return draw_sheet(Signals(recording), every_s, from_s, until_s, file)
+
+
+@hookimpl
+def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -> VideoFrames | None:
+    """Return camera, flow, dominant plane and map side by side, a frame for each image."""
+    from graphnav_view.signals import Signals  # noqa: PLC0415
+    from graphnav_view.video import video_frames  # noqa: PLC0415 - OpenCV only when something is drawn
+
+    return video_frames(Signals(recording), from_s, until_s)
+
+
+@hookimpl
+def graphnav_write_video(frames: VideoFrames, file: Path) -> Path:
+    """Write MPEG-4 by OpenCV."""
+    from graphnav_view.mp4 import write_frames  # noqa: PLC0415 - OpenCV only when something is drawn
+
+    return write_frames(frames, file)

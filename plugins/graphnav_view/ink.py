@@ -41,6 +41,7 @@ _STYLE: dict[Any, Any] = {
     "hatch.linewidth": 0.6,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
+    "svg.hashsalt": "graphnav",  # names of parts, the same every time
 }
 
 
@@ -65,9 +66,17 @@ def new_figure(width_in: float, height_in: float) -> Figure:
     return figure
 
 
+_METADATA: dict[str, dict[str, Any]] = {
+    ".png": {"Software": None},
+    ".svg": {"Creator": None, "Date": None},
+    ".pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+}
+"""Nothing that differs between machines and days."""
+
+
 def save(figure: Figure, path: Path) -> Path:
-    """Write the figure as PNG; the same figure gives the same bytes."""
-    figure.savefig(path, format="png", dpi=DPI, metadata={"Software": None})
+    """Write the figure as PNG, SVG or PDF, as the suffix says; the same figure gives the same bytes."""
+    figure.savefig(path, format=path.suffix[1:], dpi=DPI, metadata=_METADATA[path.suffix])
     return path
 
 

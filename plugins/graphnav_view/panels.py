@@ -19,8 +19,11 @@ def draw_panels(signals: Signals, path: Path) -> Path | None:
     A panel whose message the log lacks is left out; the others keep their letters.
     """
     utime = telling_utime(signals)
-    if utime is None:
-        return None
+    return None if utime is None else draw_frame(signals, utime, path)
+
+
+def draw_frame(signals: Signals, utime: int, path: Path) -> Path:
+    """Draw the panels of the frame that is stamped ``utime`` into ``path``."""
     frame = frame_at(signals, utime)
     rows_px, cols_px = frame.shape_px
     about = str(signals.graph.get("about") or "").strip()

@@ -5,19 +5,30 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from graphnav import UserError
+from graphnav_view.mp4 import write_frames
 from graphnav_view.overview import draw_overview
 from graphnav_view.panels import draw_panels
 from graphnav_view.signals import Signals
-from graphnav_view.video import write_video
+from graphnav_view.video import video_frames
 
 if TYPE_CHECKING:
     from graphnav import Recording
 
 
-def draw(recording: Recording, folder: Path, *, with_video: bool) -> list[Path]:
-    """Draw the map, the panels and, if asked, the video; return the files that the log was enough for."""
+def draw(recording: Recording, folder: Path, *, with_video: bool, suffix: str = ".png") -> list[Path]:
+    """Draw the map, the panels and, if asked, the video; return the files that the log was enough for.
+
+    Raises UserError where a video is asked for of a log without images.
+    """
     signals = Signals(recording)
-    written = [draw_overview(signals, folder / "map.png"), draw_panels(signals, folder / "panels.png")]
+    written = [
+        draw_overview(signals, folder / f"map{suffix}"),
+        draw_panels(signals, folder / f"panels{suffix}"),
+    ]
     if with_video:
-        written.append(write_video(signals, folder / "video.mp4"))
+        video = video_frames(signals)
+        if video is None:
+            raise UserError.of("the log holds no images to make a video of", "record them: run: {record: all}")
+        written.append(write_frames(video, folder / "video.mp4"))
     return [path for path in written if path is not None]

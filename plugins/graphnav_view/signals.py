@@ -7,12 +7,15 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from graphnav import Message, Plane, Steering, Twist
+from graphnav import Flow, GraphnavError, Image, Message, Plane, State, Steering, Twist
 
 if TYPE_CHECKING:
     from graphnav import Recording
 
 M = TypeVar("M", bound=Message)
+
+_OTHER_CLOCK_US = 3600 * 1_000_000
+"""A logger stamps events by the time of day: the simulated time of messages is decades behind."""
 
 
 class Signals:
@@ -24,12 +27,12 @@ class Signals:
     """
 
     def __init__(self, recording: Recording) -> None:
-        self.graph: Mapping[str, Any] = recording.graph if recording.about is not None else {}
+        self.graph: Mapping[str, Any] = _graph_of(recording)
         self.seed: int | None = recording.about.seed if recording.about is not None else None
-        self.begin_us = recording.begin_us
-        """What times are counted from."""
         self._recording = recording
         self._order = list(_by_relevance(self.graph, recording.channels))
+        self.begin_us = self._begin_us()
+        """What times are counted from."""
 
     def channel(self, kind: type[Message]) -> str | None:
         """Return the channel that carries ``kind``, None where the log has none."""
@@ -37,19 +40,23 @@ class Signals:
         return next((name for name in self._order if types[name] is kind.lcm_class), None)
 
     def all(self, kind: type[M]) -> Iterator[tuple[int, M]]:
-        """Yield stamp (microseconds) and message of the channel of ``kind``, oldest first."""
+        """Yield stamp (microseconds) and message of the channel of ``kind``, oldest first; no damaged ones."""
         channel = self.channel(kind)
-        if channel is not None:
-            for utime, _, message in self._recording.messages(channel):
-                assert isinstance(message, kind)
-                yield utime, message
+        for index in range(self._recording.count(channel or "")):
+            assert channel is not None
+            try:
+                utime, _, message = self._recording.message(channel, index)
+            except GraphnavError:
+                continue
+            assert isinstance(message, kind)
+            yield utime, message
 
     def first(self, kind: type[M]) -> M | None:
         """Return the first message of ``kind``."""
         return next((message for _, message in self.all(kind)), None)
 
     def at(self, kind: type[M], utime: int) -> M | None:
-        """Return the message of ``kind`` that is stamped ``utime``."""
+        """Return the message of ``kind`` that is stamped ``utime``, None where there is none or it is damaged."""
         channel = self.channel(kind)
         if channel is None:
             return None
@@ -57,7 +64,10 @@ class Signals:
         index = bisect_left(stamps, utime)
         if index == len(stamps) or stamps[index] != utime:
             return None
-        message = self._recording.message(channel, index)[2]
+        try:
+            message = self._recording.message(channel, index)[2]
+        except GraphnavError:
+            return None
         assert isinstance(message, kind)
         return message
 
@@ -65,6 +75,17 @@ class Signals:
         """Return the stamps (microseconds) of the channel of ``kind``."""
         channel = self.channel(kind)
         return [] if channel is None else self._recording.utimes(channel)
+
+    def at_s(self, utime: int) -> float:
+        """Return the seconds since the log begins of a stamp."""
+        return (utime - self.begin_us) / 1e6
+
+    def _begin_us(self) -> int:
+        """Return the stamp of the log's first event, of its first message where another clock stamped the events."""
+        begin_us = self._recording.begin_us
+        kinds = (Image, Flow, Plane, State)
+        firsts = [self._recording.utimes(name)[0] for kind in kinds if (name := self.channel(kind)) is not None]
+        return min(firsts) if firsts and max(firsts) < begin_us - _OTHER_CLOCK_US else begin_us
 
     def joined(self, *kinds: type[Message]) -> Iterator[tuple[int, tuple[Any, ...]]]:
         """Yield each stamp of the first kind with the messages of that stamp, None where a kind has none.
@@ -74,6 +95,14 @@ class Signals:
         followers = [_Follower(self.all(kind)) for kind in kinds[1:]]
         for utime, message in self.all(kinds[0]):
             yield utime, (message, *(follower.at(utime) for follower in followers))
+
+
+def _graph_of(recording: Recording) -> Mapping[str, Any]:
+    """Return the graph that made a log, empty where the log does not say or what it says is damaged."""
+    try:
+        return recording.graph
+    except GraphnavError:
+        return {}
 
 
 class _Follower:

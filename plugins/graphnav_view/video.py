@@ -1,17 +1,16 @@
-"""``video.mp4``: camera, flow, dominant plane and map side by side, with the time and the steering angle."""
+"""The frames of ``video.mp4``: camera, flow, dominant plane and map side by side, time and steering angle below."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Set as AbstractSet
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, Image, Map, Plane, Potential, State, Steering, Twist, UserError
+from graphnav import Flow, Image, Map, Plane, Potential, State, Steering, Twist, VideoFrames
 from graphnav_view.flowcolour import flow_scale_px
 from graphnav_view.lettering import write
 from graphnav_view.signals import Signals
@@ -26,53 +25,45 @@ _TILE_COLS = 480
 _LEAST_TILE_ROWS, _MOST_TILE_ROWS = 240, 480
 _HEAD_PX, _FOOT_PX, _GAP_PX = 26, 34, 4
 _PAGE, _INK, _FAINT = (24, 26, 30), (240, 240, 240), (170, 174, 180)
-_CODEC = "mp4v"
 _KINDS = (Image, Flow, Plane, Potential, Steering, Twist, State)
+_PERIOD_US = 1e5
+"""Of a log with a single image."""
 _SCALE_FRAMES = 25
 """Frames that the flow's colour scale is taken from."""
 
 
-def write_video(signals: Signals, path: Path) -> Path:
-    """Write the video at the rate of the camera.
+def video_frames(signals: Signals, from_s: float = -math.inf, until_s: float = math.inf) -> VideoFrames | None:
+    """Return the video's frames at the rate of the camera; None where the log has no images in that span.
 
-    Raises
-    ------
-    UserError
-        The log has no images, or this OpenCV cannot write video.
+    ``from_s``, ``until_s``: seconds since the log begins, both included.
     """
     stamps = signals.stamps(Image)
-    if not stamps:
-        raise UserError.of("the log holds no images to make a video of", "record them: run: {record: all}")
-    period_us = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 1e5
-    frames = _frames(signals)
-    first = next(frames)
-    rows, cols = first.shape[:2]
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*_CODEC), 1e6 / period_us, (cols, rows))
-    if not writer.isOpened():
-        raise UserError.of(
-            f"this OpenCV ({cv2.__version__}) cannot write {path} as MPEG-4",
-            "install opencv-python-headless from PyPI, which brings FFmpeg, or leave out --video",
-        )
-    try:
-        writer.write(cv2.cvtColor(first, cv2.COLOR_RGB2BGR))
-        for frame in frames:
-            writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
-    finally:
-        writer.release()
-    return path
+    shown = {utime for utime in stamps if from_s <= signals.at_s(utime) <= until_s}
+    if not shown:
+        return None
+    period_us = float(np.median(np.diff(stamps))) if len(stamps) > 1 else _PERIOD_US
+    return VideoFrames(1e6 / max(period_us, 1.0), len(shown), _frames(signals, shown))
 
 
-def _frames(signals: Signals) -> Iterator[Bytes]:
-    """Yield the video's frames, (rows, cols, 3) RGB, both even."""
+def _frames(signals: Signals, shown: AbstractSet[int]) -> Iterator[tuple[int, Bytes]]:
+    """Yield the frames of some stamps with their stamps, (rows, cols, 3) RGB, both even.
+
+    The last tile is drawn from the beginning on: the path on the map begins where the run did.
+    """
     image = signals.first(Image)
     assert image is not None
     picture_rows, picture_cols = (n * image.step_px for n in image.pixels.shape[:2])
     tile_rows = round(min(max(_TILE_COLS * picture_rows / picture_cols, _LEAST_TILE_ROWS), _MOST_TILE_ROWS) / 2) * 2
     tiles = _tiles(signals, Stretch(picture_rows, picture_cols, tile_rows, _TILE_COLS))
     page = _Page([title for title, _ in tiles], tile_rows, _TILE_COLS)
+    last = max(shown)
     for utime, messages in signals.joined(*_KINDS):
+        if utime > last:
+            return
         of = dict(zip(_KINDS, messages, strict=True))
-        yield page.draw([draw(of) for _, draw in tiles], caption(utime - signals.begin_us, of))
+        drawn = [draw(of) for _, draw in (tiles if utime in shown else tiles[-1:])]
+        if utime in shown:
+            yield utime, page.draw(drawn, caption(utime - signals.begin_us, of))
 
 
 def _tiles(signals: Signals, stretch: Stretch) -> list[tuple[str, Callable[[Messages], Bytes]]]:
@@ -110,8 +101,8 @@ def _full_px(signals: Signals) -> float:
     scales = []
     for utime in stamps[::every]:
         flow = signals.at(Flow, utime)
-        assert flow is not None
-        scales.append(flow_scale_px(flow.uv_px, flow.valid))
+        if flow is not None:
+            scales.append(flow_scale_px(flow.uv_px, flow.valid))
     return float(np.median(scales)) if scales else 1.0
 
 

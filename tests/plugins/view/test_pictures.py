@@ -18,7 +18,7 @@ Record = Callable[..., Recording]
 
 def drawn(recording: Recording, folder: Path, *, video: bool = False) -> list[str]:
     folder.mkdir()
-    paths = graphnav_draw(recording, folder, video)
+    paths = graphnav_draw(recording, folder, video, ".png")
     assert sorted(folder.iterdir()) == sorted(paths)
     return [path.name for path in paths]
 

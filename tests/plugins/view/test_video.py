@@ -7,9 +7,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from graphnav_view import ink
+from graphnav_view import graphnav_draw, ink
+from graphnav_view.mp4 import write_frames
 from graphnav_view.signals import Signals
-from graphnav_view.video import caption, write_video
+from graphnav_view.video import caption, video_frames
 
 from graphnav import Flow, Image, Plane, Potential, State, Steering, Twist, UserError
 from graphnav.record import Recording
@@ -27,12 +28,18 @@ def read(path: Path) -> tuple[list[Bytes], float]:
     return frames, capture.get(cv2.CAP_PROP_FPS)
 
 
+def write_video(recording: Recording, path: Path) -> Path:
+    video = video_frames(Signals(recording))
+    assert video is not None
+    return write_frames(video, path)
+
+
 def near(frame: Bytes, colour: str) -> npt.NDArray[np.bool_]:
     return np.asarray(np.abs(frame.astype(int) - ink.rgb(colour)).max(axis=-1) < 40)
 
 
 def test_it_has_every_frame_at_the_camera_s_rate(record: Record, tmp_path: Path) -> None:
-    frames, rate_hz = read(write_video(Signals(record(frames=12)), tmp_path / "video.mp4"))
+    frames, rate_hz = read(write_video(record(frames=12), tmp_path / "video.mp4"))
     assert len(frames) == 12
     assert rate_hz == pytest.approx(10.0)
     rows, cols = frames[0].shape[:2]
@@ -42,14 +49,14 @@ def test_it_has_every_frame_at_the_camera_s_rate(record: Record, tmp_path: Path)
 
 
 def test_the_robot_moves_on_the_map(record: Record, tmp_path: Path) -> None:
-    frames, _ = read(write_video(Signals(record(frames=80)), tmp_path / "video.mp4"))
+    frames, _ = read(write_video(record(frames=80), tmp_path / "video.mp4"))
     ink_of = [near(frame[frame.shape[0] // 2 + 10 : -40, frame.shape[1] // 2 :], ink.ROBOT).sum() for frame in frames]
     assert ink_of[-1] > 1.5 * ink_of[1]
 
 
 def test_obstacle_is_red_on_the_side_where_it_is(record: Record, tmp_path: Path) -> None:
     """Frame 10 of the made-up drive has the outer wall on its right."""
-    frames, _ = read(write_video(Signals(record(frames=12)), tmp_path / "video.mp4"))
+    frames, _ = read(write_video(record(frames=12), tmp_path / "video.mp4"))
     rows, cols = frames[10].shape[:2]
     tile = frames[10][rows // 2 + 10 : -50, : cols // 2].astype(int)
     red = (tile[..., 0] > tile[..., 1] + 60) & (tile[..., 0] > tile[..., 2] + 40)
@@ -60,18 +67,18 @@ def test_obstacle_is_red_on_the_side_where_it_is(record: Record, tmp_path: Path)
 
 def test_an_open_loop_shows_the_potential_instead_of_the_map(record: Record, tmp_path: Path) -> None:
     without = ("robot.map", "robot.state", "control.twist")
-    frames, _ = read(write_video(Signals(record(frames=5, without=without)), tmp_path / "video.mp4"))
+    frames, _ = read(write_video(record(frames=5, without=without), tmp_path / "video.mp4"))
     assert frames[0].shape[1] >= 960
 
 
 def test_a_log_without_images_says_what_to_record(record: Record, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="holds no images"):
-        write_video(Signals(record(frames=3, without=("robot.image",))), tmp_path / "video.mp4")
+        graphnav_draw(record(frames=3, without=("robot.image",)), tmp_path, True, ".png")
 
 
 def test_a_file_that_cannot_be_written_is_named(record: Record, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"absent/video\.mp4 as MPEG-4"):
-        write_video(Signals(record(frames=3)), tmp_path / "absent" / "video.mp4")
+        write_video(record(frames=3), tmp_path / "absent" / "video.mp4")
 
 
 def test_a_caption_shows_no_minus_zero() -> None:
