@@ -1,0 +1,82 @@
+"""``graphnav export``: a log as video, tables, or a file for Foxglove or Rerun."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from graphnav.cli.options import add_plugin_option, add_types_option, catalog_of, load_types_of
+from graphnav.cli.spans import add_span_options
+from graphnav.cli.status import OK
+from graphnav.notices import print_notice
+
+FORMATS = {
+    "mp4": "the panels as a video; with --channel the pictures of that channel",
+    "csv": "scalars: a folder with a table for each channel; with --channel one file",
+    "parquet": "the same with the types of the fields (extra: parquet)",
+    "mcap": "for Foxglove: pictures, scalars to plot, map, path, log (extra: foxglove)",
+    "rrd": "for Rerun: the same, with a layout (extra: rerun)",
+}
+"""Every format of `graphnav.export` and its help."""
+
+
+_EXAMPLES = """\
+examples:
+  graphnav export runs/a --to mcap -o a.mcap
+  graphnav export runs/a --to csv -o tables
+  graphnav export runs/a --to csv --channel control.twist -o twist.csv
+  graphnav export runs/a --to mp4 --channel plane.plane --from 10s --until 20s -o plane.mp4
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = "\n".join(["formats:", *(f"  {name:<9}{text}" for name, text in FORMATS.items()), "", _EXAMPLES])
+    parser.add_argument("run", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
+    parser.add_argument("--to", dest="kind", choices=FORMATS, required=True, help="the format, see below")
+    parser.add_argument(
+        "-o", dest="target", type=Path, metavar="FILE", required=True, help="the file, or the folder of tables"
+    )
+    parser.add_argument(
+        "--channel",
+        dest="channels",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="only this channel, or those of a pattern ('robot.*'); may be given several times",
+    )
+    add_span_options(parser)
+    parser.add_argument("--force", action="store_true", help="replace what exists")
+    add_types_option(parser)
+    add_plugin_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command: export, print what was written, and what was lost."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
+    from graphnav.export import Selection, duration_s, export_log  # noqa: PLC0415
+    from graphnav.record import Recording, find_log  # noqa: PLC0415
+    from graphnav.runner.log_forecast import size_text  # noqa: PLC0415
+
+    catalog = catalog_of(args)
+    load_types_of(args)
+    selection = Selection(tuple(args.channels), args.from_s, args.until_s)
+    with Recording(find_log(args.run)) as recording:
+        until_s = min(duration_s(recording), selection.until_s)
+        with progress_bar(Console(stderr=True), f"export {args.kind}", until_s) as show:
+            done = export_log(
+                recording,
+                args.kind,
+                args.target,
+                selection,
+                force=args.force,
+                catalog=catalog,
+                on_time=lambda at_s: show(round(at_s * 1e6)),
+            )
+    print(f"{args.target}: {done.contents}, {size_text(done.n_bytes)}")
+    for loss in done.losses:
+        print_notice(loss)
+    return OK

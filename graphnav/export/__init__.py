@@ -1,0 +1,7 @@
+"""Logs in the formats of other programs: video, tables, Foxglove, Rerun."""
+
+from graphnav.export.export import Exported, export_log
+from graphnav.export.formats import FORMATS
+from graphnav.export.selection import Selection, duration_s
+
+__all__ = ["FORMATS", "Exported", "Selection", "duration_s", "export_log"]

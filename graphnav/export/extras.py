@@ -1,0 +1,25 @@
+"""Packages that only some exports need: imported when they are used, named by their extra where they are missing."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from graphnav.errors import UserError
+
+_EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-sdk"), "pyarrow": ("parquet", "pyarrow")}
+"""Of the package that is imported: the extra of graphnav that brings it, and its name in package indexes."""
+
+
+def require(module: str) -> Any:
+    """Return a module of an optional package; raise UserError where it is not installed."""
+    package = module.partition(".")[0]
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != package:
+            raise
+        extra, name = _EXTRAS[package]
+        raise UserError.of(
+            f"this export needs {name}, which is not installed", f"install it: pip install 'graphnav[{extra}]'"
+        ) from error

@@ -1,0 +1,104 @@
+"""The formats that a log can be exported to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav.catalog import Catalog
+from graphnav.errors import UserError
+from graphnav.export.csv_table import open_csv
+from graphnav.export.extras import require
+from graphnav.export.mcap_file import McapFile
+from graphnav.export.parquet_table import open_parquet
+from graphnav.export.reader import Reader
+from graphnav.export.rerun_blueprint import blueprint_of
+from graphnav.export.rerun_file import RerunFile
+from graphnav.export.run_entries import RunEntries
+from graphnav.export.selection import Selection
+from graphnav.export.tables import OpenTable, write_tables
+from graphnav.export.video import write_video
+from graphnav.export.viewer_file import write_entries
+from graphnav.pictures import Pictures
+
+
+class Written(NamedTuple):
+    """What an export holds, in words, and what of the selection is missing in it, a sentence each."""
+
+    contents: str
+    losses: list[str]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One export: what of a log goes where."""
+
+    reader: Reader
+    selection: Selection
+    catalog: Catalog
+    target: Path
+    force: bool
+
+    @property
+    def channel(self) -> str | None:
+        """The channel that is selected by its name alone."""
+        return self.selection.one_channel(self.reader.recording)
+
+    @property
+    def contents(self) -> str:
+        """What was read."""
+        counts = self.reader.read
+        return f"{counts.total()} messages of {len(counts)} channel{'s' if len(counts) != 1 else ''}"
+
+
+def _mp4(job: Job) -> Written:
+    if job.selection.patterns and job.channel is None:
+        raise UserError.of(
+            "a video shows one channel, or the panels",
+            "name one channel with --channel, or leave it out for the panels",
+        )
+    n_frames, losses = write_video(job.reader, job.selection, job.catalog, job.target, job.channel, force=job.force)
+    return Written(f"{n_frames} frames", losses)
+
+
+def _csv(job: Job) -> Written:
+    return _tables(job, ".csv", open_csv)
+
+
+def _parquet(job: Job) -> Written:
+    require("pyarrow")
+    return _tables(job, ".parquet", open_parquet)
+
+
+def _tables(job: Job, suffix: str, open_table: OpenTable) -> Written:
+    write_tables(job.reader, job.target, job.channel, suffix, open_table, force=job.force)
+    files = "" if job.channel is not None else ", a file each"
+    return Written(job.contents + files, job.reader.losses())
+
+
+def _mcap(job: Job) -> Written:
+    require("foxglove")
+    entries = RunEntries(job.reader, Pictures(job.catalog))
+    channels = job.reader.channels
+    write_entries(entries, job.target, ".mcap", lambda file: McapFile(file, channels), force=job.force)
+    return Written(job.contents, entries.losses())
+
+
+def _rrd(job: Job) -> Written:
+    require("rerun")
+    entries = RunEntries(job.reader, Pictures(job.catalog))
+    begin_us, blueprint = job.reader.recording.begin_us, blueprint_of(job.reader)
+    write_entries(entries, job.target, ".rrd", lambda file: RerunFile(file, begin_us, blueprint), force=job.force)
+    return Written(job.contents, entries.losses())
+
+
+FORMATS: dict[str, Callable[[Job], Written]] = {
+    "mp4": _mp4,
+    "csv": _csv,
+    "parquet": _parquet,
+    "mcap": _mcap,
+    "rrd": _rrd,
+}
+"""What writes each format."""

@@ -1,0 +1,104 @@
+"""Write a file or a folder under another name first: what has the final name is complete."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from uuid import uuid4
+
+from graphnav.errors import GraphnavError, UserError
+
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_ELSEWHERE = "choose another place with -o"
+
+
+@contextmanager
+def placed_file(target: Path, suffix: str, *, force: bool) -> Iterator[Path]:
+    """Yield a path, ending in ``suffix``, to write to; it becomes ``target`` when the block ends without an error.
+
+    Raises
+    ------
+    UserError
+        ``target`` exists and ``force`` is not given, or nothing can be written there.
+    GraphnavError
+        The disk refuses; nothing is left behind.
+    """
+    if target.is_dir():
+        raise UserError.of(f"{target} is a folder", "name a file with -o")
+    if target.exists() and not force:
+        raise UserError.of(f"{target} exists", "add --force to replace it, or choose another name with -o")
+    aside = _aside(target, suffix)
+    try:
+        with _writable(target):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            aside.touch()
+        with _on_disk(target):
+            yield aside
+            aside.replace(target)
+    finally:
+        with suppress(OSError):  # it is there no more, or never was
+            aside.unlink()
+
+
+@contextmanager
+def placed_folder(target: Path, *, force: bool) -> Iterator[Path]:
+    """Yield a folder to write files into; they are in ``target`` when the block ends without an error.
+
+    With ``force`` they replace those of the same names in a folder that exists; others stay.
+
+    Raises
+    ------
+    UserError
+        ``target`` is a file, or is not empty and ``force`` is not given, or nothing can be written there.
+    GraphnavError
+        The disk refuses; nothing is left behind.
+    """
+    if target.exists() and not target.is_dir():
+        raise UserError.of(f"{target} is a file", "name a folder with -o, or one channel with --channel")
+    aside = _aside(target, "")
+    try:
+        with _writable(target):
+            if target.exists() and any(target.iterdir()) and not force:
+                raise UserError.of(
+                    f"{target} is not empty", "add --force to write into it, or choose another folder with -o"
+                )
+            aside.mkdir(parents=True)
+        with _on_disk(target):
+            yield aside
+            if not target.exists():
+                aside.rename(target)
+                return
+            for file in sorted(aside.iterdir()):
+                file.replace(target / file.name)
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+
+
+def _aside(target: Path, suffix: str) -> Path:
+    """Return a name in the folder of ``target`` that no other export has."""
+    return target.parent / f".export-{uuid4().hex[:12]}{suffix}"
+
+
+@contextmanager
+def _writable(target: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        if error.errno in _FULL:
+            raise GraphnavError(f"cannot write {target}: {error.strerror}\n  make room, or {_ELSEWHERE}") from error
+        reason = os.strerror(errno.ENOTDIR) if isinstance(error, FileExistsError) else error.strerror
+        raise UserError.of(f"cannot write {target}: {reason}", _ELSEWHERE) from error
+
+
+@contextmanager
+def _on_disk(target: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise GraphnavError(
+            f"cannot write {target}: {error.strerror or error}\n  make room, or {_ELSEWHERE}"
+        ) from error

@@ -1,0 +1,48 @@
+"""A run as one file for a viewer: its entries one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from graphnav.errors import UserError
+from graphnav.export.entries import Entry
+from graphnav.export.placing import placed_file
+from graphnav.export.run_entries import RunEntries
+
+
+class ViewerFile(Protocol):
+    """What takes the entries of a run."""
+
+    def add(self, entry: Entry) -> None:
+        """Write an entry."""
+
+    def close(self) -> None:
+        """Write what is left."""
+
+
+def write_entries(
+    entries: RunEntries, target: Path, suffix: str, open_file: Callable[[Path], ViewerFile], *, force: bool
+) -> None:
+    """Write the entries of a run into the file ``target``.
+
+    Raises
+    ------
+    UserError
+        The selection holds no message that can be decoded, or nothing can be written there.
+    GraphnavError
+        The disk refuses.
+    """
+    with placed_file(target, suffix, force=force) as file:
+        sink = open_file(file)
+        try:
+            for entry in entries:
+                sink.add(entry)
+        finally:
+            sink.close()
+        if not entries.reader.read.total():
+            raise UserError.of(
+                f"there is nothing to export of {entries.reader.recording.path}: no message can be decoded",
+                "choose other channels with --channel, or another span with --from and --until",
+            )

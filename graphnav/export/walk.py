@@ -1,0 +1,99 @@
+"""One pass through a log in the file's order, which remembers what pictures need of the past."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, TypeVar, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav.codec import DecodeError, codec_of
+from graphnav.export.reader import Reader, Sample
+from graphnav.messages import Message, Odometry, State
+from graphnav.pictures import PictureContext
+from graphnav.record import Event
+
+M = TypeVar("M", bound=Message)
+Doubles = npt.NDArray[np.float64]
+
+POSES: tuple[type[Message], ...] = (State, Odometry)
+"""What tells where the robot was: its states, else its odometry."""
+
+
+class Walk:
+    """Yields the selected messages, oldest first; ``find`` and ``path_m`` answer for the message that was yielded last.
+
+    They see all channels, selected or not: a plane is drawn over its image also where only planes are exported. Of
+    several channels of one type, the first in the log counts.
+    """
+
+    def __init__(self, reader: Reader) -> None:
+        self._reader = reader
+        self._kinds: dict[str, type[Message]] = {}
+        for name in reader.recording.channels:
+            kind = reader.message_type(name)
+            if kind is not None and kind not in self._kinds.values():
+                self._kinds[name] = kind
+        poses = (self._channel_of(kind) for kind in POSES)
+        self.pose_channel = next((channel for channel in poses if channel is not None), None)
+        self._newest: dict[type[Message], Event] = {}
+        self._now = 0
+        self._decoded: dict[type[Message], tuple[Event, Message | None]] = {}
+        self._waiting: list[Event] = []
+        self._path: list[tuple[float, float]] = []
+
+    def __iter__(self) -> Iterator[Sample]:
+        for event in self._reader.recording.events():
+            kind = self._kinds.get(event.channel)
+            if kind is not None:
+                self._newest[kind] = event
+            if event.channel == self.pose_channel:
+                self._waiting.append(event)
+            self._now = event.utime
+            if self._reader.holds(event) and (sample := self._reader.decoded(event)) is not None:
+                yield sample
+
+    def find(self, kind: type[M], /) -> M | None:
+        """Return the newest message of ``kind``, else the first if it has the same stamp; None where there is none.
+
+        Within one stamp, a map may come after the first state.
+        """
+        event = self._newest.get(kind) or self._first_event(kind)
+        if event is None or event.utime > self._now:
+            return None
+        if kind not in self._decoded or self._decoded[kind][0] is not event:
+            self._decoded[kind] = event, self._message(event)
+        return cast("M | None", self._decoded[kind][1])
+
+    def path_m(self) -> Doubles:
+        """Return where the robot was so far, (n, 2), x_m and y_m; poses that are not finite are left out."""
+        for event in self._waiting:
+            pose = self._message(event)
+            if isinstance(pose, State | Odometry) and np.isfinite((pose.x_m, pose.y_m)).all():
+                self._path.append((pose.x_m, pose.y_m))
+        self._waiting.clear()
+        return np.array(self._path, np.float64).reshape(-1, 2)
+
+    def context(self, rows: int, cols: int, *, with_legend: bool) -> PictureContext:
+        """Return what a picture of the message that was yielded last is drawn with."""
+        return PictureContext(rows, cols, self.find, self.path_m, with_legend)
+
+    def first(self, kind: type[M]) -> M | None:
+        """Return the first message of ``kind`` in the log, whatever is selected."""
+        event = self._first_event(kind)
+        return None if event is None else cast("M | None", self._message(event))
+
+    def _first_event(self, kind: type[Message]) -> Event | None:
+        channel = self._channel_of(kind)
+        return None if channel is None else self._reader.recording.event(channel, 0)
+
+    def _channel_of(self, kind: type[Message]) -> str | None:
+        return next((name for name, found in self._kinds.items() if found is kind), None)
+
+    def _message(self, event: Event) -> Message | None:
+        lcm_class: Any = self._reader.recording.channels[event.channel]
+        try:
+            return self._reader.message(event.channel, codec_of(lcm_class).decode(event.data))
+        except DecodeError:
+            return None
