@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         Truth,
         Twist,
     )
+    from graphnav.pictures import PictureContext
     from graphnav.record import Recording
     from graphnav.stage import Age, Finished, Latest, Role, Since, Source, Stage, Stamp, Stamped, param
 
@@ -80,6 +81,7 @@ _HOMES = {
         "Truth",
         "Twist",
     ),
+    "graphnav.pictures": ("PictureContext",),
     "graphnav.record": ("Recording",),
     "graphnav.stage": ("Age", "Finished", "Latest", "Role", "Since", "Source", "Stage", "Stamp", "Stamped", "param"),
 }
@@ -103,6 +105,7 @@ __all__ = [
     "Motion",
     "Odometry",
     "ParamError",
+    "PictureContext",
     "Place",
     "Planar",
     "PlanarModel",

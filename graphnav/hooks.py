@@ -6,12 +6,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+import numpy.typing as npt
 import pluggy
 
 from graphnav.adapter import Adapter
 from graphnav.stage import Stage
 
 if TYPE_CHECKING:
+    from graphnav.messages import Message
+    from graphnav.pictures import PictureContext
     from graphnav.record import Recording
 
 PROJECT = "graphnav"
@@ -52,4 +56,22 @@ def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[st
 
     ``recordings``, ``colours`` (``#rrggbb``): by the name of whatever drove; the last is drawn on top. Return ``file``,
     or None, without writing, where the logs are not enough.
+    """
+
+
+@hookspec(firstresult=True)
+def graphnav_picture(message: Message, context: PictureContext) -> npt.NDArray[np.uint8] | None:
+    """Draw one message as a picture; the first plugin that can, draws it.
+
+    Return uint8 (rows, cols, 3), red-green-blue, rows down; None for a message type that has no picture. The picture
+    keeps the shape of what it shows and fills the box of ``context.rows`` x ``context.cols`` pixels in one direction:
+    grids are enlarged or reduced to it, one message gives one picture and nothing is kept for the next.
+
+    ``context.find(Image)`` returns the message of another type that belongs to this one (the image below a plane, the
+    map around a state) or None, ``context.path_m()`` where the robot was, float64 (n, 2). Both may be slow: call them
+    for what is drawn only. Without ``context.with_legend`` the picture has no letters and no scales: it may be
+    60 pixels high.
+
+    The message may come from any program: its numbers need not be finite, its shapes need not agree with those of
+    other messages. What is raised becomes a DrawingError, and the viewer says it in place of the picture.
     """

@@ -13,8 +13,9 @@ from graphnav.ablation.provenance import difference_here
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, GraphnavError, LogError, StageError, UserError
 from graphnav.graph import Graph, graph_of
+from graphnav.pictures import drawing
 from graphnav.record import LOG, Recording
-from graphnav.report.pictures import draw_pictures, drawing
+from graphnav.report.pictures import draw_pictures
 from graphnav.runner import Outcome
 from graphnav.runner.recorded import run_recorded
 

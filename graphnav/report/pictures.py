@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import errno
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from graphnav.catalog import Catalog
-from graphnav.errors import DrawingError, GraphnavError
+from graphnav.errors import GraphnavError
+from graphnav.pictures import DRAWING_FAMILY, drawing
 from graphnav.record import Recording
-
-DRAWING_FAMILY = "view"
-_REFUSED = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO}
-"""A disk that takes nothing is no fault of whoever draws."""
 
 
 def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> list[Path]:
@@ -35,16 +29,3 @@ def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> 
             f"cannot draw into {folder}: {error.strerror}\n  make room, then run: graphnav figure {folder}"
         ) from error
     return [path for paths in drawn for path in paths]
-
-
-@contextmanager
-def drawing() -> Iterator[None]:
-    """Let a plugin draw: whatever it raises becomes a DrawingError, but for a disk that refuses or a damaged log."""
-    try:
-        yield
-    except GraphnavError:
-        raise
-    except Exception as error:
-        if isinstance(error, OSError) and error.errno in _REFUSED:
-            raise
-        raise DrawingError(" ".join(f"{type(error).__name__}: {error}".split())) from error

@@ -12,8 +12,8 @@ from graphnav.ablation.plan import Plan
 from graphnav.ablation.records import read_records
 from graphnav.catalog import Catalog
 from graphnav.cli import main
+from graphnav.pictures import DRAWING_FAMILY
 from graphnav.record import Recording
-from graphnav.report.pictures import DRAWING_FAMILY
 
 from .made_up import Page, plan_of, report
 

@@ -1,0 +1,73 @@
+"""Asks the drawing plugins for the picture of a message."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav.catalog import Catalog
+from graphnav.errors import DrawingError, GraphnavError, one_line
+from graphnav.messages import Message
+from graphnav.pictures.context import PictureContext
+
+Bytes = npt.NDArray[np.uint8]
+
+DRAWING_FAMILY = "view"
+_REFUSED = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO}
+"""A disk that takes nothing is no fault of whoever draws."""
+
+
+class Pictures:
+    """Pictures of messages by the plugins of the family ``view`` and by every plugin that ``catalog`` has loaded.
+
+    The family is imported with the first picture.
+    """
+
+    def __init__(self, catalog: Catalog) -> None:
+        self._catalog = catalog
+
+    def draw(self, message: Message, context: PictureContext) -> Bytes | None:
+        """Return the picture of a message, (rows, cols, 3) red-green-blue; None where no plugin draws its type.
+
+        Raises
+        ------
+        DrawingError
+            A plugin cannot draw this message, or what it gives is not a picture that fits.
+        CatalogError
+            The family cannot be imported.
+        """
+        self._catalog.load(DRAWING_FAMILY)
+        with drawing():
+            picture = self._catalog.hook.graphnav_picture(message=message, context=context)
+        if picture is None:
+            return None
+        _check(picture, context)
+        return np.ascontiguousarray(picture)
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """Let a plugin draw: whatever it raises becomes a DrawingError, but for a disk that refuses or a damaged log."""
+    try:
+        yield
+    except GraphnavError:
+        raise
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno in _REFUSED:
+            raise
+        raise DrawingError(one_line(error)) from error
+
+
+def _check(picture: Bytes, context: PictureContext) -> None:
+    """Raise DrawingError for what is not a picture, or is larger than the box."""
+    shape = getattr(picture, "shape", ())
+    is_picture = isinstance(picture, np.ndarray) and picture.dtype == np.uint8 and len(shape) == 3 and shape[2] == 3
+    if not is_picture or not 0 < shape[0] <= context.rows or not 0 < shape[1] <= context.cols:
+        raise DrawingError(
+            f"graphnav_picture returned {type(picture).__name__} {shape}, not uint8 (rows, cols, 3) "
+            f"within {context.rows} x {context.cols}"
+        )
