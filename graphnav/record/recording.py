@@ -82,6 +82,11 @@ class Recording:
         """The number of events on all channels."""
         return len(self._index)
 
+    @property
+    def index(self) -> Index:
+        """Where each event is, in the order of the file and by channel."""
+        return self._index
+
     def count(self, channel: str) -> int:
         """Return the number of events on a channel; 0 if there is no such channel."""
         return len(self._index.channels.get(channel, ()))
@@ -102,6 +107,10 @@ class Recording:
     def events(self) -> Iterator[Event]:
         """Yield all events in the order of the file."""
         return (self._event(self._index[number]) for number in range(len(self._index)))
+
+    def event_at(self, number: int) -> Event:
+        """Return one event; ``number`` counts in the order of the file."""
+        return self._event(self._index[number])
 
     def event(self, channel: str, index: int) -> Event:
         """Return one event; ``index`` counts within the channel, from the end if negative."""
