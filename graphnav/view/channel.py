@@ -38,6 +38,7 @@ class WatchedChannel:
         self.heard_s = 0.0
         self._history_bytes = 0
         self._window = Window(RECENT_S)
+        self._noted = 0
         self._last_seq: int | None = None
         self._last_utime: int | None = None
         self._latencies_s: deque[float] = deque(maxlen=_N_LATENCIES)
@@ -63,6 +64,12 @@ class WatchedChannel:
         utime, is_new = stamped[0], stamped[0] != self._last_utime
         self._number(heard.at_s, *stamped)
         return utime if is_new else None
+
+    def note_undecodable(self, number: int) -> None:
+        """Count a message that could not be shown, once."""
+        if number != self._noted:
+            self._noted = number
+            self.undecodable += 1
 
     def add_latency(self, latency_s: float) -> None:
         """Take how long after the first message of its stamp a message came."""

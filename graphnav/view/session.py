@@ -134,6 +134,9 @@ class Session:
         found = details_of(moment, view.cursor)
         if found is None:
             details["missing"] = "undecodable"
+            with self._source.lock:
+                if (channel := self._source.watch.channels.get(details["channel"])) is not None:
+                    channel.note_undecodable(self._sent_details[0])
             return None
         details |= found
         try:
