@@ -25,7 +25,8 @@ class WatchedChannel:
 
     ``count`` numbers the messages from 1. ``newest`` is the newest one that may be kept, ``history`` the newest small
     ones with their numbers. ``lost``: missing numbers since the publisher began to count. ``undecodable``: messages of
-    an unknown type, too short for theirs, or that failed when they were shown.
+    an unknown type, too short for theirs, or that failed when they were shown. ``is_single``: whether all messages have
+    one number: it was published once, and perhaps repeated for those who join late.
     """
 
     def __init__(self, name: str, type_name: str = "") -> None:
@@ -34,6 +35,7 @@ class WatchedChannel:
         self.count = self.lost = self.undecodable = self.last_bytes = 0
         self.newest: Heard | None = None
         self.is_too_large = False
+        self.is_single = True
         self.history: deque[tuple[int, Heard]] = deque()
         self.heard_s = 0.0
         self._history_bytes = 0
@@ -90,6 +92,7 @@ class WatchedChannel:
 
     def _number(self, at_s: float, utime: int, seq: int) -> None:
         gap = 1 if self._last_seq is None else seq - self._last_seq
+        self.is_single &= self._last_seq in (None, seq)
         if 0 < gap <= _MAX_GAP:
             self.lost += gap - 1
         else:

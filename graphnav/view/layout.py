@@ -8,7 +8,7 @@ from graphnav.render.boxes import Box
 from graphnav.render.geometry import PlacedBox, PlacedWire, Sizes, geometry_of
 from graphnav.view.announced_graph import AnnouncedGraph
 
-_SIZES = Sizes(gap_x=132.0, foot=30.0, min_width=150.0)
+_SIZES = Sizes(gap_x=116.0, foot=30.0, min_width=146.0)
 """Room for rate and latency on every wire, and for the time of a step in every box."""
 
 

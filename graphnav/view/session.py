@@ -61,8 +61,9 @@ class Session:
                 update["state"] = state_of(self._source, run_id)
             channel = watch.channels.get(view.channel) if view.channel is not None else None
             if view.channel is not None and (channel.count if channel else 0, view) != self._sent_details:
-                moment = self._moment(watch, channel)
+                self._sent_details = (channel.count if channel else 0, view)
                 update["details"] = self._head(view.channel, channel)
+                moment = self._moment(watch, channel) if channel else None
             world = watch.channels[watch.map_channel].newest if view.with_map and watch.map_channel else None
             if view.with_map:
                 update |= self._track(watch)
@@ -105,16 +106,12 @@ class Session:
         elif channel.kind is None:
             missing = "unknown type"
         is_new = self._sent_channel != name
-        self._sent_channel = name
+        if is_new:
+            self._sent_channel, self._sent_point = name, 0
         return {"channel": name, "missing": missing, "reset": is_new}
 
-    def _moment(self, watch: Watch, channel: WatchedChannel | None) -> Moment | None:
+    def _moment(self, watch: Watch, channel: WatchedChannel) -> Moment:
         """Return what the details are made of, as it is now."""
-        self._sent_details = (channel.count if channel else 0, self.view)
-        if channel is None:
-            return None
-        if self._sent_channel != channel.name:
-            self._sent_point = 0
         points = [point for point in channel.history if point[0] > self._sent_point]
         if not channel.history and channel.newest is not None and channel.count > self._sent_point:
             points = [(channel.count, channel.newest)]

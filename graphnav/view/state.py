@@ -43,6 +43,7 @@ def channel_state(channel: WatchedChannel, watch: Watch, now_s: float) -> dict[s
         "type": channel.type_name[:_MAX_SHOWN_NAME],
         "count": channel.count,
         "rate_hz": periods.rate_hz if periods else None,
+        "once": channel.kind is not None and channel.is_single,
         "latency_ms": None if channel.latency_s is None else channel.latency_s * 1e3,
         "bytes": channel.last_bytes,
         "lost": channel.lost,

@@ -61,9 +61,9 @@ class Watch:
             return
         kind = self._kinds.of(heard.data)
         utime = channel.hear(heard, kind)
-        self._keep_newest(channel, heard)
         if kind is None or len(heard.data) < kind.min_bytes:
             return
+        self._keep_newest(channel, heard)
         if utime is not None:
             channel.add_latency(self._latency_s(utime, heard.at_s))
         self._use(heard, kind)

@@ -42,9 +42,9 @@ export class Channels {
 
   fill({ line, button, type, cells }, channel, isChosen) {
     setText(type, channel.type || "unknown type");
-    const isSilent = !channel.count || channel.age_s > SILENT_S;
+    const isSilent = !channel.count || (channel.age_s > SILENT_S && !channel.once);
     const values = [
-      format.rate(channel.rate_hz), format.milliseconds(channel.latency_ms), format.count(channel.lost),
+      channel.once ? "once" : format.rate(channel.rate_hz), format.milliseconds(channel.latency_ms), format.count(channel.lost),
       format.count(channel.undecodable), channel.count ? format.size(channel.bytes) : format.NONE,
       format.seconds(channel.age_s),
     ];

@@ -58,7 +58,7 @@ export class Details {
 
   say(channel) {
     if (!channel) return;
-    const parts = [channel.type || "unknown type", `${format.count(channel.count)} messages`, format.rate(channel.rate_hz)];
+    const parts = [channel.type || "unknown type", `${format.count(channel.count)} messages`, channel.once ? "once" : format.rate(channel.rate_hz)];
     setText(this.type, parts.join("  ·  "));
   }
 }

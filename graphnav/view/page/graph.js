@@ -116,11 +116,10 @@ export class Graph {
       port.name = port.names.find((name) => channels.get(name)?.count) ?? port.names[0];
       const channel = channels.get(port.name);
       const latency = channel?.latency_ms == null ? "" : ` · ${format.milliseconds(channel.latency_ms)}`;
-      const isOnce = channel?.count && channel.rate_hz === null && channel.age_s < 3;
-      setText(port.rate, isOnce ? `once${latency}` : `${format.rate(channel?.rate_hz)}${latency}`);
+      setText(port.rate, channel?.once ? "once" : `${format.rate(channel?.rate_hz)}${latency}`);
       setText(port.lost, channel?.count ? `${format.count(channel.lost)} lost` : "not heard");
       setClass(port.lost, "bad", channel?.lost);
-      setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !isOnce));
+      setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
       for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
       const said = `${port.ref}: ${port.rate.textContent}, ${port.lost.textContent}`;
       setText(port.title, said);
