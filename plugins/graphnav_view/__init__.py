@@ -6,10 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+import numpy.typing as npt
+
 from graphnav import hookimpl
 
 if TYPE_CHECKING:
-    from graphnav import Recording
+    from graphnav import Message, PictureContext, Recording
 
 
 @hookimpl
@@ -37,3 +40,11 @@ def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[st
     from graphnav_view.paths import draw_paths  # noqa: PLC0415 - Matplotlib only when something is drawn
 
     return draw_paths(recordings, colours, file)
+
+
+@hookimpl
+def graphnav_picture(message: Message, context: PictureContext) -> npt.NDArray[np.uint8] | None:
+    """Draw an image, a flow, a plane, a potential, a force, or the robot on its map; None for other messages."""
+    from graphnav_view.message_picture import picture_of  # noqa: PLC0415 - OpenCV only when something is drawn
+
+    return picture_of(message, context)

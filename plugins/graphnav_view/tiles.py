@@ -24,7 +24,7 @@ class Stretch:
 
     def __init__(self, picture_rows: int, picture_cols: int, tile_rows: int, tile_cols: int) -> None:
         scale = min(tile_rows / picture_rows, tile_cols / picture_cols)
-        self.rows, self.cols = round(picture_rows * scale), round(picture_cols * scale)
+        self.rows, self.cols = max(1, round(picture_rows * scale)), max(1, round(picture_cols * scale))
         self.top, self.left = (tile_rows - self.rows) // 2, (tile_cols - self.cols) // 2
         self.per_px = scale
         self._tile = (tile_rows, tile_cols)
@@ -42,7 +42,7 @@ class Stretch:
     def resized(self, grid: npt.NDArray[Any], step_px: int, interpolation: int = cv2.INTER_NEAREST) -> npt.NDArray[Any]:
         """Return a grid of step ``step_px`` at the size that the picture has in the tile."""
         rows, cols = grid.shape[:2]
-        covered = (round(cols * step_px * self.per_px), round(rows * step_px * self.per_px))
+        covered = (max(1, round(cols * step_px * self.per_px)), max(1, round(rows * step_px * self.per_px)))
         large = cv2.resize(np.ascontiguousarray(grid), covered, interpolation=interpolation)[: self.rows, : self.cols]
         short = ((0, self.rows - large.shape[0]), (0, self.cols - large.shape[1]), (0, 0))[: grid.ndim]
         return np.pad(large, short, mode="edge") if any(after for _, after in short) else large
@@ -57,18 +57,20 @@ class Stretch:
 def camera_rgb(stretch: Stretch, image: Image) -> Bytes:
     """Return the picture at the tile's size, (rows, cols, 3)."""
     pixels = image.pixels if image.pixels.ndim == 3 else cv2.cvtColor(image.pixels, cv2.COLOR_GRAY2RGB)
-    return np.asarray(stretch.resized(pixels, image.step_px, cv2.INTER_LINEAR), np.uint8)
+    is_reduced = stretch.per_px * image.step_px < 1
+    interpolation = cv2.INTER_AREA if is_reduced else cv2.INTER_LINEAR
+    return np.asarray(stretch.resized(pixels, image.step_px, interpolation), np.uint8)
 
 
-def camera_tile(stretch: Stretch, camera: Bytes, steering: Steering | None) -> Bytes:
-    """Return the camera's tile, with the control force from the picture's middle."""
+def camera_tile(stretch: Stretch, camera: Bytes, steering: Steering | None, width_px: int = 4) -> Bytes:
+    """Return the camera's tile, with the control force from the picture's middle, ``width_px`` wide."""
     tile = stretch.placed(camera)
     if steering is not None:
         size = min(stretch.rows, stretch.cols)
         length = float(np.hypot(*steering.control))
         start = np.array([stretch.left + stretch.cols / 2, stretch.top + stretch.rows / 2])
         end = start + np.array([1.0, -1.0]) * steering.control / max(length, 1.0) * 0.38 * size
-        for colour, width in (((0, 0, 0), 7), (ink.rgb(ink.CONTROL), 4)):
+        for colour, width in (((0, 0, 0), width_px + 3), (ink.rgb(ink.CONTROL), width_px)):
             cv2.arrowedLine(
                 tile,
                 np.round(start).astype(int).tolist(),
@@ -82,12 +84,14 @@ def camera_tile(stretch: Stretch, camera: Bytes, steering: Steering | None) -> B
     return tile
 
 
-def flow_tile(stretch: Stretch, flow: Flow | None, full_px: float) -> Bytes:
+def flow_tile(stretch: Stretch, flow: Flow | None, full_px: float, *, with_wheel: bool = True) -> Bytes:
     """Return the flow in colour, the colour wheel and what full colour means."""
     if flow is None:
         return stretch.blank()
     colours = flow_rgb(flow.uv_px, flow.valid, full_px)
     tile = stretch.placed(np.asarray(stretch.resized(colours, flow.step_px), np.uint8))
+    if not with_wheel:
+        return tile
     wheel, disc = wheel_rgb(_WHEEL_PX)
     low, right = stretch.top + stretch.rows - 8, stretch.left + stretch.cols - 8
     tile[low - _WHEEL_PX : low, right - _WHEEL_PX : right][disc] = wheel[disc]

@@ -12,7 +12,6 @@ from graphnav import Map, State
 from graphnav_view import ink
 from graphnav_view.floorplan import MOVING, OBSTACLE, WALL, bounds_m, moved, outlines
 from graphnav_view.lettering import write
-from graphnav_view.track import Track
 
 Doubles = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -23,22 +22,27 @@ _MARGIN_M = 0.25
 
 
 class TopView:
-    """Draws the map with the path, x to the right and y up."""
+    """Draws the map with the path, x to the right and y up.
 
-    def __init__(self, world: Map, track: Track, cols: int, rows: int) -> None:
+    ``path_m`` (n, 2) and ``moving`` (n, m, 3), poses of the moving obstacles: what has to be in view beside the world.
+    """
+
+    def __init__(
+        self, world: Map, path_m: Doubles, moving: Doubles, cols: int, rows: int, *, with_scale: bool = True
+    ) -> None:
         self._world = world
         self._moving = outlines(world, MOVING)
-        low, high = bounds_m(world, [track.pose[:, :2]], track.moving, _MARGIN_M)
+        low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
         self._per_m = float(np.min(np.array([cols, rows]) / (high - low)))
         self._middle_m, self._middle_px = (low + high) / 2, np.array([cols, rows]) / 2
         self._ground = self._background(cols, rows)
-        self._path: list[tuple[float, float]] = []
+        if with_scale:
+            self._scale_bar(self._ground)
 
-    def draw(self, state: State | None) -> Bytes:
-        """Return the tile, (rows, cols, 3) RGB, with the robot in ``state`` and the path through all states so far."""
+    def draw(self, state: State | None, path_m: Doubles) -> Bytes:
+        """Return the tile, (rows, cols, 3) RGB: the world, and the robot in ``state`` with its path so far."""
         if state is None:
             return self._ground
-        self._path.append((state.x_m, state.y_m))
         tile = self._ground.copy()
         for outline, pose in zip(self._moving, state.moving, strict=False):
             self._fill(tile, moved(outline, pose), ink.rgb(ink.MOVING))
@@ -47,7 +51,7 @@ class TopView:
             seen = tile.copy()
             self._fill(seen, moved(self._world.footprint_m, pose), ink.rgb(ink.SEEN))
             cv2.addWeighted(seen, 0.25, tile, 0.75, 0, dst=tile)
-        trace = self._to_px(np.array(self._path))[:, None]
+        trace = self._to_px(path_m)[:, None]
         cv2.polylines(tile, [trace], False, ink.rgb(ink.ROBOT), 2, cv2.LINE_AA, _SHIFT)  # noqa: FBT003 - OpenCV's own order
         self._robot(tile, pose, contact=state.contact)
         return tile
@@ -70,7 +74,6 @@ class TopView:
         for kind, colour in ((WALL, ink.WALL), (OBSTACLE, ink.OBSTACLE)):
             for outline in outlines(self._world, kind):
                 self._fill(tile, outline, ink.rgb(colour))
-        self._scale_bar(tile)
         return tile
 
     def _scale_bar(self, tile: Bytes) -> None:
@@ -86,3 +89,11 @@ class TopView:
         """Return points of W in the tile's pixels, times 2**_SHIFT."""
         away = (points_m - self._middle_m) * self._per_m * np.array([1.0, -1.0])
         return np.asarray(np.round((away + self._middle_px) * 2**_SHIFT), np.int32)
+
+
+def view_size_px(world: Map, path_m: Doubles, moving: Doubles, cols: int, rows: int) -> tuple[int, int]:
+    """Return columns and rows of a view with the world's shape that fills ``cols`` x ``rows`` in one direction."""
+    low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
+    wide, high_m = (high - low).tolist()
+    per_m = min(cols / wide, rows / high_m)
+    return max(1, min(cols, round(wide * per_m))), max(1, min(rows, round(high_m * per_m)))

@@ -96,8 +96,8 @@ def _tiles(signals: Signals, stretch: Stretch) -> list[tuple[str, Callable[[Mess
         )
     world, track = signals.first(Map), track_of(signals)
     if world is not None and track is not None:
-        top = TopView(world, track, *stretch.tile_size_px)
-        found.append(("map from above", lambda of: top.draw(of[State])))
+        view = TopView(world, track.pose[:, :2], track.moving, *stretch.tile_size_px)
+        found.append(("map from above", _Drive(view).draw))
     elif Potential in there:
         found.append(("obstacle potential", lambda of: potential_tile(stretch, of[Potential])))
     return found
@@ -128,6 +128,21 @@ def caption(time_us: int, of: Messages) -> list[str]:
     if state is not None and state.contact:
         words[-1:] = ["CONTACT"]
     return words
+
+
+class _Drive:
+    """The map's tile, with the path through all states so far."""
+
+    def __init__(self, view: TopView) -> None:
+        self._view = view
+        self._path: list[tuple[float, float]] = []
+
+    def draw(self, of: Messages) -> Bytes:
+        """Return the tile of a frame."""
+        state = of[State]
+        if state is not None:
+            self._path.append((state.x_m, state.y_m))
+        return self._view.draw(state, np.array(self._path))
 
 
 class _Page:

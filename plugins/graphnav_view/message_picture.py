@@ -1,0 +1,173 @@
+"""The picture of one message, as viewers of live channels and of logs show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth
+from graphnav_view.flowcolour import flow_scale_px
+from graphnav_view.tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
+from graphnav_view.topview import TopView, view_size_px
+
+if TYPE_CHECKING:
+    from graphnav import PictureContext
+
+Bytes = npt.NDArray[np.uint8]
+Floats = npt.NDArray[np.float32]
+
+_LEGEND_ROWS, _LEGEND_COLS = 160, 200
+"""A picture below this size has no room for letters."""
+_SAME_VIEW_RATIO = 1.25
+"""Grids whose sides differ by more do not show the same view."""
+_MAX_BODIES = 2000
+_MAX_M = 1e6
+
+
+def picture_of(message: Message, context: PictureContext) -> Bytes | None:
+    """Return the picture of a message that fits the context's box, None for a type that has none.
+
+    Raises ValueError for a message that cannot be drawn: a map without extent or with numbers that are not finite.
+    """
+    draw = next((draw for kind, draw in _DRAWN.items() if isinstance(message, kind)), None)
+    if draw is None:
+        return None
+    with np.errstate(all="ignore"):
+        return draw(message, context)
+
+
+def _image(image: Image, context: PictureContext) -> Bytes:
+    return camera_rgb(_stretch(image.pixels.shape, context), _at_step_1(image))
+
+
+def _flow(flow: Flow, context: PictureContext) -> Bytes:
+    return _flow_colours(flow.uv_px, flow.valid, context)
+
+
+def _planar(planar: Planar, context: PictureContext) -> Bytes:
+    return _flow_colours(planar.planar_uv_px, planar.planar_valid, context)
+
+
+def _flow_colours(uv_px: Floats, valid: npt.NDArray[Any], context: PictureContext) -> Bytes:
+    """Draw a flow as colours; what is not finite counts as not valid."""
+    stretch = _stretch(valid.shape, context)
+    seen = (valid != 0) & np.isfinite(uv_px).all(axis=-1)
+    flow = Flow(np.where(seen[..., None], uv_px, 0).astype(np.float32), seen.astype(np.uint8), 0)
+    return flow_tile(stretch, flow, flow_scale_px(flow.uv_px, flow.valid), with_wheel=_has_room(stretch, context))
+
+
+def _plane(plane: Plane, context: PictureContext) -> Bytes:
+    return _obstacle(plane.obstacle, plane.valid, plane.step_px, context)
+
+
+def _truth(truth: Truth, context: PictureContext) -> Bytes:
+    return _obstacle(truth.obstacle, np.ones_like(truth.obstacle), truth.step_px, context)
+
+
+def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int, context: PictureContext) -> Bytes:
+    """Draw a dominant map over the image of its moment, alone where there is none of the same view."""
+    stretch = _stretch(obstacle.shape, context)
+    image = context.find(Image)
+    camera = None
+    if image is not None and _is_same_view(obstacle.shape, step_px, image):
+        camera = camera_rgb(stretch, _at_step_1(image))
+    nothing = np.empty((0, 0), np.float32)
+    return plane_tile(stretch, camera, Plane(obstacle, nothing, valid, step_px=1, obstacle_ratio=0.0))
+
+
+def _potential(potential: Potential, context: PictureContext) -> Bytes:
+    values = potential.potential
+    finite = np.isfinite(values)
+    low = values[finite].min() if finite.any() else 0.0
+    drawn = Potential(np.where(finite, values, low), potential.gradient, step_px=1)
+    return potential_tile(_stretch(values.shape, context), drawn)
+
+
+def _steering(steering: Steering, context: PictureContext) -> Bytes | None:
+    """Draw the control force over the image of its moment; None where there is none."""
+    image = context.find(Image)
+    if image is None:
+        return None
+    _require_finite(steering)
+    stretch = _stretch(image.pixels.shape, context)
+    width = max(1, min(stretch.rows, stretch.cols) // 80)
+    return camera_tile(stretch, camera_rgb(stretch, _at_step_1(image)), steering, width)
+
+
+def _map(world: Map, context: PictureContext) -> Bytes:
+    return _from_above(world, context.find(State), context)
+
+
+def _state(state: State, context: PictureContext) -> Bytes | None:
+    """Draw the robot on its map; None where there is no map."""
+    world = context.find(Map)
+    return None if world is None else _from_above(world, state, context)
+
+
+def _from_above(world: Map, state: State | None, context: PictureContext) -> Bytes:
+    _require_finite(world)
+    if len(world.kind) > _MAX_BODIES:
+        raise ValueError(f"a map of {len(world.kind)} bodies: at most {_MAX_BODIES} are drawn")
+    path_m = np.empty((0, 2))
+    moving = np.empty((0, 0, 3))
+    if state is not None:
+        _require_finite(state)
+        path_m = context.path_m()
+        path_m = np.vstack([path_m[np.abs(path_m).max(axis=1, initial=0) <= _MAX_M], [[state.x_m, state.y_m]]])
+        moving = state.moving[None]
+    cols, rows = view_size_px(world, path_m, moving, context.cols, context.rows)
+    with_scale = context.with_legend and rows >= _LEGEND_ROWS and cols >= _LEGEND_COLS
+    view = TopView(world, path_m, moving, cols, rows, with_scale=with_scale)
+    return view.draw(state, path_m)
+
+
+_DRAWN: Mapping[type[Message], Callable[[Any, PictureContext], Bytes | None]] = {
+    Image: _image,
+    Flow: _flow,
+    Planar: _planar,
+    Plane: _plane,
+    Truth: _truth,
+    Potential: _potential,
+    Steering: _steering,
+    Map: _map,
+    State: _state,
+}
+
+
+def _stretch(shape: tuple[int, ...], context: PictureContext) -> Stretch:
+    """Return what fits grids of a shape into the box, without margins."""
+    rows, cols = shape[:2]
+    if not rows or not cols:
+        raise ValueError(f"a grid of {rows} x {cols} cells shows nothing")
+    scale = min(context.rows / rows, context.cols / cols)
+    return Stretch(rows, cols, max(1, round(rows * scale)), max(1, round(cols * scale)))
+
+
+def _at_step_1(image: Image) -> Image:
+    """Return an image as if it had one pixel a cell; of its extent only the shape matters."""
+    return Image(image.pixels)
+
+
+def _has_room(stretch: Stretch, context: PictureContext) -> bool:
+    return context.with_legend and stretch.rows >= _LEGEND_ROWS and stretch.cols >= _LEGEND_COLS
+
+
+def _is_same_view(shape: tuple[int, ...], step_px: int, image: Image) -> bool:
+    """Whether a grid and an image cover the same pixels, but for the cells at the border."""
+    pairs = zip(shape[:2], image.pixels.shape[:2], strict=True)
+    ratios = [(mine * step_px) / max(theirs * image.step_px, 1) for mine, theirs in pairs]
+    return all(1 / _SAME_VIEW_RATIO < ratio < _SAME_VIEW_RATIO for ratio in ratios)
+
+
+def _require_finite(message: Message) -> None:
+    """Raise ValueError for a message with numbers that no drawing can place."""
+    name = message.not_finite()
+    if name is not None:
+        raise ValueError(f"{name} is not finite")
+    for name in ("vertices_m", "goal_m", "footprint_m", "moving", "x_m", "y_m"):
+        value = np.asarray(getattr(message, name, 0.0))
+        if value.size and np.abs(value).max() > _MAX_M:
+            raise ValueError(f"{name} lies more than {_MAX_M:g} m away")
