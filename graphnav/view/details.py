@@ -80,7 +80,7 @@ def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
         except DecodeError:
             return None
 
-    picture = pictures.draw(message, PictureContext(_ROWS, _COLS, find, lambda: moment.path_m, with_legend=False))
+    picture = pictures.draw(message, PictureContext(_ROWS, _COLS, find, lambda: moment.path_m))
     return None if picture is None else _png(picture)
 
 

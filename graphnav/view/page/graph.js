@@ -4,6 +4,9 @@ import { setClass, setText, svg } from "./dom.js";
 import * as format from "./format.js";
 
 const HEAD = 36;
+// Smaller than this nobody can read it: a narrow window scrolls.
+const MIN_SCALE = 0.8;
+const MAX_SCALE = 1.15;
 
 export class Graph {
   // `choose` gets the name of the LCM channel whose edge was chosen.
@@ -36,6 +39,8 @@ export class Graph {
     }
     root.append(...layout.boxes.map((box) => this.box(box)));
     root.append(...labels, ...layout.wires.map((wire) => this.reader(wire)));
+    root.style.minWidth = `${MIN_SCALE * layout.width}px`;
+    root.style.maxWidth = `${MAX_SCALE * layout.width}px`;
     this.holder.replaceChildren(root);
   }
 
