@@ -10,24 +10,26 @@ from graphnav.render.layers import Layers, Route, Spot, layers_of
 from graphnav.render.wires import Wire
 
 HEAD = 42.0
-ROW = 20.0
-_CHAR = 8.0
 _GAP_Y = 26.0
 _MARGIN = 24.0
 _LANE = 14.0
-"""Sizes in SVG units: a box's head, a port's row, a character's width, gaps between boxes, the margin, and the
-distance of wires that run back."""
+"""Sizes in SVG units: a box's head, the gap between boxes, the margin, and the distance of wires that run back."""
 
 _PALETTE = ("#2563a8", "#b4501e", "#2e7d4f", "#7a4b9e", "#a3324b", "#0f7b83", "#7d6a14", "#4a5563")
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """What a drawing leaves room for, in SVG units: between columns, below the ports of a box, its narrowest box."""
+    """What a drawing leaves room for, in SVG units: a character, a port's row, between columns, below a box's ports.
 
+    ``min_chars``: how many characters every box is wide.
+    """
+
+    char: float = 8.0
+    min_chars: int = 0
+    row: float = 20.0
     gap_x: float = 76.0
     foot: float = 8.0
-    min_width: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,13 @@ class PlacedBox:
     y: float
     width: float
     height: float
+    row: float
     colour: str
 
     def port_y(self, port: str, *, is_input: bool) -> float:
         """Return the height of a port's row."""
         names = [p.name for p in (self.box.inputs if is_input else self.box.outputs)]
-        return self.y + HEAD + (names.index(port) + 0.5) * ROW
+        return self.y + HEAD + (names.index(port) + 0.5) * self.row
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ class Geometry:
 def geometry_of(drawn: Sequence[Box], sizes: Sizes | None = None) -> Geometry:
     """Return where the boxes are, in columns by how many others their data has passed, and the wires between them."""
     sizes = sizes or Sizes()
-    heights = {box.key: HEAD + ROW * max(len(box.inputs), len(box.outputs), 1) + sizes.foot for box in drawn}
+    heights = {box.key: HEAD + sizes.row * max(len(box.inputs), len(box.outputs), 1) + sizes.foot for box in drawn}
     layers = layers_of(drawn, heights, _GAP_Y)
     boxes = _boxes(drawn, layers, sizes)
     bottom = max(box.y + box.height for box in boxes.values())
@@ -91,21 +94,22 @@ def _boxes(drawn: Sequence[Box], layers: Layers, sizes: Sizes) -> dict[str, Plac
     boxes, x = {}, _MARGIN + _LANE
     for column in layers.columns:
         spots = [spot for spot in column if spot.box]
-        width = max((_width(by_key[spot.box]) for spot in spots), default=0.0)
-        width = max(width, sizes.min_width) if spots else width
+        chars = [max(_characters(by_key[spot.box]), sizes.min_chars) for spot in spots]
+        width = max(chars, default=0) * sizes.char
         for spot in spots:
             box = by_key[spot.box]
-            boxes[box.key] = PlacedBox(box, x, _MARGIN + spot.top, width, spot.height, colours[box.group])
+            boxes[box.key] = PlacedBox(box, x, _MARGIN + spot.top, width, spot.height, sizes.row, colours[box.group])
         x += width + sizes.gap_x
     return boxes
 
 
-def _width(box: Box) -> float:
+def _characters(box: Box) -> int:
+    """Return how many characters a box has to be wide."""
     rows = max(len(box.inputs), len(box.outputs))
     inputs = [len(port.name) for port in box.inputs] + [0] * rows
     outputs = [len(port.name) + (len(port.alias) + 1) * bool(port.alias) for port in box.outputs] + [0] * rows
     ports = max((a + b + 5 for a, b in zip(inputs[:rows], outputs[:rows], strict=True)), default=0)
-    return _CHAR * max(ports, len(box.name) + 3, len(box.use) + 3)
+    return max(ports, len(box.name) + 3, len(box.use) + 3)
 
 
 def _column_edges(layers: Layers, boxes: dict[str, PlacedBox]) -> list[tuple[float, float]]:

@@ -98,9 +98,10 @@ class _Reader:
         """Yield a box for each program that sends inputs."""
         refs: dict[str, list[str]] = {}
         for ref in self._inputs:
-            refs.setdefault(ref.rpartition(".")[0], []).append(ref)
+            if stem := ref.rpartition(".")[0]:
+                refs.setdefault(stem, []).append(ref)
         for stem, of_stem in refs.items():
-            ports = tuple(self._output(ref, Message) for ref in of_stem)
+            ports = tuple(self._input(ref) for ref in of_stem)
             is_log = all("log" in _mapping(self._inputs, ref) for ref in of_stem)
             yield Box(stem, stem, "log" if is_log else "input", "input", outputs=ports)
 
@@ -113,10 +114,14 @@ class _Reader:
             name = str(words.get("channel", ref))[:_MAX_NAME]
             yield Box(f"output {ref}", name, use, "output", (InPort(channel.port, channel),))
 
+    def _input(self, ref: str) -> OutPort:
+        words = _mapping(self._inputs, ref)
+        written = str(words["log"]).rpartition("/")[2] if "log" in words else str(words.get("channel", ref))
+        return OutPort(ref.rpartition(".")[2], _channel(ref), written[:_MAX_NAME])
+
     def _output(self, ref: str, message: type[Message]) -> OutPort:
-        names = self.names(ref)
-        alias = names[-1][:_MAX_NAME] if names[-1:] != (ref,) else ""
-        return OutPort(ref.rpartition(".")[2], _channel(ref, message), alias)
+        name = self.names(ref)[0]
+        return OutPort(ref.rpartition(".")[2], _channel(ref, message), name[:_MAX_NAME] if name != ref else "")
 
 
 def _wired(boxes: list[Box]) -> tuple[Box, ...]:
@@ -142,4 +147,4 @@ def _channel(ref: str, message: type[Message] = Message) -> Channel:
 def _mapping(words: Any, key: str) -> dict[str, Any]:
     """Return a section, empty where there is none; only entries whose names are as long as names can be."""
     found = words.get(key) if isinstance(words, dict) else None
-    return {name: item for name, item in found.items() if len(name) <= _MAX_NAME} if isinstance(found, dict) else {}
+    return {name: item for name, item in found.items() if 0 < len(name) <= _MAX_NAME} if isinstance(found, dict) else {}

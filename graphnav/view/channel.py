@@ -79,8 +79,9 @@ class WatchedChannel:
 
     @property
     def latency_s(self) -> float | None:
-        """The median of the newest latencies; None for a channel whose messages are the first of their stamps."""
-        return median(self._latencies_s) if self._latencies_s and max(self._latencies_s) > 0 else None
+        """The median of the newest latencies; None where all messages are the first of their stamps, or one only."""
+        is_known = not self.is_single and max(self._latencies_s, default=0.0) > 0
+        return median(self._latencies_s) if is_known else None
 
     def periods(self, now_s: float) -> Periods | None:
         """Return the periods of the newest 10 s; None of a silent channel."""

@@ -11,30 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of
-from graphnav.errors import GraphnavError
 from graphnav.messages import Message
 from graphnav.pictures import PictureContext, Pictures
 from graphnav.spy import Heard, summarised
 from graphnav.view.kinds import Kind
+from graphnav.view.moment import Moment
 
 M = TypeVar("M", bound=Message)
 
 _ROWS, _COLS = 480, 640
 _MAX_SERIES = 12
 _MAX_VALUES = 4
-_NOT_PLOTTED = {"utime", "seq"}
-
-
-@dataclass(frozen=True)
-class Moment:
-    """Messages to show: the newest of the channel, those to plot with their numbers, the newest of all channels."""
-
-    kind: Kind | None
-    newest: Heard | None
-    points: list[tuple[int, Heard]]
-    others: Mapping[type, bytes]
-    """By the LCM type, for what is drawn below a message; of the same stamp where the caller found one."""
-    path_m: npt.NDArray[np.float64]
+_NOT_PLOTTED = {"utime", "seq", "interval_us", "step_px", "rows", "cols", "channels", "size"}
+"""The envelope, and what tells the shape of arrays."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +41,7 @@ def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
         return None
     series = _series(values)
     points = []
-    for _, heard in moment.points:
+    for heard in moment.points:
         if (found := _fields(moment.kind, heard)) is not None:
             plotted = _series(found)
             points.append([heard.at_s, *(plotted.get(name) for name in series)])
@@ -84,22 +73,18 @@ def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
     return None if picture is None else _png(picture)
 
 
-def _fields(kind: Kind | None, heard: Heard | None) -> dict[str, Any] | None:
-    if kind is None or heard is None:
-        return None
+def _fields(kind: Kind, heard: Heard) -> dict[str, Any] | None:
     try:
         return codec_of(kind.lcm_class).decode(heard.data)
     except DecodeError:
         return None
 
 
-def _message(kind: Kind | None, heard: Heard | None) -> Message | None:
-    message_class = kind and message_class_of(kind.lcm_class)
-    if message_class is None or heard is None:
-        return None
+def _message(kind: Kind, heard: Heard) -> Message | None:
+    message_class = message_class_of(kind.lcm_class)
     try:
-        return decode(message_class, heard.data)[2]
-    except GraphnavError:
+        return None if message_class is None else decode(message_class, heard.data)[2]
+    except DecodeError:
         return None
 
 
@@ -107,9 +92,9 @@ def _series(values: Mapping[str, Any]) -> dict[str, float]:
     """Return the numbers that are plotted: scalars, and the elements of arrays of a few."""
     series: dict[str, float] = {}
     for name, value in values.items():
-        if name in _NOT_PLOTTED:
+        if name in _NOT_PLOTTED or name.startswith("n_"):
             continue
-        if isinstance(value, int | float):
+        if isinstance(value, int | float) and not isinstance(value, bool):
             series[name] = float(value)
         elif isinstance(value, np.ndarray) and value.dtype != object and value.ndim == 1 and len(value) <= _MAX_VALUES:
             series |= {f"{name}[{place}]": float(number) for place, number in enumerate(value)}

@@ -8,8 +8,9 @@ from graphnav.render.boxes import Box
 from graphnav.render.geometry import PlacedBox, PlacedWire, Sizes, geometry_of
 from graphnav.view.announced_graph import AnnouncedGraph
 
-_SIZES = Sizes(gap_x=116.0, foot=30.0, min_width=146.0)
-"""Room for rate and latency on every wire, and for the time of a step in every box."""
+_SIZES = Sizes(char=7.2, min_chars=16, row=28.0, gap_x=88.0, foot=30.0)
+_LABEL = 50.0
+"""Room for rate, latency and losses on every wire and behind the last box, and for the time of a step in every box."""
 
 
 def layout_of(graph: AnnouncedGraph) -> dict[str, Any]:
@@ -17,7 +18,7 @@ def layout_of(graph: AnnouncedGraph) -> dict[str, Any]:
     drawing = geometry_of(graph.boxes, _SIZES)
     return {
         "about": graph.about,
-        "width": drawing.width,
+        "width": drawing.width + _LABEL,
         "height": drawing.height,
         "boxes": [_box(placed) for placed in drawing.boxes.values()],
         "wires": [_wire(placed) for placed in drawing.wires],

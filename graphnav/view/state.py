@@ -9,33 +9,29 @@ from graphnav.spy import health_as_json
 from graphnav.view.channel import WatchedChannel
 from graphnav.view.log_source import LogSource
 from graphnav.view.source import Source
-from graphnav.view.watch import Watch
 
 _MAX_SHOWN_NAME = 200
 
 
 def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
-    """Return all counts and the health of the run ``run_id``; the caller holds the source's lock."""
+    """Return all counts, and the health of the run ``run_id`` and of all guards; the caller holds the source's lock."""
     watch = source.watch
     health = health_as_json(watch.health, source.name)
     now_s = watch.clock()
-    return finite(
-        {
-            "now_s": now_s,
-            "failure": source.failure,
-            "run_id": run_id,
-            "runs": list(watch.announcements.runs),
-            "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),
-            "guards": health["guards"],
-            "channels": [channel_state(channel, watch, now_s) for channel in watch.channels.values()],
-            "untracked": watch.untracked,
-            "refused": watch.announcements.refused,
-            "log": log_state(source) if isinstance(source, LogSource) else None,
-        }
-    )
+    return {
+        "failure": source.failure,
+        "run_id": run_id,
+        "runs": list(watch.announcements.runs),
+        "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),
+        "guards": health["guards"],
+        "channels": [channel_state(channel, now_s) for channel in watch.channels.values()],
+        "untracked": watch.untracked,
+        "refused": watch.announcements.refused,
+        "log": log_state(source) if isinstance(source, LogSource) else None,
+    }
 
 
-def channel_state(channel: WatchedChannel, watch: Watch, now_s: float) -> dict[str, Any]:
+def channel_state(channel: WatchedChannel, now_s: float) -> dict[str, Any]:
     """Return what is known of a channel; ``rate_hz`` is null where it is silent or has none yet."""
     periods = channel.periods(now_s)
     return {
@@ -49,7 +45,6 @@ def channel_state(channel: WatchedChannel, watch: Watch, now_s: float) -> dict[s
         "lost": channel.lost,
         "undecodable": channel.undecodable,
         "age_s": now_s - channel.heard_s if channel.count else None,
-        "announced": watch.is_announced(channel.name),
     }
 
 

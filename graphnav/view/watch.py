@@ -8,6 +8,7 @@ from collections.abc import Callable
 import graphnav_lcm
 
 from graphnav.codec import type_named
+from graphnav.graph.channels import RESERVED
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy import Health, Heard
@@ -64,13 +65,9 @@ class Watch:
         if kind is None or len(heard.data) < kind.min_bytes:
             return
         self._keep_newest(channel, heard)
-        if utime is not None:
+        if utime is not None and not heard.channel.startswith(RESERVED):
             channel.add_latency(self._latency_s(utime, heard.at_s))
         self._use(heard, kind)
-
-    def is_announced(self, name: str) -> bool:
-        """Whether a run said that it publishes a channel."""
-        return name in self._announced
 
     def has_poses(self, data: bytes) -> bool:
         """Whether a message is one of those that make the robot's path."""

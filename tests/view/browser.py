@@ -8,6 +8,7 @@ import json
 import shutil
 import subprocess
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -45,7 +46,9 @@ class Browser:
         self.complaints: list[str] = []
         self._numbers = itertools.count(1)
         port, path = self._address(folder / "DevToolsActivePort")
-        self._socket = connect(f"ws://127.0.0.1:{port}{path}", max_size=None, open_timeout=_PATIENCE_S)
+        self._open = ExitStack()
+        link = connect(f"ws://127.0.0.1:{port}{path}", max_size=None, open_timeout=_PATIENCE_S)
+        self._socket = self._open.enter_context(link)
         target = self._send("Target.createTarget", url="about:blank")["targetId"]
         self._session: str | None = None
         self._session = self._send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
@@ -59,7 +62,7 @@ class Browser:
     def __exit__(
         self, _kind: type[BaseException] | None, _error: BaseException | None, _trace: TracebackType | None
     ) -> None:
-        self._socket.close()
+        self._open.close()
         self._process.terminate()
         self._process.wait(_PATIENCE_S)
 

@@ -6,9 +6,11 @@ import asyncio
 import json
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, Self
 
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin
 
 from graphnav.catalog import Catalog
 from graphnav.view import PageServer, Source
@@ -65,9 +67,10 @@ class Page:
 
     def __init__(self, served: Served, **headers: str) -> None:
         origin = served.url.rstrip("/")
-        self.socket: ClientConnection = connect(
-            f"ws://127.0.0.1:{served.port}/updates", origin=headers.pop("origin", origin), additional_headers=headers
-        )
+        self._open = ExitStack()
+        address = f"ws://127.0.0.1:{served.port}/updates"
+        link = connect(address, origin=Origin(headers.pop("origin", origin)), additional_headers=headers)
+        self.socket: ClientConnection = self._open.enter_context(link)
         self.known: dict[str, Any] = json.loads(self.socket.recv(PATIENCE_S))
         self.picture: bytes | None = None
 
@@ -75,7 +78,11 @@ class Page:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.socket.close()
+        self.close()
+
+    def close(self) -> None:
+        """Leave."""
+        self._open.close()
 
     def say(self, **order: Any) -> None:
         """Send an order."""

@@ -32,9 +32,9 @@ export class Channels {
   }
 
   row(name) {
-    const button = element("button", { type: "button", text: name });
+    const button = element("button", { type: "button", title: name, text: name });
     const type = element("span", { class: "type" });
-    const cells = Array.from({ length: 6 }, () => element("td"));
+    const cells = ["rate", "latency", "lost", "bad-count", "size", "age"].map((kind) => element("td", { class: kind }));
     const line = element("tr", {}, element("th", { scope: "row" }, button, type), ...cells);
     line.addEventListener("click", () => this.choose(name));
     return { line, button, type, cells };

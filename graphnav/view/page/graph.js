@@ -5,7 +5,7 @@ import * as format from "./format.js";
 
 const HEAD = 36;
 // Smaller than this nobody can read it: a narrow window scrolls.
-const MIN_SCALE = 0.8;
+const MIN_SCALE = 0.76;
 const MAX_SCALE = 1.15;
 
 export class Graph {
@@ -58,11 +58,11 @@ export class Graph {
     }
     if (!wires.length) wireGroup.append(svg("path", { class: "wire stub", stroke: box.colour, d: `M${x},${port.y}h12` }));
     const rate = svg("text", { class: "rate", x: x + 6, y: port.y - 4 });
-    const lost = svg("text", { class: "lost", x: x + 6, y: port.y + 11 });
+    const lost = svg("text", { class: "lost", x: x + 6, y: port.y + 12 });
     const title = svg("title");
     const label = svg(
       "g", { class: "edge", tabindex: 0, role: "button" },
-      title, svg("rect", { class: "hit", x, y: port.y - 10, width: 100, height: 20 }),
+      title, svg("rect", { class: "hit", x, y: port.y - 13, width: 84, height: 24 }),
       svg("circle", { cx: x, cy: port.y, r: 3, fill: box.colour }), rate, lost,
     );
     const found = { names, label, wireGroup, rate, lost, title, ref: port.ref, name: names[0] };
@@ -120,9 +120,9 @@ export class Graph {
     for (const port of this.ports) {
       port.name = port.names.find((name) => channels.get(name)?.count) ?? port.names[0];
       const channel = channels.get(port.name);
-      const latency = channel?.latency_ms == null ? "" : ` · ${format.milliseconds(channel.latency_ms)}`;
-      setText(port.rate, channel?.once ? "once" : `${format.rate(channel?.rate_hz)}${latency}`);
-      setText(port.lost, channel?.count ? `${format.count(channel.lost)} lost` : "not heard");
+      const latency = channel?.latency_ms == null ? "" : `${format.milliseconds(channel.latency_ms)} · `;
+      setText(port.rate, channel?.once ? "once" : format.rate(channel?.rate_hz));
+      setText(port.lost, channel?.count ? `${latency}${format.count(channel.lost)} lost` : "not heard");
       setClass(port.lost, "bad", channel?.lost);
       setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
       for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
@@ -148,7 +148,7 @@ export class Graph {
   }
 
   worst(stage) {
-    return stage.missed ? `${format.count(stage.missed)} missed` : `p99 ${format.milliseconds(stage.p99_ms)}`;
+    return stage.missed ? `${format.count(stage.missed)} missed` : `p99 ${format.milliseconds(stage.p99_ms).replace(" ms", "")}`;
   }
 
   about(stage) {

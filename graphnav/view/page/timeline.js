@@ -15,11 +15,11 @@ export class Timeline {
     this.isPlaying = true;
     this.isHeld = false;
     this.button.addEventListener("click", () => this.toggle());
-    byId("step-back").addEventListener("click", () => order("step", -1));
-    byId("step-on").addEventListener("click", () => order("step", 1));
+    byId("step-back").addEventListener("click", () => this.send("step", -1));
+    byId("step-on").addEventListener("click", () => this.send("step", 1));
     this.slider.addEventListener("input", () => this.seek());
     this.slider.addEventListener("change", () => { this.isHeld = false; });
-    this.speed.addEventListener("change", () => order("speed", Number(this.speed.value)));
+    this.speed.addEventListener("change", () => this.send("speed", Number(this.speed.value)));
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
@@ -44,23 +44,32 @@ export class Timeline {
   }
 
   toggle() {
-    this.order(this.isPlaying ? "pause" : "play");
+    this.send(this.isPlaying ? "pause" : "play");
+  }
+
+  // A jump that still waits comes first.
+  send(action, value) {
+    if (this.timer) this.jump();
+    this.order(action, value);
+  }
+
+  jump() {
+    clearTimeout(this.timer);
+    this.timer = null;
+    this.order("seek", Number(this.slider.value));
   }
 
   // While the slider is dragged the log follows it, not the other way round.
   seek() {
     this.isHeld = true;
     this.place(Number(this.slider.value));
-    this.timer ??= setTimeout(() => {
-      this.timer = null;
-      this.order("seek", Number(this.slider.value));
-    }, EVERY_MS);
+    this.timer ??= setTimeout(() => this.jump(), EVERY_MS);
   }
 
   key(event) {
     if (this.panel.hidden || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target.closest("button, select, input, [role=button]")) return;
-    const action = { " ": () => this.toggle(), ",": () => this.order("step", -1), ".": () => this.order("step", 1) }[event.key];
+    const action = { " ": () => this.toggle(), ",": () => this.send("step", -1), ".": () => this.send("step", 1) }[event.key];
     if (!action) return;
     event.preventDefault();
     action();
