@@ -77,9 +77,8 @@ def test_garbage_is_counted_and_the_page_goes_on(page: Page, group: str) -> None
             good = bytearray(encode(frame_of(1)["control.twist"], 0, 0))
             good[rng.randrange(len(good))] ^= 255
             noise.publish("noise", bytes(good))
-        return (
-            min(page.channel("noise").get("undecodable", 0) / 100, page.channel("robot.image").get("count", 0) / 5) > 1
-        )
+        noisy, image = page.channel("noise"), page.channel("robot.image")
+        return bool(noisy and noisy["undecodable"] > 100 and image and image["count"] > 5)
 
     page.until(heard)
     noise.close()
