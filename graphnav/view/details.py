@@ -49,6 +49,7 @@ def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
         "fields": summarised(values),
         "series": list(series),
         "points": points,
+        "has_cells": bool(getattr(message_class_of(moment.kind.lcm_class), "grid", ())),
         "under_cursor": _under_cursor(moment, cursor) if cursor else None,
     }
 

@@ -42,7 +42,7 @@ export class Details {
     else if (!details.fields || details.reset || details.no_picture) this.picture.hide();
     if (details.fields) {
       this.plot.add(details.series, details.points, details.reset);
-      this.picture.say(details.under_cursor);
+      this.picture.say(details.has_cells, details.under_cursor);
     }
     this.plotBox.hidden = this.plot.isEmpty;
     this.plot.draw();

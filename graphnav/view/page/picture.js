@@ -39,9 +39,11 @@ export class Picture {
     this.cursor = null;
   }
 
-  say(under) {
+  // `hasCells`: whether a place on the picture is a cell of the message's arrays.
+  say(hasCells, under) {
     if (!under) {
-      setText(this.readout, this.cursor ? "no value here" : "point at the picture to read its values");
+      const hint = this.cursor ? "no value here" : "point at the picture to read its values";
+      setText(this.readout, hasCells ? hint : "\u00a0");
       return;
     }
     const values = Object.entries(under.values).map(([name, list]) => `${name} ${list.map(format.number).join(", ")}`);

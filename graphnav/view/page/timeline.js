@@ -33,7 +33,7 @@ export class Timeline {
     this.isPlaying = log.playing;
     setText(this.button, log.playing ? "❚❚" : "▶");
     this.button.setAttribute("aria-label", log.playing ? "pause" : "play");
-    if (!this.isHeld) this.place(log.at_s);
+    if (!this.isHeld && !this.timer) this.place(log.at_s);
     if (document.activeElement !== this.speed) this.speed.value = String(log.speed);
   }
 
@@ -56,13 +56,14 @@ export class Timeline {
   jump() {
     clearTimeout(this.timer);
     this.timer = null;
-    this.order("seek", Number(this.slider.value));
+    this.order("seek", this.target);
   }
 
   // While the slider is dragged the log follows it, not the other way round.
   seek() {
     this.isHeld = true;
-    this.place(Number(this.slider.value));
+    this.target = Number(this.slider.value);
+    this.place(this.target);
     this.timer ??= setTimeout(() => this.jump(), EVERY_MS);
   }
 
