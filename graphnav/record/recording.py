@@ -108,8 +108,8 @@ class Recording:
         """Yield all events in the order of the file."""
         return (self._event(self._index[number]) for number in range(len(self._index)))
 
-    def event_at(self, number: int) -> Event:
-        """Return one event; ``number`` counts in the order of the file."""
+    def at(self, number: int) -> Event:
+        """Return one event by its place in the file, counted from 0 over all channels."""
         return self._event(self._index[number])
 
     def event(self, channel: str, index: int) -> Event:

@@ -142,7 +142,7 @@ class LogSource:
         return sorted(wanted)
 
     def _hear(self, number: int) -> None:
-        event = self._recording.event_at(number)
+        event = self._recording.at(number)
         self.watch.hear(Heard(event.channel, event.data, (self._times_us[number] - self._begin_us) / 1e6))
 
     def _us(self, at_s: float) -> int:
