@@ -8,7 +8,7 @@ from graphnav.render.boxes import Box
 from graphnav.render.geometry import PlacedBox, PlacedWire, Sizes, geometry_of
 from graphnav.view.announced_graph import AnnouncedGraph
 
-_SIZES = Sizes(char=7.2, min_chars=16, row=28.0, gap_x=88.0, foot=30.0)
+_SIZES = Sizes(char=7.2, min_chars=17, row=28.0, gap_x=88.0, foot=30.0)
 _LABEL = 50.0
 """Room for rate, latency and losses on every wire and behind the last box, and for the time of a step in every box."""
 

@@ -117,20 +117,10 @@ export class Graph {
   }
 
   update(state, channels, chosen) {
-    for (const port of this.ports) {
-      port.name = port.names.find((name) => channels.get(name)?.count) ?? port.names[0];
-      const channel = channels.get(port.name);
-      const latency = channel?.latency_ms == null ? "" : `${format.milliseconds(channel.latency_ms)} · `;
-      setText(port.rate, channel?.once ? "once" : format.rate(channel?.rate_hz));
-      setText(port.lost, channel?.count ? `${latency}${format.count(channel.lost)} lost` : "not heard");
-      setClass(port.lost, "bad", channel?.lost);
-      setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
-      for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
-      const said = `${port.ref}: ${port.rate.textContent}, ${port.lost.textContent}`;
-      setText(port.title, said);
-      if (port.label.getAttribute("aria-label") !== said) port.label.setAttribute("aria-label", said);
-    }
     const status = state.run?.status;
+    const inputs = new Map((status?.inputs ?? []).map((input) => [input.name, input]));
+    const outputs = new Map((status?.outputs ?? []).map((output) => [output.name, output]));
+    for (const port of this.ports) this.label(port, channels, chosen, inputs.get(port.ref), outputs.get(port.ref));
     const stages = new Map((status?.stages ?? []).map((stage) => [stage.name, stage]));
     for (const [name, box] of this.boxes) {
       const stage = stages.get(name);
@@ -145,6 +135,27 @@ export class Graph {
       const n = overtaken.get(reader.name);
       setText(reader.text, n ? `${format.count(n)} overtaken` : "");
     }
+  }
+
+  // What the run itself says of an input or output counts before what is heard here.
+  label(port, channels, chosen, input, output) {
+    port.name = port.names.find((name) => channels.get(name)?.count) ?? port.names[0];
+    const channel = channels.get(port.name);
+    const rateHz = channel?.rate_hz ?? input?.rate_hz;
+    const latencyMs = output?.sent ? output.latency_p50_ms : channel?.latency_ms;
+    const rejected = Object.values(input?.rejected ?? {}).reduce((sum, n) => sum + n, 0);
+    const lost = input?.lost ?? channel?.lost;
+    const drops = [channel?.count ? `${format.count(lost)} lost` : "not heard"];
+    if (rejected) drops.push(`${format.count(rejected)} rejected`);
+    if (input?.fault) drops.push(input.fault);
+    setText(port.rate, channel?.once ? "once" : format.rate(rateHz));
+    setText(port.lost, [latencyMs == null ? "" : format.milliseconds(latencyMs), ...drops].filter(Boolean).join(" · "));
+    setClass(port.lost, "bad", lost || rejected || input?.fault);
+    setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
+    for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
+    const said = `${port.ref}: ${port.rate.textContent}, ${port.lost.textContent}`;
+    setText(port.title, said);
+    if (port.label.getAttribute("aria-label") !== said) port.label.setAttribute("aria-label", said);
   }
 
   worst(stage) {

@@ -58,7 +58,7 @@ function figures({ run, run_id: id }) {
   if (!status) return id ? [["run", id, false]] : [];
   const dropped = status.tap_dropped + status.log_dropped;
   return [
-    ["run", status.run_id, false],
+    ...(id ? [["run", id, false]] : []),
     ["graph", status.graph, false],
     [status.live ? "live" : "simulated", format.seconds(status.run_s), false],
     ["wall time", format.seconds(status.wall_s), false],

@@ -74,15 +74,18 @@ export class Plot {
     this.axes(pen, { x, y, low, high, newest, height, width, colour });
     this.series.forEach((_, index) => {
       pen.strokeStyle = colour(`--series-${index % N_COLOURS}`);
-      pen.lineWidth = 1.6;
+      pen.lineWidth = this.points.length > 1 ? 1.6 : 5;
+      pen.lineCap = "round";
       pen.setLineDash(index < N_COLOURS ? [] : [4, 3]);
       pen.beginPath();
       let isDown = false;
       for (const point of this.points) {
         const value = point[index + 1];
         if (value === null) isDown = false;
-        else if (isDown) pen.lineTo(x(point[0]), y(value));
-        else pen.moveTo(x(point[0]), y(value));
+        else {
+          if (!isDown) pen.moveTo(x(point[0]), y(value));
+          pen.lineTo(x(point[0]), y(value));
+        }
         isDown = value !== null;
       }
       pen.stroke();
