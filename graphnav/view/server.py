@@ -31,6 +31,8 @@ UPDATES = "/updates"
 _MAX_PAGES = 8
 _MAX_ORDER_BYTES = 4096
 _UPDATE_S = 0.2
+_CLOSE_S = 1.0
+"""How long a browser that hangs can hold up the end."""
 
 
 class PageServer:
@@ -60,6 +62,7 @@ class PageServer:
             compression=None,
             max_size=_MAX_ORDER_BYTES,
             max_queue=4,
+            close_timeout=_CLOSE_S,
             server_header=None,
             logger=self._log,
         ) as server:

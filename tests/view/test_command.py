@@ -11,6 +11,8 @@ import urllib.request
 from pathlib import Path
 
 import pytest
+from websockets.sync.client import connect
+from websockets.typing import Origin
 
 from graphnav.cli import main
 
@@ -26,8 +28,11 @@ def test_it_prints_where_the_page_is_and_ends_with_ctrl_c(log: Path) -> None:
         assert found, line
         with urllib.request.urlopen(found[1], timeout=30) as response:
             assert b"<title>graphnav view</title>" in response.read()
-        process.send_signal(signal.SIGINT)
-        _, error = process.communicate(timeout=30)
+        origin = Origin(found[1].rstrip("/"))
+        with connect(f"{origin.replace('http', 'ws')}/updates", origin=origin) as page:
+            assert '"hello"' in str(page.recv(timeout=30))
+            process.send_signal(signal.SIGINT)
+            _, error = process.communicate(timeout=30)
     assert (process.returncode, error) == (130, "stopped\n")
 
 
