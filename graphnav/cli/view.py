@@ -6,7 +6,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument
+from graphnav.cli.options import add_feed_argument, add_types_option, load_types_of
 from graphnav.cli.status import OK
 from graphnav.errors import UserError
 
@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"where to listen; any other than {_LOOPBACK} lets other machines watch",
     )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
+    add_types_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -43,6 +44,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.spy import Feed  # noqa: PLC0415
     from graphnav.view import PageServer, is_loopback  # noqa: PLC0415
 
+    load_types_of(args)
     feed = Feed(args.feed)
     source = _source_of(feed)
     if not is_loopback(args.host):

@@ -11,6 +11,7 @@ from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError
 from graphnav.messages import About
 from graphnav.pictures import Pictures
+from graphnav.spy import plain
 from graphnav.view.announced_graph import announced_graph
 from graphnav.view.channel import WatchedChannel
 from graphnav.view.details import details_of, picture_of
@@ -20,7 +21,7 @@ from graphnav.view.log_source import LogSource
 from graphnav.view.moment import Moment, moment_of
 from graphnav.view.orders import View
 from graphnav.view.source import Source
-from graphnav.view.state import finite, state_of
+from graphnav.view.state import state_of
 from graphnav.view.watch import Watch
 
 _STATE_S = 0.5
@@ -90,7 +91,7 @@ class Session:
         if not update:
             return None
         head = {"kind": "update", "number": number, "has_picture": picture is not None}
-        return json.dumps(finite(head | update), allow_nan=False), picture
+        return json.dumps(plain(head | update), allow_nan=False), picture
 
     def _graph(self, about: About) -> Update:
         self._sent_graph = about.graph_yaml, about.channels

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from graphnav.spy import health_as_json
@@ -57,12 +56,3 @@ def log_state(source: LogSource) -> dict[str, Any]:
         "speed": source.speed_ratio,
         "torn": source.torn,
     }
-
-
-def finite(value: Any) -> Any:
-    """Return a value with null for every number that JSON lacks."""
-    if isinstance(value, dict):
-        return {name: finite(item) for name, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

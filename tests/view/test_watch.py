@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from graphnav.codec import encode
+from graphnav.codec import codec_of, encode
 from graphnav.messages import About, Image, State, Status, Twist
 from graphnav.record import ABOUT
 from graphnav.spy import Heard
+from graphnav.typeinfo import load_types
 from graphnav.view.watch import Watch
 
 TWIST = Twist(0.1, 0.2)
@@ -62,6 +64,14 @@ def test_a_repeated_message_is_neither_lost_nor_late(ear: Ear) -> None:
         ear.hear("control.twist", encode(TWIST, 0, 0), 1.0)
     channel = ear.watch.channels["control.twist"]
     assert (channel.lost, channel.latency_s) == (0, None)
+
+
+def test_types_of_other_packages_are_known(ear: Ear, tmp_path: Path) -> None:
+    (tmp_path / "gauge_t.lcm").write_text("package view_test; struct gauge_t { int64_t utime; double level; }\n")
+    gauge = load_types([str(tmp_path)])["view_test.gauge_t"]
+    ear.hear("gauge", codec_of(gauge).encode({"utime": 1, "level": 0.5}), 0.1)
+    channel = ear.watch.channels["gauge"]
+    assert (channel.type_name, channel.undecodable, channel.latency_s) == ("view_test.gauge_t", 0, None)
 
 
 def test_garbage_is_counted_and_bounded(ear: Ear) -> None:
