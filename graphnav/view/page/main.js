@@ -31,7 +31,9 @@ const connection = new Connection({
   hello(hello) {
     heading.hello(hello);
     floor.reset();
-    if (hello.log) timeline.show(hello.length_s);
+    if (!hello.log) return;
+    timeline.show(hello.length_s);
+    setText(byId("graph-empty"), "The log does not say which graph made it.");
   },
   state: (name) => heading.connected(name),
   update,
@@ -58,6 +60,7 @@ async function update(message, picture) {
     heading.update(state);
     if (state.log) timeline.update(state.log);
     if (shown.channel === null) openFirst();
+    byId("channels-empty").hidden = channels.size > 0;
     refresh();
   }
   if (message.world !== undefined || message.track) floor.update(message.world, message.track);
