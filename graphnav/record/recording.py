@@ -136,6 +136,11 @@ class Recording:
         """Return one event by its place in the file, counted from 0 over all channels."""
         return self._event(self._index[number])
 
+    @property
+    def index(self) -> Index:
+        """Where each event is, in the order of the file and by channel."""
+        return self._index
+
     def count(self, channel: str) -> int:
         """Return the number of events on a channel; 0 if there is no such channel."""
         return len(self._index.channels.get(channel, ()))

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from graphnav.graph import Graph
-from graphnav.render.boxes import Box, as_fired
+from graphnav.render.boxes import Box
 from graphnav.render.wires import Wire, wires_of
 
 _SWEEPS = 12
@@ -48,13 +47,13 @@ class Layers:
     routes: list[Route]
 
 
-def layers_of(graph: Graph, boxes: list[Box], heights: dict[str, float], gap: float) -> Layers:
+def layers_of(boxes: Sequence[Box], heights: dict[str, float], gap: float) -> Layers:
     """Return boxes in columns by how many others their data has passed, each column stacked from the top.
 
     ``heights``: of each of the ``boxes``; ``gap``: between two in a column.
     """
     wires = wires_of(boxes)
-    depth = _depths(as_fired(graph, boxes), wires)
+    depth = _depths(boxes, wires)
     spots = {box.key: Spot(box.key, depth[box.key], heights[box.key]) for box in boxes}
     columns: list[list[Spot]] = [[] for _ in range(max(depth.values()) + 1)]
     for spot in spots.values():
@@ -75,11 +74,24 @@ def layers_of(graph: Graph, boxes: list[Box], heights: dict[str, float], gap: fl
 
 
 def _depths(boxes: Sequence[Box], wires: Sequence[Wire]) -> dict[str, int]:
+    """Return the column of each box; a cycle of plain wires, which no checked graph has, is cut where it closes."""
+    by_key = {box.key: box for box in boxes}
+    writers: dict[str, list[str]] = {box.key: [] for box in boxes}
+    for wire in wires:
+        if not wire.latest:
+            writers[wire.reader].append(wire.channel.stage)
     depth: dict[str, int] = {}
-    for box in boxes:
-        plain = [depth[w.channel.stage] for w in wires if w.reader == box.key and not w.latest]
-        depth[box.key] = 1 + max(plain, default=0) if box.kind in ("stage", "output") else 0
-    return depth
+    under_way: set[str] = set()
+
+    def depth_of(key: str) -> int:
+        if key not in depth:
+            under_way.add(key)
+            before = [depth_of(writer) for writer in writers[key] if writer not in under_way]
+            under_way.remove(key)
+            depth[key] = 1 + max(before, default=0) if by_key[key].kind in ("stage", "output") else 0
+        return depth[key]
+
+    return {box.key: depth_of(box.key) for box in boxes}
 
 
 def _route(wire: Wire, spots: dict[str, Spot], columns: list[list[Spot]]) -> Route:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav.bus import GROUP, Bus
+from graphnav.bus import GROUP, Bus, require_route, with_defaults
 from graphnav.errors import GraphnavError
 from graphnav.record import Recording, find_log
 
@@ -45,6 +45,10 @@ class Feed:
     def epoch_s(self) -> float:
         """The time of day, in seconds since 1970, at which the clock of the arrivals was 0; 0 in a log."""
         return time.time() - time.monotonic() if self.is_live else 0.0
+
+    def check(self) -> None:
+        """Raise BusError where a live feed cannot be listened to, before anything waits for it."""
+        require_route(with_defaults(self.name))
 
     def listen(self, for_s: float | None) -> Generator[Heard | None]:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""

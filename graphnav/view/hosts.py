@@ -1,0 +1,62 @@
+"""Which requests are this server's own: a page of another site must not reach it, by no name that it gives us."""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+import socket
+from collections.abc import Sequence
+
+_LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
+_HOST = re.compile(r"(\[[0-9a-f:.]+\]|[0-9a-z._-]+)(?::([0-9]{1,5}))?")
+_HTTP = 80
+
+
+class Hosts:
+    """The names by which the page may be asked for.
+
+    On this machine only those of the loopback interface: a name that somebody's DNS leads here (DNS rebinding) is
+    refused. On all interfaces any address, which no DNS can forge, and the machine's own name.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        self._port = port
+        self._names = {*_LOOPBACK, _bracketed(host.lower())}
+        self._is_everywhere = (address := _address(host)) is not None and address.is_unspecified
+        if self._is_everywhere:
+            self._names.add(socket.gethostname().lower())
+
+    def admits(self, hosts: Sequence[str]) -> bool:
+        """Whether the Host headers of a request, which has to be one, name this server."""
+        found = _HOST.fullmatch(hosts[0].lower()) if len(hosts) == 1 else None
+        if found is None or int(found[2] or _HTTP) != self._port:
+            return False
+        return found[1] in self._names or (self._is_everywhere and _address(found[1].strip("[]")) is not None)
+
+    def admits_origin(self, origins: Sequence[str], host: str) -> bool:
+        """Whether a request comes from the page that this server gave out under the name ``host``."""
+        return len(origins) == 1 and origins[0].lower() == f"http://{host.lower()}"
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only programs of this machine can reach an address."""
+    address = _address(host)
+    return host.lower() == "localhost" if address is None else address.is_loopback
+
+
+def url_of(host: str, port: int) -> str:
+    """Return where a browser on this machine finds the page."""
+    address = _address(host)
+    shown = "127.0.0.1" if address is not None and address.is_unspecified else _bracketed(host)
+    return f"http://{shown}:{port}/"
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
+
+
+def _address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    try:
+        return ipaddress.ip_address(host)
+    except ValueError:
+        return None

@@ -1,0 +1,61 @@
+"""The types of messages, told by their first bytes without decoding them."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+from graphnav.codec import codec_of, fields_of, lcm_name, type_of
+
+_STAMP = struct.Struct(">qq")
+_FINGERPRINT_BYTES = 8
+_MAX_UNKNOWN = 4096
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A known type: ``min_bytes`` of a message; ``is_stamped``: whether it begins with ``utime`` and ``seq``."""
+
+    lcm_class: type
+    name: str
+    min_bytes: int
+    is_stamped: bool
+
+    def stamp(self, data: bytes) -> tuple[int, int] | None:
+        """Return stamp (microseconds) and number of a message that is long enough, None for a type without."""
+        return _STAMP.unpack_from(data, _FINGERPRINT_BYTES) if self.is_stamped else None
+
+
+class Kinds:
+    """Finds the type of a message; remembers what it found, and a bounded number of unknown fingerprints."""
+
+    def __init__(self) -> None:
+        self._known: dict[bytes, Kind] = {}
+        self._unknown: set[bytes] = set()
+
+    def of(self, data: bytes) -> Kind | None:
+        """Return the type that the first bytes name, None for one that is not installed."""
+        prefix = data[:_FINGERPRINT_BYTES]
+        kind = self._known.get(prefix)
+        if kind is not None or prefix in self._unknown:
+            return kind
+        lcm_class = type_of(data)
+        if lcm_class is None:
+            if len(self._unknown) >= _MAX_UNKNOWN:
+                self._unknown.clear()
+            self._unknown.add(prefix)
+            return None
+        self._known[prefix] = kind = _kind(lcm_class)
+        return kind
+
+    def forget_unknown(self) -> None:
+        """Look again for types that were not installed: a run has announced its own."""
+        self._unknown.clear()
+
+
+def _kind(lcm_class: type) -> Kind:
+    first = [(field.name, field.primitive, field.dims) for field in fields_of(lcm_class)[:2]]
+    is_stamped = first == [("utime", "int64_t", ()), ("seq", "int64_t", ())]
+    return Kind(
+        lcm_class, lcm_name(lcm_class), _FINGERPRINT_BYTES + codec_of(lcm_class).least_bytes, is_stamped=is_stamped
+    )

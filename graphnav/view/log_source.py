@@ -1,0 +1,152 @@
+"""A log, played by a thread: pause, step, seek, speed."""
+
+from __future__ import annotations
+
+import threading
+import time
+from array import array
+from bisect import bisect_left, bisect_right
+from pathlib import Path
+
+from graphnav.record import Recording
+from graphnav.spy import Heard
+from graphnav.view.watch import Watch
+
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
+_POLL_S = 0.02
+_BEFORE_S = 10.0
+"""A jump plays so much of the log before its target at once, so that there are rates."""
+_MAX_BEFORE = 20_000
+_MAX_POSES = 4000
+
+
+class LogSource:
+    """Plays a log from its beginning; times count from there, in seconds.
+
+    Events whose stamps run backwards count as stamped like the one before. Raises LogError where the file cannot be
+    read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.lock = threading.Lock()
+        self.name = str(path)
+        self.failure = ""
+        self._recording = Recording(path)
+        self._index = self._recording.index
+        self._begin_us = self._recording.begin_us
+        self._times_us = array("q")
+        newest_us = self._begin_us
+        for number in range(len(self._index)):
+            newest_us = max(newest_us, self._index[number].utime)
+            self._times_us.append(newest_us)
+        self.torn = str(self._recording.torn or "")
+        self.speed_ratio = 1.0
+        self.is_playing = True
+        self._at_s = 0.0
+        self._next = 0
+        self.watch = Watch(self._now)
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._play, name="graphnav-view", daemon=True)
+
+    @property
+    def n_events(self) -> int:
+        """The number of events of the log."""
+        return len(self._times_us)
+
+    @property
+    def length_s(self) -> float:
+        """From the first event to the last."""
+        return (self._times_us[-1] - self._begin_us) / 1e6 if self._times_us else 0.0
+
+    @property
+    def at_s(self) -> float:
+        """Where the log is being played."""
+        return self._at_s
+
+    def start(self) -> None:
+        """Begin to play."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop, and let go of the file."""
+        self._closing.set()
+        self._thread.join()
+        self._recording.close()
+
+    def play(self) -> None:
+        """Go on; from the beginning if the end is reached. The caller holds the lock, here and below."""
+        if self._next >= len(self._times_us):
+            self.seek(0.0)
+        self.is_playing = True
+
+    def pause(self) -> None:
+        """Stand still."""
+        self.is_playing = False
+
+    def seek(self, at_s: float) -> None:
+        """Jump to a time; what was before it is played at once, as much as the rates look back."""
+        at_s = min(max(at_s, 0.0), self.length_s)
+        self._at_s = at_s
+        self.watch = Watch(self._now)
+        end = bisect_right(self._times_us, self._us(at_s))
+        first = max(bisect_left(self._times_us, self._us(at_s - _BEFORE_S)), end - _MAX_BEFORE)
+        for number in self._wanted_before(first):
+            self._hear(number)
+        for number in range(first, end):
+            self._hear(number)
+        self._next = end
+
+    def step(self, direction: int, channel: str | None) -> None:
+        """Pause, and go to the next or the previous message, of ``channel`` if that is one of the log."""
+        self.is_playing = False
+        numbers = self._index.channels.get(channel or "") or range(len(self._times_us))
+        if direction > 0:
+            place = bisect_left(numbers, self._next)
+            if place < len(numbers):
+                self._advance(self._times_us[numbers[place]])
+        else:
+            here = bisect_left(numbers, self._next) - 1
+            before = here - 1
+            while before >= 0 and self._times_us[numbers[before]] == self._times_us[numbers[here]]:
+                before -= 1
+            if before >= 0:
+                self.seek((self._times_us[numbers[before]] - self._begin_us) / 1e6)
+
+    def _play(self) -> None:
+        before_s = time.monotonic()
+        while not self._closing.wait(_POLL_S):
+            now_s = time.monotonic()
+            with self.lock:
+                if self.is_playing:
+                    self._advance(self._us(self._at_s + (now_s - before_s) * self.speed_ratio))
+                    self.is_playing = self._next < len(self._times_us)
+            before_s = now_s
+
+    def _advance(self, to_us: int) -> None:
+        end = bisect_right(self._times_us, to_us)
+        self._at_s = min((to_us - self._begin_us) / 1e6, self.length_s)
+        for number in range(self._next, end):
+            self._hear(number)
+        self._next = end
+
+    def _wanted_before(self, first: int) -> list[int]:
+        """Return the last event of each channel before ``first``, and the poses that make the path until there."""
+        wanted: set[int] = set()
+        for channel, numbers in self._index.channels.items():
+            place = bisect_left(numbers, first)
+            if not place:
+                continue
+            wanted.add(numbers[place - 1])
+            if self.watch.has_poses(self._recording.event(channel, 0).data):
+                wanted.update(numbers[0 : place : max(1, place // _MAX_POSES)])
+        return sorted(wanted)
+
+    def _hear(self, number: int) -> None:
+        event = self._recording.at(number)
+        self.watch.hear(Heard(event.channel, event.data, (self._times_us[number] - self._begin_us) / 1e6))
+
+    def _us(self, at_s: float) -> int:
+        return self._begin_us + round(at_s * 1e6)
+
+    def _now(self) -> float:
+        return self._at_s

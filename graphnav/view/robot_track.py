@@ -1,0 +1,81 @@
+"""Where the robot was: the poses that it publishes, thinned so that they stay few."""
+
+from __future__ import annotations
+
+import math
+
+import graphnav_lcm
+
+from graphnav.codec import DecodeError, codec_of
+from graphnav.spy import Heard
+from graphnav.view.kinds import Kind
+
+_RANKS: dict[type, int] = {graphnav_lcm.odometry_t: 1, graphnav_lcm.state_t: 2}
+"""What is believed more where both are published."""
+_MAX_POINTS = 4000
+_MAX_MOVING = 500
+_MIN_STEP_M = 0.002
+
+Pose = tuple[float, float, float]
+
+
+class RobotTrack:
+    """The path of one channel of poses: true states where there are any, else odometry.
+
+    ``points_m``: x and y, oldest first. ``generation`` grows whenever they are not what they were with more behind.
+    """
+
+    def __init__(self) -> None:
+        self.channel = ""
+        self.pose: Pose | None = None
+        self.moving: list[Pose] = []
+        self.points_m: list[tuple[float, float]] = []
+        self.generation = 0
+        self._rank = self._utime = 0
+        self._kept_every = 1
+        self._since_kept = 0
+
+    @staticmethod
+    def follows(kind: Kind) -> bool:
+        """Whether messages of a type are poses."""
+        return kind.lcm_class in _RANKS
+
+    def hear(self, heard: Heard, kind: Kind) -> None:
+        """Take a message if it is a pose of the channel that is followed, or of one that is believed more."""
+        rank = _RANKS.get(kind.lcm_class, 0)
+        if not rank or rank < self._rank or (rank == self._rank and heard.channel != self.channel):
+            return
+        try:
+            fields = codec_of(kind.lcm_class).decode(heard.data)
+        except DecodeError:
+            return
+        pose = (fields["x_m"], fields["y_m"], fields["yaw_rad"])
+        if not all(map(math.isfinite, pose)):
+            return
+        if rank > self._rank or fields["utime"] < self._utime:
+            self._restart(heard.channel, rank)
+        self._utime = fields["utime"]
+        self.pose = pose
+        self.moving = [tuple(one) for one in fields.get("moving", ())[:_MAX_MOVING].tolist()] if rank == 2 else []
+        self._append(pose[0], pose[1])
+
+    def _restart(self, channel: str, rank: int) -> None:
+        """Begin a new path: another channel, or another run, whose stamps begin anew."""
+        self.channel, self._rank = channel, rank
+        self.points_m = []
+        self.generation += 1
+        self._kept_every, self._since_kept = 1, 0
+
+    def _append(self, x_m: float, y_m: float) -> None:
+        self._since_kept += 1
+        if self.points_m and (
+            self._since_kept < self._kept_every
+            or math.hypot(x_m - self.points_m[-1][0], y_m - self.points_m[-1][1]) < _MIN_STEP_M
+        ):
+            return
+        self._since_kept = 0
+        self.points_m.append((x_m, y_m))
+        if len(self.points_m) > _MAX_POINTS:
+            self.points_m = self.points_m[::2]
+            self._kept_every *= 2
+            self.generation += 1

@@ -1,0 +1,58 @@
+"""What every page shows at any time: runs, stages, channels, as JSON can hold it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from graphnav.spy import health_as_json
+from graphnav.view.channel import WatchedChannel
+from graphnav.view.log_source import LogSource
+from graphnav.view.source import Source
+
+_MAX_SHOWN_NAME = 200
+
+
+def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
+    """Return all counts, and the health of the run ``run_id`` and of all guards; the caller holds the source's lock."""
+    watch = source.watch
+    health = health_as_json(watch.health, source.name)
+    now_s = watch.clock()
+    return {
+        "failure": source.failure,
+        "run_id": run_id,
+        "runs": list(watch.announcements.runs),
+        "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),
+        "guards": health["guards"],
+        "channels": [channel_state(channel, now_s) for channel in watch.channels.values()],
+        "untracked": watch.untracked,
+        "refused": watch.announcements.refused,
+        "log": log_state(source) if isinstance(source, LogSource) else None,
+    }
+
+
+def channel_state(channel: WatchedChannel, now_s: float) -> dict[str, Any]:
+    """Return what is known of a channel; ``rate_hz`` is null where it is silent or has none yet."""
+    periods = channel.periods(now_s)
+    return {
+        "name": channel.name,
+        "type": channel.type_name[:_MAX_SHOWN_NAME],
+        "count": channel.count,
+        "rate_hz": periods.rate_hz if periods else None,
+        "once": channel.kind is not None and channel.is_single,
+        "latency_ms": None if channel.latency_s is None else channel.latency_s * 1e3,
+        "bytes": channel.last_bytes,
+        "lost": channel.lost,
+        "undecodable": channel.undecodable,
+        "age_s": now_s - channel.heard_s if channel.count else None,
+    }
+
+
+def log_state(source: LogSource) -> dict[str, Any]:
+    """Return where a log is being played."""
+    return {
+        "at_s": source.at_s,
+        "length_s": source.length_s,
+        "playing": source.is_playing,
+        "speed": source.speed_ratio,
+        "torn": source.torn,
+    }

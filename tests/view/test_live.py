@@ -1,0 +1,85 @@
+"""The page of a multicast group starts before the publishers and survives their restart."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from graphnav.bus import Bus
+from graphnav.codec import encode
+from graphnav.record import ABOUT
+
+from .drive import about, frame_of
+from .served import Page, Served
+
+Serve = Callable[[Path | str], Served]
+
+
+class Run:
+    """A run that publishes when it is told to."""
+
+    def __init__(self, url: str, run_id: str) -> None:
+        self._about = replace(about(), run_id=run_id)
+        self._bus = Bus(url)
+        self._k = 0
+
+    def tick(self) -> None:
+        """Publish a frame."""
+        self._bus.publish(ABOUT, encode(self._about, 0, self._k))
+        for channel, message in frame_of(self._k).items():
+            self._bus.publish(channel, encode(message, self._k * 100_000, self._k))
+        self._k += 1
+
+    def close(self) -> None:
+        self._bus.close()
+
+
+@pytest.fixture
+def page(serve: Serve, group: str) -> Iterator[Page]:
+    """Return the page of a group on which nobody has published yet."""
+    with Page(serve(group)) as page:
+        yield page
+
+
+def test_a_page_waits_for_a_run_and_survives_its_restart(page: Page, group: str) -> None:
+    assert page.update()["state"]["channels"] == []
+    page.say(kind="view", channel="control.twist", map=True)
+    for run_id in ("first", "second"):
+        run = Run(group, run_id)
+
+        def heard(known: dict[str, Any], run: Run = run, run_id: str = run_id) -> bool:
+            run.tick()
+            return bool(
+                "graph" in known
+                and known["state"]["run_id"] == run_id
+                and page.channel("control.twist").get("rate_hz") == pytest.approx(10)
+                and known.get("track") is not None
+            )
+
+        page.until(heard)
+        run.close()
+    assert page.channel("control.twist")["lost"] == 0
+
+
+def test_garbage_is_counted_and_the_page_goes_on(page: Page, group: str) -> None:
+    run, noise, rng = Run(group, "run"), Bus(group), random.Random(3)
+    page.say(kind="view", channel="noise", map=True)
+
+    def heard(_known: dict[str, Any]) -> bool:
+        run.tick()
+        for _ in range(20):
+            noise.publish("noise", rng.randbytes(rng.randrange(200)))
+            good = bytearray(encode(frame_of(1)["control.twist"], 0, 0))
+            good[rng.randrange(len(good))] ^= 255
+            noise.publish("noise", bytes(good))
+        noisy, image = page.channel("noise"), page.channel("robot.image")
+        return bool(noisy and noisy["undecodable"] > 100 and image and image["count"] > 5)
+
+    page.until(heard)
+    noise.close()
+    run.close()
