@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import subprocess
 import sysconfig
 import tempfile
@@ -21,6 +22,8 @@ TARGET = ROOT / "docs" / "spy.svg"
 _SIZE = (120, 36)
 _CHANNEL = "plane.plane"
 _PAUSE_S = 0.5
+_WEB_FONT = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
+"""A picture that loads nothing."""
 
 
 async def draw(log: str, target: Path) -> None:
@@ -37,7 +40,8 @@ async def draw(log: str, target: Path) -> None:
             while not isinstance(app.screen, ChannelScreen) or app.screen.picture is None:
                 await pilot.pause(_PAUSE_S)
             await pilot.pause(2 * _PAUSE_S)
-            target.write_text(app.export_screenshot(title="graphnav spy", simplify=True), encoding="utf-8")
+            drawing = app.export_screenshot(title="graphnav spy", simplify=True)
+            target.write_text(_WEB_FONT.sub("", drawing), encoding="utf-8")
     finally:
         watch.close()
 
