@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sysconfig
@@ -17,6 +18,7 @@ import pytest
 from .test_spy_screen import publishing
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
+TYPED = shlex.quote(GRAPHNAV)
 PATIENCE_S = 60.0
 
 pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
@@ -83,7 +85,7 @@ def open_image(one: Terminal) -> None:
 
 @pytest.mark.parametrize("size", [(80, 24), (200, 50)], ids=lambda size: f"{size[0]}x{size[1]}")
 def test_a_live_group_is_seen_in_tmux(group: str, terminal: Callable[..., Terminal], size: tuple[int, int]) -> None:
-    one = terminal(f"{GRAPHNAV} spy '{group}'; sleep 60", size)
+    one = terminal(f"{TYPED} spy '{group}'; sleep 60", size)
     one.wait_for(lambda shown: "no publisher" in shown)
     with publishing(group, "robot.image", "control.twist"):
         shown = one.wait_for(lambda shown: "control.twist" in shown and "Hz" in shown)
@@ -98,7 +100,7 @@ def test_a_live_group_is_seen_in_tmux(group: str, terminal: Callable[..., Termin
 
 
 def test_without_colour_pictures_are_shades(group: str, terminal: Callable[..., Terminal]) -> None:
-    one = terminal(f"{GRAPHNAV} spy '{group}'; sleep 60", (80, 24), NO_COLOR="1")
+    one = terminal(f"{TYPED} spy '{group}'; sleep 60", (80, 24), NO_COLOR="1")
     with publishing(group, "robot.image"):
         one.wait_for(lambda shown: "Hz" in shown)
         open_image(one)
@@ -110,7 +112,7 @@ def test_without_colour_pictures_are_shades(group: str, terminal: Callable[..., 
 
 
 def test_a_dumb_terminal_gets_the_plain_list(group: str, terminal: Callable[..., Terminal]) -> None:
-    one = terminal(f"TERM=dumb {GRAPHNAV} spy '{group}'; sleep 60", (100, 24))
+    one = terminal(f"TERM=dumb {TYPED} spy '{group}'; sleep 60", (100, 24))
     with publishing(group, "control.twist"):
         shown = one.wait_for(lambda shown: "graphnav_lcm.twist_t, " in shown)
         assert "freeze" not in shown

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import shlex
 import subprocess
 import sys
 import sysconfig
@@ -201,7 +202,7 @@ def test_a_network_without_multicast_is_told_with_what_makes_a_route() -> None:
     told = {finding["subject"]: finding for finding in json.loads(done.stdout)}
     assert done.returncode == 1
     assert not told["multicast"]["fine"]
-    fixed = f"ip link set lo up && {told['multicast']['fix']} && {GRAPHNAV} doctor --json"
+    fixed = f"ip link set lo up && {told['multicast']['fix']} && {shlex.quote(str(GRAPHNAV))} doctor --json"
     done = subprocess.run([*command[:5], "sh", "-c", fixed], capture_output=True, check=False)
     told = {finding["subject"]: finding for finding in json.loads(done.stdout)}
     assert told["multicast"]["fine"]
