@@ -124,11 +124,6 @@ def seconds_of(value: object, name: str) -> int | None:
     return round(value * 1e6)
 
 
-def printable(name: str) -> str:
-    """Return a name from a log as a terminal may print it: another program may have put anything into it."""
-    return name if name.isprintable() else ascii(name)[1:-1]
-
-
 def wrong_type(name: str, value: object, wanted: str, hint: str) -> UserError:
     """Return the error for an argument of a wrong type."""
     said = "None" if value is None else f"{_shown(value)} ({type(value).__name__})"

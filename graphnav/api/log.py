@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from graphnav.api.arguments import PathLike, path_of, printable, seconds_of, wrong_type
+from graphnav.api.arguments import PathLike, path_of, seconds_of, wrong_type
 from graphnav.api.log_channel import LogChannel, Sample
 from graphnav.api.log_html import log_html
 from graphnav.api.message_table import table_of
 from graphnav.api.stack import Stack, stacked
 from graphnav.codec import lcm_name, message_class_of
-from graphnav.errors import LogError, UserError, did_you_mean
+from graphnav.errors import LogError, UserError, did_you_mean, shown_name
 from graphnav.record import Recording, find_log
 
 if TYPE_CHECKING:
@@ -78,8 +78,8 @@ class Log:
         lost = [*map(str, self._recording.damaged), *([f"truncated: {torn}"] if torn else [])]
         for channel, errors in self._undecodable.items():
             n_all = self._recording.count(channel)
-            what = f"{len(errors)} of {n_all} messages of '{printable(channel)}' cannot be decoded"
-            lost.append(f"{what}: {printable(min(errors.items())[1])}")
+            what = f"{len(errors)} of {n_all} messages of '{shown_name(channel)}' cannot be decoded"
+            lost.append(f"{what}: {shown_name(min(errors.items())[1])}")
         return tuple(lost)
 
     @cached_property
@@ -125,7 +125,7 @@ class Log:
             if (found := self._message(channel, int(index))) is not None:
                 return found
         first_s = self.channels[channel].first_s
-        what = f"'{printable(channel)}' has no message at {time_s:g} s"
+        what = f"'{shown_name(channel)}' has no message at {time_s:g} s"
         raise UserError.of(what, f"its first one is at {first_s:g} s" if stamps.size and not earlier.size else "")
 
     def times_s(self, channel: str) -> npt.NDArray[np.float64]:
@@ -211,7 +211,7 @@ class Log:
         """Return the times of a channel's messages; raise UserError where these cannot be decoded at all."""
         stamps = self._times_us(channel)
         if self._recording.channels[channel] is None:
-            what = f"the type of channel '{printable(channel)}' is not installed"
+            what = f"the type of channel '{shown_name(channel)}' is not installed"
             raise UserError.of(what, "install the package that lcm-gen made, and import it")
         return stamps
 
@@ -222,10 +222,10 @@ class Log:
         if not isinstance(channel, str):
             raise wrong_type("channel", channel, "a string", 'write channel="control.twist"')
         if channel not in known:
-            names = [printable(name) for name in known]
+            names = [shown_name(name) for name in known]
             more = f" and {len(names) - _MAX_NAMES} more" if len(names) > _MAX_NAMES else ""
             listed = f"it has {', '.join(names[:_MAX_NAMES])}{more}" if names else "it is empty"
-            what = f"{self.path} has no channel '{printable(channel)}'"
+            what = f"{self.path} has no channel '{shown_name(channel)}'"
             raise UserError.of(what, did_you_mean(channel, names) or listed)
 
     def _within(self, channel: str, start_s: float | None, end_s: float | None) -> npt.NDArray[np.intp]:
@@ -256,7 +256,9 @@ class Log:
             said = str(error)
             errors = self._undecodable.setdefault(channel, {})
             if not errors:
-                logging.getLogger("graphnav").warning("%s; it is left out, and Log.damage counts them", printable(said))
+                logging.getLogger("graphnav").warning(
+                    "%s; it is left out, and Log.damage counts them", shown_name(said)
+                )
             errors[index] = said
             return None
         except OSError as error:

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 
-from graphnav.api.arguments import printable
 from graphnav.api.log_channel import LogChannel
+from graphnav.errors import shown_name
 
 _HEADINGS = ("channel", "type", "messages", "rate [Hz]", "from [s]", "to [s]")
 
@@ -20,6 +20,6 @@ def log_html(path: Path, channels: Iterable[LogChannel], damage: Iterable[str]) 
 
 
 def _row(channel: LogChannel) -> str:
-    texts = (escape(printable(channel.name)), escape(channel.type_name), str(channel.n_messages))
+    texts = (escape(shown_name(channel.name)), escape(channel.type_name), str(channel.n_messages))
     numbers = (f"{channel.rate_hz:.4g}", f"{channel.first_s:.2f}", f"{channel.last_s:.2f}")
     return f"<tr>{''.join(f'<td>{cell}</td>' for cell in (*texts, *numbers))}</tr>"

@@ -89,10 +89,10 @@ def channel_name(text: str) -> str:
 
 
 def count(text: str) -> int:
-    """Return a whole number above 0 that an option gives."""
+    """Return an integer above 0 that an option gives."""
     if text.isdecimal() and int(text):
         return int(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is no whole number above 0")
+    raise argparse.ArgumentTypeError(f"'{text}' is not an integer above 0")
 
 
 def add_feed_argument(parser: argparse.ArgumentParser) -> None:

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from graphnav.errors import shown_name
 from graphnav.spy.contents import value_text
-from graphnav.spy.printable_line import printable_line
 from graphnav.spy.series import Path
 
 _MAX_CHILDREN = 64
@@ -43,8 +43,8 @@ def _lines(value: Any, path: Path, opened: Collection[Path]) -> Iterator[FieldLi
         below = (*path, key)
         can_open = _size(item) > 0 and depth < _MAX_DEPTH
         is_open = below in opened if can_open else None
-        name = f"[{key}]" if isinstance(key, int) else printable_line(key)
-        text = "" if isinstance(item, Mapping) else printable_line(value_text(str(key), item))
+        name = f"[{key}]" if isinstance(key, int) else shown_name(key)
+        text = "" if isinstance(item, Mapping) else shown_name(value_text(str(key), item))
         yield FieldLine(below, depth, name, text, is_open, _is_number(item))
         if is_open:
             yield from _lines(item, below, opened)

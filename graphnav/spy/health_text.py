@@ -10,6 +10,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from graphnav.errors import shown_name
 from graphnav.messages import Status
 from graphnav.spy.health import GuardHealth, Health, RunHealth
 
@@ -31,9 +32,9 @@ def health_as_text(health: Health) -> RenderableType:
 
 def _run(health: Health, run: RunHealth) -> Iterator[RenderableType]:
     status, silent_s = run.status, health.silent_s(run) or 0.0
-    heading = Text.assemble(("run ", "bold"), (_shown(run.run_id), "bold"))
+    heading = Text.assemble(("run ", "bold"), (shown_name(run.run_id), "bold"))
     if status is not None:
-        heading.append(f"  {_shown(status.graph)}")
+        heading.append(f"  {shown_name(status.graph)}")
     if health.is_silent(run) or status is None:
         heading.append(f"  no status for {silent_s:.1f} s", "bold red")
     if status is None:
@@ -61,15 +62,15 @@ def _tables(status: Status, style: str) -> Iterator[RenderableType]:
         if rows:
             yield _table(headings, rows, style)
     if status.edges:
-        overtaken = ", ".join(f"{_shown(edge['name'])} {edge['overtaken']}" for edge in status.edges)
+        overtaken = ", ".join(f"{shown_name(edge['name'])} {edge['overtaken']}" for edge in status.edges)
         yield Text(f"overtaken on edges: {overtaken}", style)
 
 
 def _stage(one: Mapping[str, Any]) -> Sequence[Text]:
     deadline = f"{one['deadline_ms']:.0f} ms" if one["deadline_ms"] else ""
     return (
-        Text(_shown(one["name"])),
-        Text(_shown(one["use"])),
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["use"])),
         Text(f"{one['rate_hz']:.1f} Hz"),
         _ms(one["p50_ms"]),
         _ms(one["p99_ms"]),
@@ -83,24 +84,24 @@ def _input(one: Mapping[str, Any]) -> Sequence[Text]:
     age = Text("none yet", "red")
     if one["age_s"] >= 0:
         age = Text(f"{one['age_s']:.2f} / {one['max_age_s']:.2f} s", "red" if one["age_s"] > one["max_age_s"] else "")
-    rejected = ", ".join(f"{_shown(why)} {n}" for why, n in zip(one["reasons"], one["rejected"], strict=False))
+    rejected = ", ".join(f"{shown_name(why)} {n}" for why, n in zip(one["reasons"], one["rejected"], strict=False))
     return (
-        Text(_shown(one["name"])),
-        Text(_shown(one["channel"])),
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["channel"])),
         Text(str(one["accepted"])),
         _count(one["lost"]),
         Text(f"{one['rate_hz']:.1f} Hz"),
         age,
         Text(f"{one['offset_s']:+.3f} s"),
-        Text(_shown(one["fault"]), "red"),
+        Text(shown_name(one["fault"]), "red"),
         Text(rejected, "yellow"),
     )
 
 
 def _output(one: Mapping[str, Any]) -> Sequence[Text]:
     return (
-        Text(_shown(one["name"])),
-        Text(_shown(one["channel"])),
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["channel"])),
         Text("motor" if one["motor"] else ""),
         Text(str(one["sent"])),
         *(_ms(one[f"latency_{name}_ms"]) for name in ("p50", "p99", "max")),
@@ -110,7 +111,7 @@ def _output(one: Mapping[str, Any]) -> Sequence[Text]:
 def _guard(health: Health, guard: GuardHealth) -> Text:
     """Return a line for the guard and one for each cause."""
     state = guard.state
-    text = Text.assemble(("guard ", "bold"), (_shown(guard.channel), "bold"), "  ")
+    text = Text.assemble(("guard ", "bold"), (shown_name(guard.channel), "bold"), "  ")
     if health.is_silent(guard):
         return text.append(f"no state for {health.silent_s(guard):.1f} s", "bold red")
     move, advance = ("may move", "green"), ("may turn, not go forward", "yellow")
@@ -118,7 +119,7 @@ def _guard(health: Health, guard: GuardHealth) -> Text:
     text.append(", an override drives" if state.overridden else "")
     text.append(", stopped until it is armed again" if state.stopped else "")
     for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):
-        text.append(f"\n    {_shown(cause)}: {_shown(port)}")
+        text.append(f"\n    {shown_name(cause)}: {shown_name(port)}")
         text.append(f", {value:.3g} (limit {limit:.3g})" if value or limit else "")
     return text
 
@@ -138,8 +139,3 @@ def _ms(value: float) -> Text:
 
 def _count(number: int) -> Text:
     return Text(str(number), "yellow" if number else "")
-
-
-def _shown(text: str) -> str:
-    """Return a name that came over the network without what a terminal would obey."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)

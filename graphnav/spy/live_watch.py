@@ -8,10 +8,9 @@ from contextlib import closing
 from pathlib import Path
 
 from graphnav.bus import require_route, with_defaults
-from graphnav.errors import GraphnavError
+from graphnav.errors import GraphnavError, shown_name
 from graphnav.record import ABOUT, ThreadedLogWriter
 from graphnav.spy.feed import Feed, Heard
-from graphnav.spy.printable_line import printable_line
 from graphnav.spy.reasons import nothing_heard, why_empty
 from graphnav.spy.row import Row, row_of
 from graphnav.spy.traffic import ChannelTraffic, Traffic
@@ -100,7 +99,7 @@ class LiveWatch:
             traffic = self._memory.traffic
             said = [self.name, f"{len(traffic.channels)} channels"]
             if traffic.runs:
-                said.append(f"run {printable_line(traffic.runs[-1])}")
+                said.append(f"run {shown_name(traffic.runs[-1])}")
             if traffic.overflow:
                 said.append(f"{traffic.overflow} messages of further channels not kept")
         if self._writer is not None:

@@ -364,7 +364,7 @@ def test_a_command_line_that_is_wrong_is_refused(
         (["--split", "often"], "argument --split: 'often' is not a size or time: write 100MB or 60s"),
         (["--quota", "5"], "argument --quota: '5' is not a size: write 100MB or 2GiB"),
         (["--for", "nan"], "argument --for: 'nan' is no number of seconds above 0"),
-        (["--rotate", "0"], "argument --rotate: '0' is no whole number above 0"),
+        (["--rotate", "0"], "argument --rotate: '0' is not an integer above 0"),
     ],
 )
 def test_an_argument_that_is_wrong_is_refused(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:

@@ -12,10 +12,9 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Footer, Static
 
-from graphnav.errors import CatalogError, DrawingError
+from graphnav.errors import CatalogError, DrawingError, shown_name
 from graphnav.messages import Message
 from graphnav.pictures import drawing
-from graphnav.spy.printable_line import printable_line
 from graphnav.spy.reasons import losses
 from graphnav.spy.report import size_of
 from graphnav.spy.screen.field_tree import FieldTree
@@ -114,9 +113,9 @@ class ChannelScreen(Screen[None]):
     def _show_texts(self, sample: Sample | None) -> None:
         watch = self._session.watch
         channel = watch.channel(self.channel_name)
-        said = [printable_line(self.channel_name)]
+        said = [shown_name(self.channel_name)]
         if channel is not None:
-            said.append(printable_line(channel.type_name or "unknown type"))
+            said.append(shown_name(channel.type_name or "unknown type"))
             said += [f"{channel.count} messages", size_of(channel.last_bytes)] if channel.count else []
             said += [losses(channel)] if losses(channel) else []
         self.query_one("#channel", Static).update(Text("  ".join(said), "bold"), layout=False)
@@ -140,7 +139,7 @@ class ChannelScreen(Screen[None]):
             self.picture = self._picture_of(message, view)
         except (DrawingError, CatalogError) as error:
             self.picture = None
-            view.say(printable_line(f"cannot be drawn: {error}"))
+            view.say(shown_name(f"cannot be drawn: {error}"))
             self._lay_out(has_picture=True)
             return
         self._lay_out(has_picture=self.picture is not None)

@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.cells import cell_len, set_cell_size
 
-from graphnav.spy.printable_line import printable_line
+from graphnav.errors import shown_name
 from graphnav.spy.report import size_of
 from graphnav.spy.row import Row
 from graphnav.spy.sparkline import sparkline
@@ -89,7 +89,7 @@ def _count(value: int) -> str:
     return str(value) if value else "-"
 
 
-NAME = Column("channel", 22, lambda row: printable_line(row.name), lambda row: row.name, is_left=True)
+NAME = Column("channel", 22, lambda row: shown_name(row.name), lambda row: row.name, is_left=True)
 SPARK = Bars("rate, 60 s", 10, lambda row: str(sum(row.counts)), lambda row: sum(row.counts))
 _BY_PRIORITY = (
     Column("rate", 11, _rate, lambda row: _low(row.rate_hz)),
@@ -101,7 +101,7 @@ _BY_PRIORITY = (
     Column(
         "type",
         26,
-        lambda row: printable_line(row.type_name or "unknown type"),
+        lambda row: shown_name(row.type_name or "unknown type"),
         lambda row: row.type_name or "",
         is_left=True,
     ),

@@ -36,7 +36,7 @@ def test_options_may_stand_between_words(log: Path, capsys: pytest.CaptureFixtur
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["echo", "twist", "-n", "0"], "argument -n: '0' is no whole number above 0"),
+        (["echo", "twist", "-n", "0"], "argument -n: '0' is not an integer above 0"),
         (["hz", "twist", "--for", "-1"], "argument --for: '-1' is no number of seconds above 0"),
         (["spy", "--once", "--for", "nan"], "argument --for: 'nan' is no number of seconds above 0"),
     ],

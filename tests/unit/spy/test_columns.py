@@ -35,9 +35,9 @@ def test_a_wide_terminal_shows_everything() -> None:
 
 @given(st.text(), st.integers(0, 30), st.booleans())
 def test_a_cell_is_as_wide_as_its_column(text: str, width: int, is_left: bool) -> None:
-    from graphnav.spy.printable_line import printable_line
+    from graphnav.errors import shown_name
 
-    assert cell_len(fitted(printable_line(text), width, is_left=is_left)) == width
+    assert cell_len(fitted(shown_name(text), width, is_left=is_left)) == width
 
 
 @pytest.mark.parametrize(

@@ -5,15 +5,15 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphnav.spy.printable_line import printable_line
+from graphnav.errors import shown_name
 
 
 @given(st.text())
 def test_nothing_is_left_that_a_terminal_obeys(text: str) -> None:
-    shown = printable_line(text)
+    shown = shown_name(text)
     assert shown.isprintable()
     assert shown == text or not text.isprintable()
 
 
 def test_control_characters_stand_as_escapes() -> None:
-    assert printable_line("a\x1b[31mred\n[bold]\x9b") == r"a\x1b[31mred\n[bold]\x9b"
+    assert shown_name("a\x1b[31mred\n[bold]\x9b") == r"a\x1b[31mred\n[bold]\x9b"
