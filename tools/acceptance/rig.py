@@ -34,7 +34,7 @@ class Rig:
     ) -> None:
         self.folder = folder
         self.robot_url, self.graph_url = (
-            f"udpm://239.255.{80 + side}.{number}:{7900 + number}?ttl=0" for side in (0, 1)
+            f"udpm://239.255.{80 + side}.{number}:{7900 + number}?ttl=0&recv_buf_size=2097152" for side in (0, 1)
         )
         command = ["run", "robot_live", "--seed", str(seed), "--url", self.robot_url, "--until", str(max_drive_s)]
         command += ["--no-tap", "--no-pictures", "--json", "-o", str(folder / "robot"), *robot_options]
