@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
-from graphnav.errors import BusError
+from graphnav.errors import BusError, NoRouteError
 
 Handler = Callable[[str, bytes], None]
 
@@ -142,7 +142,10 @@ def same_group(one: str, other: str) -> bool:
 
 
 def require_route(url: str) -> None:
-    """Raise BusError, with the command that mends it, where no multicast route leads to the URL's group."""
+    """Raise NoRouteError, with the command that mends it, where no multicast route leads to the URL's group.
+
+    Raises BusError where it has no multicast group.
+    """
     parts = urlsplit(url)
     if not _is_multicast(parts.hostname or ""):
         raise BusError(f"'{parts.hostname}' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8")
@@ -150,7 +153,7 @@ def require_route(url: str) -> None:
         try:
             probe.connect((parts.hostname or "", parts.port or 7667))
         except OSError as error:
-            raise BusError(f"no multicast route to {parts.hostname}\n  run as root: {MAKE_ROUTE}") from error
+            raise NoRouteError(f"no multicast route to {parts.hostname}\n  run as root: {MAKE_ROUTE}") from error
         except ValueError as error:
             raise BusError(f"LCM does not open {url}: {error}") from error
 

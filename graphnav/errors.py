@@ -91,6 +91,10 @@ class BusError(GraphnavError):
     """LCM could not be opened or used."""
 
 
+class NoRouteError(BusError):
+    """No multicast route leads to a group."""
+
+
 class LogError(GraphnavError):
     """A log could not be written or read."""
 

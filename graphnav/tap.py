@@ -10,14 +10,13 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Literal
 
-from graphnav.bus import GROUP, Bus, require_route, with_defaults
+from graphnav.bus import Bus, require_route, with_defaults
 from graphnav.codec import decode, encode, message_class_of, type_named
 from graphnav.errors import GraphnavError
 from graphnav.messages import About, Message
 from graphnav.notices import print_notice
 from graphnav.record import ABOUT
 
-TAP_URL = GROUP
 PACKET_BYTES = 65_499
 """What one UDP packet holds of a message, its channel's name included."""
 
@@ -46,9 +45,9 @@ class Tap:
 
     def __init__(
         self,
-        mode: Literal["thin", "full"] = "thin",
-        run_id: str = "",
-        url: str = TAP_URL,
+        mode: Literal["thin", "full"],
+        run_id: str,
+        url: str,
         notice: Callable[[str], None] = print_notice,
     ) -> None:
         self.dropped = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import signal
 from collections.abc import Callable, Iterator
@@ -9,9 +10,20 @@ from contextlib import AbstractContextManager, contextmanager
 
 import pytest
 
+from graphnav.bus import require_route
+from graphnav.errors import BusError
+
+_FIRST_PORT, _N_PORTS = 10_000, 20_000
+"""Linux hands datagrams of all groups to whoever listens on a port, so each process of the tests has its own port."""
+_URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % _N_PORTS}?ttl=0"
+
 
 def pytest_configure() -> None:
-    """Let what tests start be interrupted: a background job ignores these signals, and hands that on."""
+    """Keep tests that run at the same time apart; let what tests start be interrupted.
+
+    A background job ignores these signals, and hands that on.
+    """
+    os.environ["LCM_DEFAULT_URL"] = _URL
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
@@ -32,3 +44,13 @@ def _disk_of(n_bytes: int) -> Iterator[None]:
 def disk_of() -> Callable[[int], AbstractContextManager[None]]:
     """Return what lets no file grow beyond some bytes: the kernel then refuses as it does where the disk is full."""
     return _disk_of
+
+
+@pytest.fixture(scope="session")
+def group() -> str:
+    """Return the multicast group of this process, where its runs are tapped; skip where there is no route."""
+    try:
+        require_route(_URL)
+    except BusError as error:
+        pytest.skip(str(error))
+    return _URL

@@ -15,8 +15,9 @@ from graphnav.api.loading import add_plugins, loaded, with_run_options
 from graphnav.api.notices import tell
 from graphnav.api.one_thread import one_thread
 from graphnav.catalog import Catalog
-from graphnav.errors import BusError, GraphnavError
+from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
+from graphnav.lcm_url import tap_url
 from graphnav.live import live_url
 from graphnav.record import LOG
 from graphnav.report.pictures import draw_pictures
@@ -138,8 +139,8 @@ def _open_tap(mode: TapMode, run_id: str) -> LiveSink | None:
     if mode == "none":
         return None
     try:
-        return Tap(mode, run_id, notice=tell)
-    except BusError as error:
+        return Tap(mode, run_id, tap_url(), tell)
+    except GraphnavError as error:
         tell(f"no tap: {error}")
         return None
 

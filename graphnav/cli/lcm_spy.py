@@ -18,17 +18,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: build the jar of all types unless the cache has it, then become lcm-spy, signals and all."""
-    from graphnav.bus import GROUP, require_route, with_defaults  # noqa: PLC0415
     from graphnav.cli.type_names import listed_types  # noqa: PLC0415
     from graphnav.errors import UserError  # noqa: PLC0415
     from graphnav.jdk import require_jdk  # noqa: PLC0415
+    from graphnav.lcm_url import lcm_url  # noqa: PLC0415
     from graphnav.typeinfo import file_of_lcm, types_jar  # noqa: PLC0415
 
-    url = args.url or GROUP
-    if not url.startswith("udpm://"):
-        raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8")
-    url = with_defaults(url)
-    require_route(url)
+    url = lcm_url(("URL", args.url))
     require_jdk()
     given = load_types_of(args)
     if not os.environ.get("DISPLAY"):

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.errors import BusError, ParamError, Place, UserError
+from graphnav.errors import ParamError, Place, UserError
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
     from graphnav.graph import Graph
     from graphnav.record import ChannelFilter
-
-DEFAULT_URL = "LCM_DEFAULT_URL"
-"""The environment variable that LCM's own programs read."""
 
 
 def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
@@ -156,7 +152,7 @@ def add_url_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--url",
         metavar="URL",
-        help=f"where to publish, udpm://... (default: ${DEFAULT_URL}, else this machine's group)",
+        help="where to publish, udpm://... (default: $LCM_DEFAULT_URL, else this machine's group)",
     )
 
 
@@ -168,13 +164,9 @@ def url_of(args: argparse.Namespace) -> str:
     UserError
         It does not lead to other programs.
     """
-    from graphnav.bus import GROUP, with_defaults  # noqa: PLC0415
+    from graphnav.lcm_url import lcm_url  # noqa: PLC0415
 
-    url = args.url or os.environ.get(DEFAULT_URL) or GROUP
-    if not url.startswith("udpm://"):
-        place = Place("--url" if args.url else DEFAULT_URL)
-        raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8", place)
-    return with_defaults(url)
+    return lcm_url(("--url", args.url))
 
 
 def add_channel_options(parser: argparse.ArgumentParser) -> None:
@@ -212,27 +204,6 @@ def channels_of(args: argparse.Namespace) -> ChannelFilter:
     if args.invert and not args.globs and not args.regexes:
         raise UserError.of("there is no filter to invert", "add --channel GLOB or --regex RE", Place("--invert"))
     return ChannelFilter(args.globs, args.regexes, invert=args.invert)
-
-
-def group_url(url: str, place: Place | None) -> str:
-    """Return the URL of a multicast group with defaults; ``place`` is where it was written.
-
-    Raises
-    ------
-    UserError
-        It is not a ``udpm://`` URL, or no route leads there.
-    """
-    from graphnav.bus import GROUP, require_route, with_defaults  # noqa: PLC0415
-
-    if not url.startswith("udpm://"):
-        raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8", place)
-    try:
-        url = with_defaults(url)
-        require_route(url)
-    except BusError as error:
-        what, _, hint = str(error).partition("\n")
-        raise UserError.of(what, hint.strip(), place) from error
-    return url
 
 
 def catalog_of(args: argparse.Namespace) -> Catalog:

@@ -10,19 +10,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import (
-    DEFAULT_URL,
-    add_channel_options,
-    add_url_option,
-    channels_of,
-    group_url,
-    positive,
-    url_of,
-)
+from graphnav.cli.options import add_channel_options, add_url_option, channels_of, positive, url_of
 from graphnav.cli.quantities import counted, log_time
 from graphnav.cli.status import FAILED, OK
 from graphnav.cli.status_line import StatusLine
-from graphnav.errors import Place, shown_name
+from graphnav.errors import shown_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -63,7 +55,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.record import Recording, find_log  # noqa: PLC0415
 
     channels = channels_of(args)
-    url = group_url(url_of(args), Place("--url" if args.url else DEFAULT_URL))
+    url = url_of(args)
     with Recording(find_log(args.log)) as recording:
         chosen = choose(recording, channels, args.start, args.end)
         _tell(recording, chosen)

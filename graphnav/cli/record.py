@@ -14,7 +14,6 @@ from graphnav.cli.options import (
     add_types_option,
     channels_of,
     count,
-    group_url,
     load_types_of,
     seconds,
 )
@@ -65,8 +64,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.bus import GROUP  # noqa: PLC0415
     from graphnav.cli.record_summary import print_recorded  # noqa: PLC0415
+    from graphnav.lcm_url import lcm_url  # noqa: PLC0415
     from graphnav.notices import print_notice  # noqa: PLC0415
     from graphnav.recorder import buffer_notice  # noqa: PLC0415
     from graphnav.runner.interrupt import Interrupt  # noqa: PLC0415
@@ -75,7 +74,7 @@ def main(args: argparse.Namespace) -> int:
     if args.rotate is not None and args.split is None:
         raise UserError.of("there is only one file", "add --split SIZE, or leave it out", Place("--rotate"))
     path = args.path or Path(f"record-{datetime.now(UTC).astimezone():%Y%m%d-%H%M%S}.lcmlog")
-    url = group_url(args.url or GROUP, Place("URL") if args.url else None)
+    url = lcm_url(("URL", args.url))
     if notice := buffer_notice(url):
         print_notice(notice)
     with Interrupt() as interrupt:

@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, Literal
 
 from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.errors import DrawingError
+from graphnav.errors import DrawingError, GraphnavError
 from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from graphnav.errors import GraphnavError
     from graphnav.graph import Graph
     from graphnav.runner.recorded import LiveSink
     from graphnav.runner.summary import Summary
@@ -120,17 +119,18 @@ def _live_notice(args: argparse.Namespace, graph: Graph) -> str:
 
 def _open_tap(mode: Literal["thin", "full", "none"], run_id: str, console: Console) -> LiveSink | None:
     """Return the tap, or None where it is off or there is no multicast, which is said once."""
-    from graphnav.errors import BusError  # noqa: PLC0415
-    from graphnav.tap import TAP_URL, Tap  # noqa: PLC0415
+    from graphnav.lcm_url import tap_url  # noqa: PLC0415
+    from graphnav.tap import Tap  # noqa: PLC0415
 
     if mode == "none":
         return None
     try:
-        tap = Tap(mode, run_id)
-    except BusError as error:
+        url = tap_url()
+        tap = Tap(mode, run_id, url)
+    except GraphnavError as error:
         console.print(f"no tap: {error}", markup=False)
         return None
-    console.print(f"run {run_id} on {TAP_URL}: watch it with 'graphnav spy'", markup=False)
+    console.print(f"run {run_id} on {url}: watch it with 'graphnav spy'", markup=False)
     return tap
 
 

@@ -5,37 +5,42 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import urlsplit
 
-from graphnav.bus import GROUP, MAKE_ROUTE, RECEIVE_BUFFER_BYTES, Bus, require_route
+from graphnav.bus import MAKE_ROUTE, RECEIVE_BUFFER_BYTES, Bus
 from graphnav.doctor.finding import Finding
 from graphnav.doctor.held_bytes import ReceiveBuffer, try_receive_buffer
 from graphnav.doctor.message_sizes import MessageSize, message_sizes
-from graphnav.errors import BusError, GraphnavError
+from graphnav.errors import BusError, GraphnavError, NoRouteError, UserError
 from graphnav.graph import Graph
+from graphnav.lcm_url import tap_url
 from graphnav.runner.log_forecast import size_text
 
 _RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
-_PROBE = "udpm://239.255.76.67:17667?ttl=0"
+_PROBE_PORT = 17667
 _WAIT_S = 1.0
 _SUBJECT = "receive buffer"
 
 
 def multicast() -> Finding:
-    """Send a message to LCM's group, on a port of its own, and see whether it comes back."""
+    """Send a message to the group where runs are tapped, on a port of its own, and see whether it comes back."""
     try:
-        require_route(GROUP)
-    except BusError:
-        return Finding("multicast", fine=False, seen=f"there is no route to {GROUP}", fix=MAKE_ROUTE)
-    if not _comes_back():
-        seen = f"there is a route to {GROUP}, but what is sent does not come back"
+        url = tap_url()
+    except UserError as error:
+        problem = error.problems[0]
+        fix = MAKE_ROUTE if isinstance(error.__cause__, NoRouteError) else problem.hint
+        where = f"{problem.place}: " if problem.place else ""
+        return Finding("multicast", fine=False, seen=where + problem.what, fix=fix)
+    if not _comes_back(f"udpm://{urlsplit(url).hostname}:{_PROBE_PORT}?ttl=0"):
+        seen = f"there is a route to {url}, but what is sent does not come back"
         return Finding("multicast", fine=False, seen=seen, fix=MAKE_ROUTE)
     return Finding("multicast", fine=True, seen="a message that was sent came back: runs can be watched")
 
 
-def _comes_back() -> bool:
+def _comes_back(url: str) -> bool:
     heard: list[bytes] = []
     try:
-        bus = Bus(_PROBE)
+        bus = Bus(url)
         try:
             bus.subscribe("graphnav.doctor", lambda _, data: heard.append(data))
             bus.publish("graphnav.doctor", b"")

@@ -8,8 +8,9 @@ from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav.bus import GROUP, Bus, require_route, with_defaults
+from graphnav.bus import Bus, require_route, with_defaults
 from graphnav.errors import GraphnavError
+from graphnav.lcm_url import tap_url
 from graphnav.record import Recording, find_log
 
 _PATIENCE_S = 0.1
@@ -26,11 +27,11 @@ class Heard(NamedTuple):
 class Feed:
     """A multicast group (``udpm://...``), a log, or a run folder; without a name the group where runs are tapped.
 
-    Raises UserError where there is nothing of that name.
+    Raises UserError where there is nothing of that name, or ``LCM_DEFAULT_URL`` leads nowhere.
     """
 
     def __init__(self, name: str | None) -> None:
-        self.name = name or GROUP
+        self.name = name or tap_url()
         self.is_live = self.name.startswith("udpm:")
         self.torn = ""
         if not self.is_live:

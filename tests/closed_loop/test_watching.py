@@ -9,22 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.bus import GROUP, require_route
-from graphnav.errors import BusError
-
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 
 
-@pytest.fixture
-def watchable() -> None:
-    """Skip where there is no multicast route."""
-    try:
-        require_route(GROUP)
-    except BusError as error:
-        pytest.skip(str(error))
-
-
-@pytest.mark.usefixtures("watchable")
+@pytest.mark.usefixtures("group")
 def test_a_spy_sees_every_channel_with_type_rate_size_and_fields(tmp_path: Path) -> None:
     words = [GRAPHNAV, "run", "corridor_ccw", "--pace", "1", "--until", "60", "--no-pictures", "-o", "out"]
     run = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)

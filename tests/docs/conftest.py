@@ -11,11 +11,6 @@ from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
-import pytest
-
-from graphnav.bus import require_route
-from graphnav.errors import BusError
-
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
@@ -54,14 +49,3 @@ def shell(script: str, folder: Path, url: str, timeout_s: float = 300) -> str:
         text = printed.read()
     assert status == 0, text
     return text
-
-
-@pytest.fixture(scope="session")
-def private_url() -> str:
-    """Return the URL of a multicast group that no other program on this machine uses; skip without a route."""
-    url = f"udpm://239.255.78.{os.getpid() % 250 + 1}:{7800 + os.getpid() % 90}?ttl=0"
-    try:
-        require_route(url)
-    except BusError as error:
-        pytest.skip(str(error))
-    return url

@@ -16,19 +16,19 @@ MAKE, FILM, RUN = blocks(EXAMPLE / "README.md", "sh")
 
 
 @pytest.fixture(scope="module")
-def example(tmp_path_factory: pytest.TempPathFactory, private_url: str) -> Path:
+def example(tmp_path_factory: pytest.TempPathFactory, group: str) -> Path:
     """Return a copy of the example with its programs made and frames to play; skip where there is no C compiler."""
     for program in ("cc", "make"):
         if shutil.which(program) is None:
             pytest.skip(f"there is no {program}")
     ignored = shutil.ignore_patterns(*(EXAMPLE / ".gitignore").read_text().replace("/", "").split())
     folder = Path(shutil.copytree(EXAMPLE, tmp_path_factory.mktemp("docs") / "example", ignore=ignored))
-    shell(MAKE + FILM, folder, private_url)
+    shell(MAKE + FILM, folder, group)
     return folder
 
 
-def test_the_commands_drive_the_wheels_and_stop_them(example: Path, private_url: str) -> None:
-    shell(RUN, example, private_url)
+def test_the_commands_drive_the_wheels_and_stop_them(example: Path, group: str) -> None:
+    shell(RUN, example, group)
     lines = (example / "wheels.txt").read_text().splitlines()[1:]
     is_turning = [any(float(speed) for speed in re.findall(r"[-+] *[\d.]+(?= rad/s)", line)) for line in lines]
     assert lines[0].endswith("no command")
@@ -38,7 +38,7 @@ def test_the_commands_drive_the_wheels_and_stop_them(example: Path, private_url:
     assert after[-1].endswith("no command"), "then nothing comes, and the driver's own timeout holds"
 
 
-def test_the_driver_plays_a_video_at_its_rate(example: Path, private_url: str) -> None:
+def test_the_driver_plays_a_video_at_its_rate(example: Path, group: str) -> None:
     (example / "make_video.py").write_text(
         "import cv2, glob\n"
         "frames = [cv2.imread(name) for name in sorted(glob.glob('frames/*.jpg'))]\n"
@@ -55,7 +55,7 @@ def test_the_driver_plays_a_video_at_its_rate(example: Path, private_url: str) -
         "graphnav run front.yaml --until 3 --no-tap --no-pictures -o front\n"
         "kill $driver\n"
     )
-    shell(script, example, private_url)
+    shell(script, example, group)
     assert " on FRONT at 15 Hz" in (example / "driver.txt").read_text()
     (camera,) = json.loads((example / "front" / "summary.json").read_text())["live"]["inputs"]
     assert camera["channel"] == "FRONT"

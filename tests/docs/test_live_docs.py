@@ -56,28 +56,28 @@ print(json.dumps([*pose, out.left_mps, out.right_mps, out.utime]))
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, private_url: str) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, group: str) -> Path:
     """Return a folder that holds the files of the document, and what its commands make."""
     folder = tmp_path_factory.mktemp("live")
     for name, text in FILES.items():
         (folder / name).write_text(text)
-    shell("\n".join(blocks(LIVE, "sh")), folder, private_url)
+    shell("\n".join(blocks(LIVE, "sh")), folder, group)
     return folder
 
 
-def test_the_adapters_turn_messages(folder: Path, private_url: str) -> None:
+def test_the_adapters_turn_messages(folder: Path, group: str) -> None:
     (folder / "try_adapters.py").write_text(TRY_ADAPTERS)
-    printed = shell("PYTHONPATH=.:${PYTHONPATH:-} python try_adapters.py", folder, private_url)
+    printed = shell("PYTHONPATH=.:${PYTHONPATH:-} python try_adapters.py", folder, group)
     assert json.loads(printed) == pytest.approx([1.5, -2.5, 0.5, 0.25, 0.15, 0.45, 7])
 
 
-def test_a_run_hears_the_base_of_the_document(folder: Path, private_url: str) -> None:
+def test_a_run_hears_the_base_of_the_document(folder: Path, group: str) -> None:
     (folder / "sender.py").write_text(SENDER)
     shell(
         "export PYTHONPATH=.:${PYTHONPATH:-}\npython sender.py & sender=$!\n"
         "graphnav run own_base.yaml --until 3 --no-tap --no-pictures -o own\nkill $sender",
         folder,
-        private_url,
+        group,
     )
     live = json.loads((folder / "own" / "summary.json").read_text())["live"]
     odometry = next(found for found in live["inputs"] if found["name"] == "base.odometry")
@@ -87,24 +87,24 @@ def test_a_run_hears_the_base_of_the_document(folder: Path, private_url: str) ->
     assert (wheels["channel"], wheels["motor"]) == ("WHEELS", True)
 
 
-def test_a_recorded_channel_may_take_the_place_of_the_camera(folder: Path, private_url: str) -> None:
+def test_a_recorded_channel_may_take_the_place_of_the_camera(folder: Path, group: str) -> None:
     (folder / "drive").mkdir()
     image = encode(Image(pixels=np.zeros((12, 16), np.uint8)), 0, 0)
     lcm.EventLog(str(folder / "drive" / "run.lcmlog"), "w", overwrite=True).write_event(0, "camera.image", image)
     shell(
         "graphnav run replay.yaml --until 1 --no-tap --no-pictures -o replayed",
         folder,
-        private_url,
+        group,
     )
     inputs = json.loads((folder / "replayed" / "summary.json").read_text())["live"]["inputs"]
     assert [found["accepted"] for found in inputs if found["name"] == "camera.image"] == [1]
 
 
-def test_the_driver_takes_commands_and_stops_by_itself(folder: Path, private_url: str) -> None:
-    bus = lcm.LCM(private_url)
+def test_the_driver_takes_commands_and_stops_by_itself(folder: Path, group: str) -> None:
+    bus = lcm.LCM(group)
     command = twist_t()
     command.v_mps, command.omega_radps = 0.25, -0.5
-    environment = {"LCM_DEFAULT_URL": private_url, "PYTHONPATH": ":".join(sys.path)}
+    environment = {"LCM_DEFAULT_URL": group, "PYTHONPATH": ":".join(sys.path)}
     words = [sys.executable, "base_driver.py"]
     with subprocess.Popen(words, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as driver:
         try:

@@ -10,8 +10,8 @@ from graphnav import Recording
 from .conftest import DOCS, blocks, shell
 
 
-def test_the_navigation_drives_the_robot(tmp_path: Path, private_url: str) -> None:
-    shell("\n".join(blocks(DOCS / "examples" / "robot" / "README.md", "sh")), tmp_path, private_url)
+def test_the_navigation_drives_the_robot(tmp_path: Path, group: str) -> None:
+    shell("\n".join(blocks(DOCS / "examples" / "robot" / "README.md", "sh")), tmp_path, group)
     live = json.loads((tmp_path / "navigation" / "summary.json").read_text())["live"]
     accepted = {found["name"]: found["accepted"] for found in live["inputs"]}
     assert accepted["camera.image"] > 10

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,9 +11,6 @@ from types import ModuleType
 
 import lcm
 import pytest
-
-from graphnav.bus import require_route
-from graphnav.errors import BusError
 
 TOOLS = Path(lcm.LCM_BIN_DIR)
 """LCM's tools themselves: the scripts of the same names are Python programs that leave them behind when stopped."""
@@ -30,14 +26,3 @@ def codec_types(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType
     importlib.import_module("codec_types.deep")
     yield importlib.import_module("codec_types")
     sys.path.remove(str(folder))
-
-
-@pytest.fixture
-def group() -> str:
-    """Return a multicast group that nobody else on this machine uses."""
-    url = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{7700 + os.getpid() % 90}?ttl=0"
-    try:
-        require_route(url)
-    except BusError as error:
-        pytest.skip(str(error))
-    return url

@@ -153,7 +153,7 @@ def test_a_missing_multicast_route_is_said_with_the_command_that_makes_one() -> 
     program = f"from graphnav.bus import Bus; Bus({GROUP!r})"
     done = subprocess.run([unshare, "-rn", sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.stderr.splitlines()[-2:] == [
-        "graphnav.errors.BusError: no multicast route to 239.255.76.67",
+        "graphnav.errors.NoRouteError: no multicast route to 239.255.76.67",
         f"  run as root: {MAKE_ROUTE}",
     ]
 

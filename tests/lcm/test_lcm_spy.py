@@ -205,4 +205,4 @@ def test_without_a_display_it_is_said(
 
 def test_only_multicast_can_be_watched(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["lcm-spy", "memq://"]) == 2
-    assert capsys.readouterr().err.startswith("'memq://' is not a udpm:// URL\n  write udpm://239.255.76.67:7667")
+    assert capsys.readouterr().err.startswith("URL: 'memq://' is not a udpm:// URL\n  write udpm://239.255.76.67:7667")

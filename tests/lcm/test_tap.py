@@ -197,7 +197,7 @@ def test_without_a_multicast_route_it_says_the_command() -> None:
     unshare = shutil.which("unshare")
     if unshare is None or subprocess.run([unshare, "-rn", "true"], capture_output=True, check=False).returncode:
         pytest.skip("this machine gives no network namespace to try it in")
-    command = [unshare, "-rn", sys.executable, "-c", "from graphnav.tap import Tap; Tap()"]
+    command = [unshare, "-rn", sys.executable, "-c", "from graphnav.tap import Tap; Tap('thin', 'run-1', 'udpm://')"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert "no multicast route" in done.stderr
     assert "ip route add 224.0.0.0/4 dev lo" in done.stderr

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import textwrap
 import threading
 import time
@@ -14,10 +13,9 @@ import numpy as np
 import pytest
 
 from graphnav import Image, Recording, Twist
-from graphnav.bus import Bus, require_route
+from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.codec import decode, encode
-from graphnav.errors import BusError
 from graphnav.graph import Graph, load_graph
 from graphnav.live import run_live
 from graphnav.messages import Message
@@ -26,17 +24,6 @@ from graphnav.runner.summary import Summary
 
 STAGES = Path(__file__).parent / "stages.py"
 PATIENCE_S = 20.0
-
-
-@pytest.fixture
-def group() -> str:
-    """Return a multicast group that nobody else on this machine uses."""
-    url = f"udpm://239.255.78.{os.getpid() % 250 + 1}:{7800 + os.getpid() % 90}?ttl=0"
-    try:
-        require_route(url)
-    except BusError as error:
-        pytest.skip(str(error))
-    return url
 
 
 class Outside:

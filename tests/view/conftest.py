@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from graphnav.bus import require_route
-from graphnav.errors import BusError
 from graphnav.record import LogWriter
 from graphnav.spy import Feed
 from graphnav.view import LiveSource, LogSource
@@ -26,17 +23,6 @@ def log(tmp_path: Path) -> Path:
         for channel, utime, data in messages():
             writer.write(channel, utime, data)
     return path
-
-
-@pytest.fixture
-def group() -> str:
-    """Return a multicast group that nobody else on this machine uses."""
-    url = f"udpm://239.255.79.{os.getpid() % 250 + 1}:{7900 + os.getpid() % 90}?ttl=0"
-    try:
-        require_route(url)
-    except BusError as error:
-        pytest.skip(str(error))
-    return url
 
 
 @pytest.fixture
