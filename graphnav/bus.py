@@ -10,6 +10,7 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from graphnav.errors import BusError, NoRouteError
+from graphnav.packet_filter import filter_packets
 
 Handler = Callable[[str, bytes], None]
 
@@ -26,6 +27,7 @@ FRAGMENT_BYTES = 65_487
 """What one packet carries of a message that needs several; one lost packet loses the message."""
 
 _SELF_TEST = "LCM_SELF_TEST"
+_PORT = 7667
 _DEFAULTS = {"ttl": "0", "recv_buf_size": str(RECEIVE_BUFFER_BYTES)}
 
 
@@ -118,6 +120,8 @@ class Bus:
     def _subscribe(self, pattern: str, handler: Handler, max_waiting: int = 0) -> None:
         subscription = self._lcm.subscribe(pattern, handler)
         subscription.set_queue_capacity(max_waiting)
+        if not self._subscriptions and self.url.startswith("udpm:"):
+            filter_packets(urlsplit(self.url).port or _PORT)
         self._subscriptions.append(subscription)
 
 
@@ -151,7 +155,7 @@ def require_route(url: str) -> None:
         raise BusError(f"'{parts.hostname}' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            probe.connect((parts.hostname or "", parts.port or 7667))
+            probe.connect((parts.hostname or "", parts.port or _PORT))
         except OSError as error:
             raise NoRouteError(f"no multicast route to {parts.hostname}\n  run as root: {MAKE_ROUTE}") from error
         except ValueError as error:
