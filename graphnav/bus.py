@@ -10,6 +10,7 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from graphnav.errors import BusError, NoRouteError
+from graphnav.packet_drops import dropped_packets, own_sockets
 from graphnav.packet_filter import filter_packets
 
 Handler = Callable[[str, bytes], None]
@@ -56,6 +57,7 @@ class Bus:
         self._channels: set[str] = set()
         self._hears_all = False
         self._waiting = 0
+        self._sockets: frozenset[str] = frozenset()
 
     def publish(self, channel: str, data: bytes) -> None:
         """Send a message; raises BusError where the network refuses it."""
@@ -110,6 +112,10 @@ class Bus:
             return False
         return bool(self._lcm.handle_timeout(max(0, round(timeout_s * 1000))))
 
+    def dropped_packets(self) -> int:
+        """Return the number of packets that the kernel dropped before this bus could take them; 0 on `memq://`."""
+        return dropped_packets(self._sockets)
+
     def close(self) -> None:
         """Leave the network; the bus cannot be used any more."""
         for subscription in self._subscriptions:
@@ -118,7 +124,10 @@ class Bus:
         del self._lcm
 
     def _subscribe(self, pattern: str, handler: Handler, max_waiting: int = 0) -> None:
+        others = frozenset[str]() if self._is_counted else own_sockets()
         subscription = self._lcm.subscribe(pattern, handler)
+        if not self._is_counted:
+            self._sockets |= own_sockets() - others  # LCM opens what it listens on at the first subscription
         subscription.set_queue_capacity(max_waiting)
         if not self._subscriptions and self.url.startswith("udpm:"):
             filter_packets(urlsplit(self.url).port or _PORT)

@@ -41,7 +41,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console  # noqa: PLC0415
 
-    from graphnav.spy import Feed, Traffic, as_json, as_text  # noqa: PLC0415
+    from graphnav.spy import Feed, Traffic, as_json, as_text, drops_of  # noqa: PLC0415
 
     load_types_of(args)
     feed = Feed(args.feed)
@@ -58,10 +58,10 @@ def main(args: argparse.Namespace) -> int:
     if not traffic.channels:
         raise feed.silence(args.for_s)
     if args.json:
-        print(json.dumps(as_json(traffic, feed.name)))
+        print(json.dumps(as_json(traffic, feed)))
         return OK
     heading = f"{feed.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
-    console.print(as_text(traffic, heading + (f"; {feed.torn}" if feed.torn else "")))
+    console.print(as_text(traffic, "; ".join([heading, *filter(None, [feed.torn, drops_of(feed)])])))
     return OK
 
 
@@ -92,7 +92,7 @@ def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
     """Show what goes by, a line a channel, until Ctrl-C; anew below where a terminal cannot go back."""
     from rich.live import Live  # noqa: PLC0415
 
-    from graphnav.spy import as_text  # noqa: PLC0415
+    from graphnav.spy import as_text, drops_of  # noqa: PLC0415
 
     shown_s = 0.0
     with Live(console=console, auto_refresh=False) as live:
@@ -101,7 +101,7 @@ def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
                 traffic.hear(heard)
             elif time.monotonic() - shown_s > (_PRINT_S if console.is_dumb_terminal else _REFRESH_S):
                 shown_s = time.monotonic()
-                heading = f"{feed.name}: {len(traffic.channels)} channels"
+                heading = "; ".join(filter(None, [f"{feed.name}: {len(traffic.channels)} channels", drops_of(feed)]))
                 text = as_text(traffic, heading, with_fields=False)
                 if console.is_dumb_terminal:
                     console.print(text)

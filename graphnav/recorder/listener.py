@@ -6,7 +6,6 @@ import threading
 
 from graphnav.bus import Bus, Handler
 from graphnav.errors import BusError
-from graphnav.recorder.receive_buffer import dropped_packets, own_sockets
 
 _POLL_S = 0.05
 _MAX_WAITING = 50_000
@@ -21,10 +20,8 @@ class Listener:
 
     def __init__(self, url: str, take: Handler) -> None:
         self._ending = threading.Event()
-        others = own_sockets()
         self._bus = Bus(url)
         self._bus.subscribe_all(take, max_waiting=_MAX_WAITING)
-        self._sockets = own_sockets() - others
         self._thread = threading.Thread(target=self._serve, name="graphnav-listener", daemon=True)
 
     def start(self) -> None:
@@ -33,7 +30,7 @@ class Listener:
 
     def dropped_packets(self) -> int:
         """Return the number of packets that the kernel dropped at this listener's socket."""
-        return dropped_packets(self._sockets)
+        return self._bus.dropped_packets()
 
     def close(self) -> None:
         """Stop listening; what had arrived is handed over first."""

@@ -9,7 +9,7 @@ from graphnav.spy.health import Health
 from graphnav.spy.health_json import health_as_json
 from graphnav.spy.health_text import health_as_text
 from graphnav.spy.plain_values import plain
-from graphnav.spy.report import as_json, as_text, silence_of, size_of, volume
+from graphnav.spy.report import as_json, as_text, drops_of, silence_of, size_of, volume
 from graphnav.spy.selection import Selection
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
@@ -30,6 +30,7 @@ __all__ = [
     "as_text",
     "columns_of",
     "described",
+    "drops_of",
     "health_as_json",
     "health_as_text",
     "parse_field",

@@ -14,6 +14,10 @@ from graphnav.lcm_url import tap_url
 from graphnav.record import Recording, find_log
 
 _PATIENCE_S = 0.1
+_AT_ONCE = 1000
+"""So many messages are yielded at the latest, however fast they come: whoever listens may end, or show something."""
+_MAX_WAITING = 50_000
+"""Messages that LCM keeps for whoever listens too slowly: memory must be bounded, whatever is sent."""
 
 
 class Heard(NamedTuple):
@@ -34,6 +38,8 @@ class Feed:
         self.name = name or tap_url()
         self.is_live = self.name.startswith("udpm:")
         self.torn = ""
+        self._bus: Bus | None = None
+        self._dropped_packets = 0
         if not self.is_live:
             self.path = find_log(Path(self.name), "name a run folder, a log or a udpm:// URL")
 
@@ -55,6 +61,12 @@ class Feed:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""
         return self._live(for_s) if self.is_live else self._recorded()
 
+    def dropped_packets(self) -> int:
+        """Return how many packets the kernel dropped before they could be heard; 0 in a log."""
+        if self._bus is not None:
+            self._dropped_packets = max(self._dropped_packets, self._bus.dropped_packets())
+        return self._dropped_packets
+
     def silence(self, for_s: float | None, channel: str | None = None) -> GraphnavError:
         """Return the error to raise where nothing was heard, or nothing on a channel."""
         if not self.is_live:
@@ -68,16 +80,20 @@ class Feed:
     def _live(self, for_s: float | None) -> Generator[Heard | None]:
         waiting: deque[Heard] = deque()
         bus = Bus(self.name)
-        bus.subscribe_all(lambda channel, data: waiting.append(Heard(channel, data, time.monotonic())))
+        bus.subscribe_all(lambda channel, data: waiting.append(Heard(channel, data, time.monotonic())), _MAX_WAITING)
+        self._bus = bus
         end_s = time.monotonic() + for_s if for_s is not None else None
         try:
             while (left_s := _PATIENCE_S if end_s is None else end_s - time.monotonic()) > 0:
                 bus.handle(min(left_s, _PATIENCE_S))
-                bus.drain()
+                while len(waiting) < _AT_ONCE and bus.handle(0.0):
+                    pass
                 yield from waiting
                 waiting.clear()
                 yield None
         finally:
+            self.dropped_packets()
+            self._bus = None
             bus.close()
 
     def _recorded(self) -> Generator[Heard | None]:

@@ -12,6 +12,7 @@ from graphnav.errors import GraphnavError, shown_name
 from graphnav.record import ABOUT, ThreadedLogWriter
 from graphnav.spy.feed import Feed, Heard
 from graphnav.spy.reasons import nothing_heard, why_empty
+from graphnav.spy.report import drops_of
 from graphnav.spy.row import Row, row_of
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch import Memory, Sample
@@ -94,10 +95,10 @@ class LiveWatch:
             return "" if self._memory.traffic.channels else nothing_heard(self.name, for_s)
 
     def heading(self) -> str:
-        """Return the feed, its runs, what is recorded and what is not kept."""
+        """Return the feed, what was lost of it, its runs, what is recorded and what is not kept."""
         with self._memory.lock:
             traffic = self._memory.traffic
-            said = [self.name, f"{len(traffic.channels)} channels"]
+            said = [self.name, *filter(None, [drops_of(self._feed)]), f"{len(traffic.channels)} channels"]
             if traffic.runs:
                 said.append(f"run {shown_name(traffic.runs[-1])}")
             if traffic.overflow:

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from graphnav.errors import printable
 from graphnav.spy.contents import declared, described, summarised
+from graphnav.spy.feed import Feed
 from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
 
@@ -16,12 +17,13 @@ _APART_RATIO = 0.05
 """So far from the rate of the stamps the rate of the arrivals is worth a word."""
 
 
-def as_json(traffic: Traffic, feed: str) -> dict[str, Any]:
-    """Return everything that was heard, for programs."""
+def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
+    """Return everything that was heard, and what was not, for programs."""
     return {
-        "feed": feed,
+        "feed": feed.name,
         "runs": traffic.runs,
         "overflow": traffic.overflow,
+        "dropped_packets": feed.dropped_packets(),
         "channels": {name: channel_as_json(traffic.channels[name]) for name in sorted(traffic.channels)},
     }
 
@@ -65,6 +67,14 @@ def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
     if channel.values is not None:
         return summarised(channel.values)
     return declared(channel.lcm_class) if channel.lcm_class is not None else {}
+
+
+def drops_of(feed: Feed) -> str:
+    """Return what the kernel dropped of a feed, in words; empty where it dropped nothing."""
+    dropped = feed.dropped_packets()
+    if not dropped:
+        return ""
+    return f"{dropped} packet{'s' if dropped > 1 else ''} dropped by the kernel"
 
 
 def figures(channel: ChannelTraffic) -> Iterator[str]:

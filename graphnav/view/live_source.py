@@ -22,6 +22,10 @@ class LiveSource:
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._listen, name="graphnav-view", daemon=True)
 
+    def dropped_packets(self) -> int:
+        """Return how many packets the kernel dropped before they could be heard."""
+        return self._feed.dropped_packets()
+
     def start(self) -> None:
         """Begin to listen."""
         self._thread.start()

@@ -48,6 +48,10 @@ class LogSource:
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._play, name="graphnav-view", daemon=True)
 
+    def dropped_packets(self) -> int:
+        """Return 0: who recorded a log lost what it lacks."""
+        return 0
+
     @property
     def n_events(self) -> int:
         """The number of events of the log."""

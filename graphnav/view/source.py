@@ -19,6 +19,9 @@ class Source(Protocol):
     name: str
     failure: str
 
+    def dropped_packets(self) -> int:
+        """Return how many packets the kernel dropped before they could be heard; 0 in a log."""
+
     def start(self) -> None:
         """Begin to gather."""
 

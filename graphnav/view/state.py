@@ -25,6 +25,7 @@ def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
         "guards": health["guards"],
         "channels": [channel_state(channel, now_s) for channel in watch.channels.values()],
         "untracked": watch.untracked,
+        "dropped_packets": source.dropped_packets(),
         "refused": watch.announcements.refused,
         "log": log_state(source) if isinstance(source, LogSource) else None,
     }

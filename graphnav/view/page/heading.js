@@ -74,6 +74,7 @@ function notices(state) {
   if (state.log?.torn) found.push([`the log is incomplete: ${state.log.torn}`, true]);
   if (state.run?.silent) found.push([`no status of the run for ${format.seconds(state.run.silent_s)}`, true]);
   if (state.untracked) found.push([`${format.count(state.untracked)} messages on further channels are not shown`, true]);
+  if (state.dropped_packets) found.push([`${format.count(state.dropped_packets)} packets dropped by the kernel`, true]);
   if (state.refused) found.push([`${format.count(state.refused)} announcements cannot be read`, true]);
   for (const guard of state.guards) found.push(guardNotice(guard));
   return found;
