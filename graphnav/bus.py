@@ -28,6 +28,8 @@ FRAGMENT_BYTES = 65_487
 """What one packet carries of a message that needs several; one lost packet loses the message."""
 
 _SELF_TEST = "LCM_SELF_TEST"
+_ALL = "(?s).*"
+"""Names with line breaks, too: a plain dot does not match those."""
 _PORT = 7667
 _DEFAULTS = {"ttl": "0", "recv_buf_size": str(RECEIVE_BUFFER_BYTES)}
 
@@ -84,7 +86,7 @@ class Bus:
                 handler(channel, data)
 
         self._hears_all = True
-        self._subscribe(".*", heard, max_waiting)
+        self._subscribe(_ALL, heard, max_waiting)
 
     def drain(self) -> int:
         """Deliver until nothing waits, what handlers publish included; return the number of messages.

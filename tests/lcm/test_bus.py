@@ -57,10 +57,11 @@ def test_a_channel_is_a_name_not_a_pattern() -> None:
 def test_all_channels_can_be_heard() -> None:
     bus, got = Bus(), list[str]()
     bus.subscribe_all(lambda channel, _: got.append(channel))
-    for channel in ("a.b", "C"):
-        bus.publish(channel, b"")
+    names = ["a.b", "C", "two\nlines", "\r\x1b[2J", " "]
+    for name in names:
+        bus.publish(name, b"")
     bus.drain()
-    assert got == ["a.b", "C"]
+    assert got == names
 
 
 def test_a_message_reaches_every_handler_and_counts_once() -> None:
