@@ -18,8 +18,8 @@ _WHOLE_MESSAGE = 0x4C433032
 """How a packet begins that is no fragment: LC02."""
 _UDP_HEADER_BYTES, _LCM_HEADER_BYTES, _NAME_BYTES = 8, 8, 64
 _SO_ATTACH_FILTER = 26
-_LOAD_WORD, _LOAD_BYTE, _IF_EQUAL, _RETURN = 0x20, 0x30, 0x15, 0x06
-_ACCEPT, _DROP = 0x7FFFFFFF, 0
+_LOAD_WORD, _LOAD_BYTE, _LOAD_LENGTH, _IF_EQUAL, _IF_AT_LEAST, _RETURN = 0x20, 0x30, 0x80, 0x15, 0x35, 0x06
+_ACCEPT = 0x7FFFFFFF
 
 
 class _Step(NamedTuple):
@@ -55,10 +55,14 @@ def _filter_socket(number: int, port: int, option: bytes) -> bool:
 
 
 def _program() -> list[_Step]:
-    """Return the filter: it accepts all but whole messages with no zero among the bytes that a name may have."""
+    """Return the filter: it accepts all but whole messages that end before a zero and before a name may be too long.
+
+    LCM itself refuses longer names, and what is shorter than its header; what the filter drops would count as lost.
+    """
     begin = _UDP_HEADER_BYTES + _LCM_HEADER_BYTES
-    steps = [_Step(_LOAD_WORD, _UDP_HEADER_BYTES), _Step(_IF_EQUAL, _WHOLE_MESSAGE, 1, 0), _Step(_RETURN, _ACCEPT)]
+    steps = [_Step(_LOAD_LENGTH, 0), _Step(_IF_AT_LEAST, begin, 1, 0), _Step(_RETURN, _ACCEPT)]
+    steps += [_Step(_LOAD_WORD, _UDP_HEADER_BYTES), _Step(_IF_EQUAL, _WHOLE_MESSAGE, 1, 0), _Step(_RETURN, _ACCEPT)]
     for k in range(_NAME_BYTES):
-        to_accept = 2 * (_NAME_BYTES - 1 - k) + 1
+        to_accept = 2 * (_NAME_BYTES - 1 - k)
         steps += [_Step(_LOAD_BYTE, begin + k), _Step(_IF_EQUAL, 0, to_accept, 0)]
-    return [*steps, _Step(_RETURN, _DROP), _Step(_RETURN, _ACCEPT)]
+    return [*steps, _Step(_RETURN, _ACCEPT)]

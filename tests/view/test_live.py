@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import random
+import socket
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -64,6 +66,21 @@ def test_a_page_waits_for_a_run_and_survives_its_restart(page: Page, group: str)
         page.until(heard)
         run.close()
     assert page.channel("control.twist")["lost"] == 0
+
+
+def test_packets_that_the_kernel_drops_are_told(page: Page, group: str) -> None:
+    run = Run(group, "run")
+
+    def heard(_: dict[str, Any]) -> bool:
+        run.tick()
+        return bool(page.channel("control.twist").get("count"))
+
+    page.until(heard)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        sender.sendto(b"LC02\0\0\0\1", (urlsplit(group).hostname, urlsplit(group).port))
+    page.until(lambda known: bool(known["state"]["dropped_packets"] == 1))
+    run.close()
 
 
 def test_garbage_is_counted_and_the_page_goes_on(page: Page, group: str) -> None:
