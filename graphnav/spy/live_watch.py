@@ -41,7 +41,7 @@ class LiveWatch:
     @property
     def version(self) -> object:
         """The number of messages that were heard."""
-        return self._memory.count
+        return self._memory.traffic.count
 
     @property
     def origin_s(self) -> float:
@@ -95,12 +95,15 @@ class LiveWatch:
             return "" if self._memory.traffic.channels else nothing_heard(self.name, for_s)
 
     def heading(self) -> str:
-        """Return the feed, what was lost of it, its runs, what is recorded and what is not kept."""
+        """Return what the kernel dropped, the feed, its runs, all counts, what is not kept and what is recorded."""
         with self._memory.lock:
             traffic = self._memory.traffic
-            said = [self.name, *filter(None, [drops_of(self._feed)]), f"{len(traffic.channels)} channels"]
+            said = [*filter(None, [drops_of(self._feed)]), self.name, f"{len(traffic.channels)} channels"]
             if traffic.runs:
                 said.append(f"run {shown_name(traffic.runs[-1])}")
+            said.append(f"{traffic.count} messages")
+            if traffic.undecodable:
+                said.append(f"{traffic.undecodable} undecodable")
             if traffic.overflow:
                 said.append(f"{traffic.overflow} messages of further channels not kept")
         if self._writer is not None:

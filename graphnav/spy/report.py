@@ -22,6 +22,8 @@ def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
     return {
         "feed": feed.name,
         "runs": traffic.runs,
+        "messages": traffic.count,
+        "undecodable": traffic.undecodable,
         "overflow": traffic.overflow,
         "dropped_packets": feed.dropped_packets(),
         "channels": {name: channel_as_json(traffic.channels[name]) for name in sorted(traffic.channels)},

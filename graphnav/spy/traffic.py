@@ -33,7 +33,8 @@ class Traffic:
     """All channels, by name, and the runs that said that they publish there.
 
     ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not. There are at most 512;
-    ``overflow`` counts the messages of all others. ``clock`` returns the time now in seconds, on the clock of the
+    ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` are of all messages, those included.
+    ``clock`` returns the time now in seconds, on the clock of the
     arrivals; without one, as for a log, no channel is silent and rates are those of the newest 10,000 messages, else
     those of the last 10 s.
     """
@@ -43,7 +44,7 @@ class Traffic:
         self.channels: dict[str, ChannelTraffic] = {}
         self.runs: list[str] = []
         self.told = False
-        self.overflow = 0
+        self.overflow = self.count = self.undecodable = 0
         self._types = KnownTypes()
         load_adapted_types()
 
@@ -78,6 +79,8 @@ class Traffic:
             self.overflow += 1
             channel = ChannelTraffic(heard.channel, self._types, clock=self._clock)
         channel.hear(heard)
+        self.count += 1
+        self.undecodable += not channel.decodes
         return channel
 
     def _channel(self, name: str, told: str | None = None) -> ChannelTraffic | None:

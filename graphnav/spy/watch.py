@@ -73,15 +73,12 @@ class Memory:
     def __init__(self, traffic: Traffic) -> None:
         self.traffic = traffic
         self.lock = threading.Lock()
-        self.count = 0
-        """How many messages were heard."""
         self._newest: dict[str, Sample] = {}
         self._kept: dict[str, deque[Sample]] = {}
 
     def hear(self, heard: Heard) -> None:
         """Take a message; of channels beyond the limit nothing is kept."""
         with self.lock:
-            self.count += 1
             self.traffic.hear(heard)
             if heard.channel not in self.traffic.channels:
                 return

@@ -24,6 +24,8 @@ def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
         "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),
         "guards": health["guards"],
         "channels": [channel_state(channel, now_s) for channel in watch.channels.values()],
+        "messages": watch.count,
+        "undecodable": watch.undecodable,
         "untracked": watch.untracked,
         "dropped_packets": source.dropped_packets(),
         "refused": watch.announcements.refused,

@@ -33,14 +33,15 @@ _HEALTH = (graphnav_lcm.status_t, graphnav_lcm.guard_state_t)
 class Watch:
     """What was heard so far; the owner's lock guards it.
 
-    ``clock`` returns the time now in seconds on the clock of the arrivals. ``untracked`` counts the messages of
+    ``clock`` returns the time now in seconds on the clock of the arrivals. ``count`` and ``undecodable`` are of all
+    messages, of channels that were forgotten, too. ``untracked`` counts the messages of
     channels beyond the first 256; channels that a run announced are always among them, up to 1024.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self.clock = clock
         self.channels: dict[str, WatchedChannel] = {}
-        self.untracked = 0
+        self.count = self.undecodable = self.untracked = 0
         self.health = Health(clock)
         self.announcements = Announcements()
         self.track = RobotTrack()
@@ -54,15 +55,18 @@ class Watch:
 
     def hear(self, heard: Heard) -> None:
         """Take a message; whatever it holds, nothing is raised."""
+        self.count += 1
+        kind = self._kinds.of(heard.data)
+        is_decodable = kind is not None and len(heard.data) >= kind.min_bytes
+        self.undecodable += not is_decodable
         if heard.channel == ABOUT and (about := self.announcements.hear(heard)) is not None:
             self._expect(about)
         channel = self.channels.get(heard.channel) or self._admit(heard)
         if channel is None:
             self.untracked += 1
             return
-        kind = self._kinds.of(heard.data)
         utime = channel.hear(heard, kind)
-        if kind is None or len(heard.data) < kind.min_bytes:
+        if kind is None or not is_decodable:
             return
         self._keep_newest(channel, heard)
         if utime is not None and not heard.channel.startswith(RESERVED):

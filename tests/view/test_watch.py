@@ -85,7 +85,8 @@ def test_garbage_is_counted_and_bounded(ear: Ear) -> None:
         ear.hear("flipped", bytes(flipped), 0.0001)
     watch = ear.watch
     assert len(watch.channels) <= 256
-    assert sum(channel.count for channel in watch.channels.values()) + watch.untracked == 60_000
+    assert sum(channel.count for channel in watch.channels.values()) + watch.untracked == watch.count == 60_000
+    assert watch.undecodable > 40_000
     assert watch.channels["control.twist"].undecodable == 20_000
 
 

@@ -15,6 +15,7 @@ from graphnav.spy.sparkline import sparkline
 
 GAP = 1
 _MAX_NAME, _MAX_SPARK = 40, 60
+_MAX_COUNT = 10**7
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,10 @@ def _bandwidth(row: Row) -> str:
 
 
 def _count(value: int) -> str:
-    return str(value) if value else "-"
+    """Return a count, a dash for none; one that would be cut is rounded."""
+    if not value:
+        return "-"
+    return str(value) if value < _MAX_COUNT else f"{value:.1e}"
 
 
 NAME = Column("channel", 22, lambda row: shown_name(row.name), lambda row: row.name, is_left=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -38,6 +40,12 @@ def test_a_cell_is_as_wide_as_its_column(text: str, width: int, is_left: bool) -
     from graphnav.errors import shown_name
 
     assert cell_len(fitted(shown_name(text), width, is_left=is_left)) == width
+
+
+@pytest.mark.parametrize("drops", [0, 9, 9_999_999, 10_000_000, 2**62])
+def test_a_count_is_never_cut(drops: int) -> None:
+    for column, width in layout(80):
+        assert "…" not in column.cell(replace(ROW, drops=drops), width)
 
 
 @pytest.mark.parametrize(
