@@ -17,6 +17,10 @@ from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
+from acceptance.watch_cost import cost_item
+from acceptance.watch_hostile import hostile_item
+from acceptance.watch_loss import loss_item
+from acceptance.watch_page import page_item
 
 ITEMS = {
     "controls": controls_item,
@@ -39,6 +43,10 @@ ITEMS = {
     "interop": interop_item,
     "late": late_item,
     "bad": bad_item,
+    "loss": loss_item,
+    "hostile": hostile_item,
+    "cost": cost_item,
+    "page": page_item,
 }
 
 

@@ -13,7 +13,7 @@ import tempfile
 import termios
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -28,15 +28,15 @@ def measure(seconds: float, keys: bytes, rows: int = 50, cols: int = 200) -> flo
     """Return the share of a core that the spy takes beside a run, after some keys were pressed."""
     with tempfile.TemporaryDirectory() as folder, _run(folder, seconds + 3 * _SETTLE_S):
         time.sleep(_SETTLE_S / 2)
-        with _spy(folder, rows, cols) as (process, terminal):
+        with spy_in_terminal([], folder, rows, cols) as (process, terminal):
             time.sleep(_SETTLE_S)
             for key in keys:
                 os.write(terminal, bytes([key]))
                 time.sleep(0.3)
             time.sleep(_SETTLE_S / 2)
-            begin_s, begin_cpu_s = time.monotonic(), _cpu_s(process.pid)
+            begin_s, begin_cpu_s = time.monotonic(), cpu_s(process.pid)
             time.sleep(seconds)
-            return (_cpu_s(process.pid) - begin_cpu_s) / (time.monotonic() - begin_s)
+            return (cpu_s(process.pid) - begin_cpu_s) / (time.monotonic() - begin_s)
 
 
 @contextmanager
@@ -50,13 +50,16 @@ def _run(folder: str, seconds: float) -> Iterator[None]:
 
 
 @contextmanager
-def _spy(folder: str, rows: int, cols: int) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
-    """Run the spy in a terminal of a size, whose output is read and dropped."""
+def spy_in_terminal(
+    arguments: Sequence[str], folder: str, rows: int, cols: int
+) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
+    """Run the spy in a terminal of a size, whose output is read and dropped; yield the process and its keyboard."""
     terminal, screen = pty.openpty()
     fcntl.ioctl(screen, termios.TIOCSWINSZ, struct.pack("HHHH", rows, cols, 0, 0))
     looks = {**os.environ, "TERM": "xterm-256color", "COLORTERM": "truecolor"}
+    command = [GRAPHNAV, "spy", *arguments]
     with subprocess.Popen(
-        [GRAPHNAV, "spy"], stdin=screen, stdout=screen, stderr=screen, env=looks, cwd=folder, start_new_session=True
+        command, stdin=screen, stdout=screen, stderr=screen, env=looks, cwd=folder, start_new_session=True
     ) as process:
         os.close(screen)
         threading.Thread(target=_drain, args=(terminal,), daemon=True).start()
@@ -74,7 +77,7 @@ def _drain(terminal: int) -> None:
         return
 
 
-def _cpu_s(pid: int) -> float:
+def cpu_s(pid: int) -> float:
     """Return the CPU time that a process has taken."""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) * _TICK_S

@@ -25,35 +25,54 @@ GROUP = "udpm://239.255.78.9:7709?ttl=0"
 _MAGIC = 0x4C433032
 """Of a packet with a whole message; the next number is that of a fragment. LCM's own library (1.5) ends the process at
 a packet of the first kind without any zero byte, whoever receives it: garbage with this number ends with one here."""
+_HEADER = struct.Struct(">II")
+_MAX_NAME = 63
+_NAMES = ("[red]x", "\x1b[2J", "\x1b]0;owned\x07", "a b", "[/]", "<img src=x onerror=alert(1)>", "\r\x08\u202e")
 _DIFFERENT = 20_000
 _PER_PAUSE = 50
 _PAUSE_S = 0.005
 
 
-def flood(count: int, seed: int) -> None:
-    """Send ``count`` mutated messages and as many packets of garbage."""
+def flood(url: str, count: int, seed: int) -> int:
+    """Send ``count`` mutated messages and as many packets of garbage; return how many of the latter are messages."""
     rng = random.Random(seed)
-    parts = urlsplit(GROUP)
+    parts = urlsplit(url)
     address = (parts.hostname, parts.port)
-    bus = Bus(GROUP)
+    bus = Bus(url)
     messages = [_mutated(rng) for _ in range(_DIFFERENT)]
     garbage = [rng.randbytes(rng.randrange(300)) for _ in range(_DIFFERENT // 2)]
-    garbage += [struct.pack(">II", _MAGIC + rng.randrange(2), 1) + one + b"\0" for one in garbage]
+    garbage += [_HEADER.pack(_MAGIC + rng.randrange(2), 1) + one + b"\0" for one in garbage]
+    is_message = [_is_message(one) for one in garbage]
+    n_messages = 0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         for k in range(count):
             bus.publish(*messages[k % _DIFFERENT])
             sender.sendto(garbage[k % _DIFFERENT], address)
+            n_messages += is_message[k % _DIFFERENT]
             if k % _PER_PAUSE == 0:
                 time.sleep(_PAUSE_S)
     bus.close()
+    return n_messages
+
+
+def _is_message(packet: bytes) -> bool:
+    """Whether LCM takes a packet for a message: a short one, with a name of 63 bytes at most that is UTF-8."""
+    name, zero, _ = packet[_HEADER.size :].partition(b"\0")
+    if not zero or len(name) > _MAX_NAME or _HEADER.unpack_from(packet)[0] != _MAGIC:
+        return False
+    try:
+        name.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def _mutated(rng: random.Random) -> tuple[str, bytes]:
-    name = rng.choice(["[red]x", "\x1b[2J", "a b", "[/]"]) if rng.random() < 0.9 else f"n{rng.randrange(10**6)}"
+    name = rng.choice(_NAMES) if rng.random() < 0.9 else f"n{rng.randrange(10**6)}"
     message: Message = rng.choice(
         [
             Twist(1, 2),
-            Stop(engaged=True, reason="[bold]\x1b[31m"),
+            Stop(engaged=True, reason="[bold]\x1b[31m<script>alert(2)</script>"),
             Status("run", "g", False, 0, 0, 0, 0, 0, 0, (), (), (), ()),  # noqa: FBT003
             About("[red]", "", f"\x1b{rng.random()}", 1, (name,), ("x.y_t",)),
         ]
@@ -75,7 +94,7 @@ async def watch_flood(count: int) -> None:
     async with SpyApp(watch, Catalog(), Path.cwd()).run_test(size=(200, 50)) as pilot:
         await pilot.pause(1.0)
         begin_s, begin_mb = time.monotonic(), _rss_mb()
-        with subprocess.Popen([sys.executable, __file__, "--send", "--count", str(count)]) as sender:
+        with subprocess.Popen([sys.executable, __file__, "--send", GROUP, "--count", str(count)]) as sender:
             while sender.poll() is None:
                 await pilot.pause(0.5)
                 await pilot.press("down", "enter")
@@ -96,10 +115,10 @@ def main() -> None:
     """Flood, or watch the flood."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=10**6)
-    parser.add_argument("--send", action="store_true", help="only send")
+    parser.add_argument("--send", metavar="URL", help="only send, and print how many packets of garbage are messages")
     args = parser.parse_args()
     if args.send:
-        flood(args.count, 7)
+        print(flood(args.send, args.count, 7))
     else:
         asyncio.run(watch_flood(args.count))
 

@@ -28,6 +28,8 @@ def test_it_prints_where_the_page_is_and_ends_with_ctrl_c(log: Path) -> None:
         assert found, line
         with urllib.request.urlopen(found[1], timeout=30) as response:
             assert b"<title>graphnav view</title>" in response.read()
+        with pytest.raises(ConnectionRefusedError):  # another of this machine's addresses
+            socket.create_connection(("127.0.0.2", int(found[1].rpartition(":")[2].strip("/"))), timeout=30)
         origin = Origin(found[1].rstrip("/"))
         with connect(f"{origin.replace('http', 'ws')}/updates", origin=origin) as page:
             assert '"hello"' in str(page.recv(timeout=30))

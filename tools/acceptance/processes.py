@@ -21,7 +21,12 @@ PATIENCE_S = 60.0
 
 def group_url(number: int) -> str:
     """Return the URL of a multicast group of this number, which no rig uses."""
-    return f"udpm://239.255.82.{number}:{8100 + number}?ttl=0"
+    return f"udpm://239.255.82.{number}:{group_port(number)}?ttl=0"
+
+
+def group_port(number: int) -> int:
+    """Return the port of a multicast group of this number."""
+    return 8100 + number
 
 
 def graphnav_run(graph: str | Path, url: str, folder: Path, *options: str) -> list[str]:

@@ -1,0 +1,97 @@
+"""Cost: what `view`, with no browser open, and the full-screen `spy` together take of a run's tick rate.
+
+Both listen to the run's tap on the same machine, so that what they take of the processors counts, too. Runs with and
+without them alternate in pairs; each is several drives of corridor_ccw at full speed, of the same seeds.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import statistics
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench_spy import cpu_s, spy_in_terminal
+from scipy import stats
+
+from acceptance.drives import GRAPHNAV, say
+from acceptance.listeners import await_listeners
+from acceptance.processes import group_port, group_url
+
+GROUP = 96
+URL, PORT = group_url(GROUP), group_port(GROUP)
+GRAPH = "corridor_ccw"
+PAIRS = 20
+SEEDS = (1000, 1001, 1002)
+MAX_COST_RATIO = 0.05
+CONFIDENCE = 0.95
+_START_S = 60.0
+_SETTLE_S = 3.0
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """The tick rate of a run, and what each program that watched it took of a core meanwhile."""
+
+    ticks_per_s: float
+    core_ratios: dict[str, float]
+
+
+def cost_item(_seeds: Sequence[int], _jobs: int, pairs: int = PAIRS) -> bool:
+    """Print each pair's tick rates, then the mean cost and its upper bound (95 %, one-sided, Student's t)."""
+    costs = []
+    for pair in range(pairs):
+        runs = {watched: _measure(watched=watched) for watched in ((False, True) if pair % 2 else (True, False))}
+        alone, watched = runs[False], runs[True]
+        costs.append(1 - watched.ticks_per_s / alone.ticks_per_s)
+        took = ", ".join(f"{name} took {ratio:.1%} of a core" for name, ratio in watched.core_ratios.items())
+        rates = f"{alone.ticks_per_s:.1f} ticks/s alone, {watched.ticks_per_s:.1f} watched"
+        say(f"     {rates}: costs {costs[-1]:+.1%}; {took}")
+    mean, upper = statistics.fmean(costs), upper_bound(costs)
+    good = upper < MAX_COST_RATIO
+    bound = f"upper {CONFIDENCE:.0%} bound (one-sided) {upper:+.2%}, to be below {MAX_COST_RATIO:.0%}"
+    say(f"{'ok  ' if good else 'MISS'} view and spy together cost {mean:+.2%} of the tick rate, {bound}; {pairs} pairs")
+    return good
+
+
+def upper_bound(values: Sequence[float]) -> float:
+    """Return the upper end of the one-sided 95 % interval of the mean."""
+    error = statistics.stdev(values) / math.sqrt(len(values))
+    return statistics.fmean(values) + float(stats.t.ppf(CONFIDENCE, len(values) - 1)) * error
+
+
+def _measure(*, watched: bool) -> _Measured:
+    """Return the ticks a second over all drives, starting and drawing aside."""
+    ticks, wall_s = 0, 0.0
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        pids = stack.enter_context(_watching(str(folder))) if watched else {}
+        begin_s, before_s = time.monotonic(), {name: cpu_s(pid) for name, pid in pids.items()}
+        for seed in SEEDS:
+            command = [str(GRAPHNAV), "run", GRAPH, "--seed", str(seed), "--no-pictures", "-o", str(folder / str(seed))]
+            subprocess.run(command, check=True, capture_output=True, env=os.environ | {"LCM_DEFAULT_URL": URL})
+            summary = json.loads((folder / str(seed) / "summary.json").read_text(encoding="utf-8"))
+            ticks += summary["frames"]
+            wall_s += summary["wall_s"]
+        for_s = time.monotonic() - begin_s
+        return _Measured(ticks / wall_s, {name: (cpu_s(pid) - before_s[name]) / for_s for name, pid in pids.items()})
+
+
+@contextmanager
+def _watching(folder: str) -> Iterator[dict[str, int]]:
+    """Let the page's server and a spy in a terminal listen while entered; yield their process ids."""
+    view = subprocess.Popen([str(GRAPHNAV), "view", URL, "--port", "0"], stdout=subprocess.DEVNULL)
+    with view, spy_in_terminal([URL], folder, 50, 200) as (spy, _):
+        try:
+            await_listeners(PORT, 2, _START_S)
+            time.sleep(_SETTLE_S)  # what a program does once, when it starts, is no cost of watching
+            yield {"view": view.pid, "spy": spy.pid}
+        finally:
+            view.terminate()
