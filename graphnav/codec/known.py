@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import graphnav_lcm
 
@@ -16,9 +17,22 @@ _added: dict[str, type] = {}
 """Types that no message class wraps, by the name that they have in LCM; filled by imports, as subclasses are."""
 
 
+class _ByFingerprint(NamedTuple):
+    """The known types by fingerprint, after so many message classes were declared and types were added."""
+
+    age: tuple[int, int]
+    types: Mapping[bytes, type]
+
+
+_n_added = 0
+_by_fingerprint = _ByFingerprint((-1, -1), {})
+
+
 def add_type(name: str, lcm_class: type) -> None:
     """Make an lcm-gen class known as ``name`` (``package.type_t``), also where its package is inside another one."""
+    global _n_added  # noqa: PLW0603, types are those of the process
     _added[name] = lcm_class
+    _n_added += 1
     if (full := lcm_name(lcm_class)).endswith(f".{name}"):
         hide_prefix(full.removesuffix(name))
 
@@ -80,4 +94,9 @@ def known_types() -> list[type]:
 
 def type_of(data: bytes) -> type | None:
     """Return the known lcm-gen class whose fingerprint the bytes begin with, or None."""
-    return next((found for found in known_types() if fingerprint(found) == data[:8]), None)
+    global _by_fingerprint  # noqa: PLW0603
+    known, age = _by_fingerprint, (Message.n_classes, _n_added)
+    if known.age != age:
+        types = {fingerprint(lcm_class): lcm_class for lcm_class in reversed(known_types())}
+        known = _by_fingerprint = _ByFingerprint(age, types)
+    return known.types.get(data[:8])

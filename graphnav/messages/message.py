@@ -48,6 +48,8 @@ class Message:
     many_writers: ClassVar[bool] = False
     """Whether several programs may write one channel of it: then neither stamps nor numbers of messages are compared,
     and each one counts from its arrival."""
+    n_classes: ClassVar[int] = 0
+    """How many message classes were declared so far: what is derived from all of them is old where this has grown."""
     _names: ClassVar[tuple[str, ...]]
     _floats: ClassVar[tuple[str, ...]]
 
@@ -64,6 +66,7 @@ class Message:
         cls.grid = grid or cls.grid
         cls._names = tuple(f.name for f in fields(cls))
         cls._floats = tuple(f.name for f in fields(cls) if f.metadata.get("finite", True))
+        Message.n_classes += 1
 
     def lcm_fields(self) -> Mapping[str, Any]:
         """Return the fields of the LCM type, but for ``utime``, ``seq`` and what array shapes tell."""
