@@ -5,51 +5,31 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_channel_and_feed, add_types_option, channel_and_feed, load_types_of, seconds
-from graphnav.cli.report_times import ReportTimes
-from graphnav.cli.status import OK
+from graphnav.cli import channel_report
 
 if TYPE_CHECKING:
     from graphnav.cli.tables import TextTable
     from graphnav.spy import ChannelTraffic, Periods, Traffic
 
+_KEYS = """\
+  type, messages, lost    as spy says them: messages heard, and missing by their numbers
+  rate_hz, wall_rate_hz   by the messages' own stamps, and as they arrived; null where there is none
+  period_min_s, period_max_s, period_std_s, wall_period_min_s, ...
+                          of the periods between neighbours, on either clock
+  silent_s                since the newest arrived; null in a log
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    add_channel_and_feed(parser)
-    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
-    add_types_option(parser)
+    channel_report.add_arguments(parser, _KEYS)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.cli.tables import print_table  # noqa: PLC0415
-    from graphnav.spy import Feed, Traffic  # noqa: PLC0415
+    from graphnav.spy import rates_as_json  # noqa: PLC0415
 
-    load_types_of(args)
-    name, source = channel_and_feed(args)
-    feed = Feed(source)
-    traffic = Traffic(feed.clock)
-    times = ReportTimes(args.for_s)
-    for heard in feed.listen(args.for_s):
-        if heard is not None:
-            traffic.hear(heard)
-            continue
-        if name is None:
-            if traffic.channels and times.is_due():
-                print_table(_table(traffic))
-            continue
-        traffic.check(name, feed)
-        channel = traffic.channels.get(name)
-        if channel is not None and channel.count and times.is_due():
-            print(_lines(channel), flush=True)
-    if name is not None:
-        print(_lines(traffic.find(name, feed, args.for_s)))
-    elif not traffic.channels:
-        raise feed.silence(args.for_s)
-    else:
-        print_table(_table(traffic))
-    return OK
+    return channel_report.report(args, _lines, _table, rates_as_json)
 
 
 def _lines(channel: ChannelTraffic) -> str:

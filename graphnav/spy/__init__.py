@@ -1,6 +1,5 @@
 """Watching: which channels there are, what goes over them and how fast, live or in a log."""
 
-from graphnav.spy.bandwidth import Bandwidth
 from graphnav.spy.contents import described, summarised
 from graphnav.spy.feed import Feed, Heard
 from graphnav.spy.field_columns import all_columns, columns_of
@@ -9,14 +8,22 @@ from graphnav.spy.health import Health
 from graphnav.spy.health_json import health_as_json
 from graphnav.spy.health_text import health_as_text
 from graphnav.spy.plain_values import plain
-from graphnav.spy.report import as_json, as_text, drops_of, silence_of, size_of, volume
+from graphnav.spy.report import (
+    as_json,
+    as_text,
+    drops_of,
+    rates_as_json,
+    silence_of,
+    size_of,
+    sizes_as_json,
+    volume,
+)
 from graphnav.spy.selection import Selection
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
 
 __all__ = [
     "MISSING",
-    "Bandwidth",
     "ChannelTraffic",
     "Feed",
     "FieldPath",
@@ -35,8 +42,10 @@ __all__ = [
     "health_as_text",
     "parse_field",
     "plain",
+    "rates_as_json",
     "silence_of",
     "size_of",
+    "sizes_as_json",
     "summarised",
     "volume",
 ]

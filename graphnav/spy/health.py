@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from graphnav.codec import DecodeError, decode, fingerprint
 from graphnav.messages import About, GuardState, Status
@@ -14,6 +15,9 @@ STATUS_SILENT_S = 2.5
 """A run that sends a status every second is silent after this time without one."""
 GUARD_SILENT_S = 1.0
 """A guard that sends its state many times a second is silent after this time without one."""
+
+MAX_RUNS = 32
+"""Of more runs, or guards, those that were silent for longest are forgotten: any program may invent names."""
 
 _STATUS, _GUARD = fingerprint(Status.lcm_class), fingerprint(GuardState.lcm_class)
 
@@ -43,7 +47,7 @@ class GuardHealth:
 
 
 class Health:
-    """All runs by id and all guards by channel; everything else that goes by is left aside.
+    """Runs by id and guards by channel, the newest 32 of each; everything else that goes by is left aside.
 
     ``clock`` returns the time now in seconds on the clock of the arrivals; without one, as for a log, none is silent.
     """
@@ -68,16 +72,24 @@ class Health:
         try:
             if heard.data[:8] == _STATUS:
                 utime, seq, status = decode(Status, heard.data)
-                self.runs[status.run_id] = RunHealth(status.run_id, heard.at_s, status, utime, seq)
+                self._keep_run(RunHealth(status.run_id, heard.at_s, status, utime, seq))
                 return True
             if heard.data[:8] == _GUARD:
                 utime, _, state = decode(GuardState, heard.data)
+                self.guards.pop(heard.channel, None)
                 self.guards[heard.channel] = GuardHealth(heard.channel, heard.at_s, state, utime)
+                _bound(self.guards)
             elif heard.channel == ABOUT and (run_id := decode(About, heard.data)[2].run_id):
-                self.runs.setdefault(run_id, RunHealth(run_id, heard.at_s))
+                self._keep_run(self.runs.get(run_id) or RunHealth(run_id, heard.at_s))
         except DecodeError:
             pass
         return False
+
+    def _keep_run(self, run: RunHealth) -> None:
+        """Keep a run as the one that was heard last."""
+        self.runs.pop(run.run_id, None)
+        self.runs[run.run_id] = run
+        _bound(self.runs)
 
     def silent_s(self, of: RunHealth | GuardHealth) -> float | None:
         """Return how long ago something was heard of a run or guard; None in a log."""
@@ -87,3 +99,9 @@ class Health:
         """Whether a run or guard no longer sends what it sends regularly."""
         limit_s = STATUS_SILENT_S if isinstance(of, RunHealth) else GUARD_SILENT_S
         return (self.silent_s(of) or 0.0) > limit_s
+
+
+def _bound(newest_last: dict[str, Any]) -> None:
+    """Drop what was heard of longest ago."""
+    while len(newest_last) > MAX_RUNS:
+        del newest_last[next(iter(newest_last))]

@@ -17,6 +17,8 @@ from graphnav.spy.row import Row, row_of
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch import Memory, Sample
 
+_MAX_NAMED = 3
+
 
 class LiveWatch:
     """Hears everything that a live feed carries.
@@ -100,7 +102,7 @@ class LiveWatch:
             traffic = self._memory.traffic
             said = [*filter(None, [drops_of(self._feed)]), self.name, f"{len(traffic.channels)} channels"]
             if traffic.runs:
-                said.append(f"run {shown_name(traffic.runs[-1])}")
+                said.append(_named(traffic.current_runs(time.monotonic())))
             said.append(f"{traffic.count} messages")
             if traffic.undecodable:
                 said.append(f"{traffic.undecodable} undecodable")
@@ -159,6 +161,13 @@ class LiveWatch:
     def _write(self, writer: ThreadedLogWriter, heard: Heard) -> None:
         """Record a message at the time of day at which it arrived, as lcm-logger does."""
         writer.write(heard.channel, round((heard.at_s + self._clock_offset_s) * 1e6), heard.data)
+
+
+def _named(runs: list[str]) -> str:
+    """Return which runs there are, a few by name."""
+    names = ", ".join(map(shown_name, runs[:_MAX_NAMED]))
+    more = f" and {len(runs) - _MAX_NAMED} more" if len(runs) > _MAX_NAMED else ""
+    return f"run {names}" if len(runs) == 1 else f"{len(runs)} runs: {names}{more}"
 
 
 def _recorded(writer: ThreadedLogWriter) -> str:

@@ -21,7 +21,7 @@ def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
     """Return everything that was heard, and what was not, for programs."""
     return {
         "feed": feed.name,
-        "runs": traffic.runs,
+        "runs": list(traffic.runs),
         "messages": traffic.count,
         "undecodable": traffic.undecodable,
         "overflow": traffic.overflow,
@@ -33,17 +33,41 @@ def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
 def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
     """Return what is known of one channel."""
     return {
-        "type": channel.type_name,
-        "messages": channel.count,
-        "rate_hz": channel.rate_hz,
-        "wall_rate_hz": channel.wall_rate_hz,
-        "silent_s": channel.silent_s,
-        **_periods_as_json("period", channel.published),
-        **_periods_as_json("wall_period", channel.arriving),
-        "bytes": channel.last_bytes,
-        "lost": channel.lost,
+        **rates_as_json(channel),
+        **sizes_as_json(channel),
         "undecodable": channel.undecodable,
         "fields": fields_of_channel(channel),
+    }
+
+
+def rates_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return the rates of one channel, by the stamps of its messages and by their arrival (``wall``)."""
+    return {
+        **_volume_as_json(channel),
+        "rate_hz": channel.rate_hz,
+        "wall_rate_hz": channel.wall_rate_hz,
+        **_periods_as_json("period", channel.published),
+        **_periods_as_json("wall_period", channel.arriving),
+    }
+
+
+def sizes_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return the sizes of one channel's messages and what they come to a second."""
+    sizes = channel.sizes if channel.count else None
+    return {
+        **_volume_as_json(channel),
+        "bytes": channel.last_bytes,
+        "bytes_per_s": channel.bytes_per_s,
+        **{name: getattr(sizes, name, None) for name in ("min_bytes", "mean_bytes", "max_bytes")},
+    }
+
+
+def _volume_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    return {
+        "type": channel.type_name,
+        "messages": channel.count,
+        "lost": channel.lost,
+        "silent_s": channel.silent_s,
     }
 
 

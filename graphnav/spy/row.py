@@ -11,9 +11,9 @@ from graphnav.spy.traffic import ChannelTraffic
 class Row:
     """One channel; None is what is not known.
 
-    ``rate_hz``: by the messages' own stamps. ``min_s`` to ``std_s``: of their periods. ``bandwidth_bps``: bytes per
-    second. ``n_bytes``: of the newest message. ``drops``: gaps in the numbers. ``age_s``: since the newest arrived.
-    ``counts``: messages of each of the last seconds, oldest first.
+    ``rate_hz``: by the messages' own stamps. ``min_s`` to ``std_s``: of their periods. ``n_bytes``: of the newest
+    message. ``drops``: gaps in the numbers. ``age_s``: since the newest arrived. ``counts``: messages of each of the
+    last seconds, oldest first.
     """
 
     name: str
@@ -24,7 +24,7 @@ class Row:
     mean_s: float | None
     max_s: float | None
     std_s: float | None
-    bandwidth_bps: float | None
+    bytes_per_s: float | None
     n_bytes: int | None
     latency_s: float | None
     drops: int
@@ -46,7 +46,7 @@ def row_of(channel: ChannelTraffic, now_s: float, clock_offset_s: float, age_s: 
         mean_s=periods.mean_s if periods else None,
         max_s=periods.max_s if periods else None,
         std_s=periods.std_s if periods else None,
-        bandwidth_bps=channel.history.bandwidth_bps(now_s),
+        bytes_per_s=channel.bytes_per_s,
         n_bytes=channel.last_bytes if channel.count else None,
         latency_s=channel.latency_s(clock_offset_s),
         drops=channel.lost,

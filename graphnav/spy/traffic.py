@@ -6,14 +6,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from graphnav.codec import Codec, DecodeError, codec_of, decode, lcm_name, type_named, type_of
+from graphnav.codec import DecodeError, codec_of, decode, lcm_name, type_named, type_of
 from graphnav.errors import UserError, did_you_mean
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.spy.feed import Feed, Heard
 from graphnav.spy.rate_history import RateHistory
-from graphnav.spy.window import RECENT_S, Periods, Window
+from graphnav.spy.window import RECENT_S, Periods, Sizes, Window
 
 _SILENT_S = 1.0
 _SILENT_PERIODS = 3
@@ -24,13 +24,14 @@ MAX_CHANNELS = 512
 _MAX_EARLY_S, _MAX_LATE_S = 1.0, 60.0
 """A stamp so far from the time of day is of another clock."""
 _MAX_RUNS = 32
-_MAX_UNKNOWN = 1024
+RUN_SILENT_S = 3.0
+"""A run that announces itself every second has ended after this time without."""
 
 Clock = Callable[[], float]
 
 
 class Traffic:
-    """All channels, by name, and the runs that said that they publish there.
+    """All channels, by name, and the runs that said that they publish there, with the time at which each said so last.
 
     ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not. There are at most 512;
     ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` are of all messages, those included.
@@ -42,11 +43,18 @@ class Traffic:
     def __init__(self, clock: Clock | None = None) -> None:
         self._clock = clock
         self.channels: dict[str, ChannelTraffic] = {}
-        self.runs: list[str] = []
+        self.runs: dict[str, float] = {}
         self.told = False
         self.overflow = self.count = self.undecodable = 0
-        self._types = KnownTypes()
         load_adapted_types()
+
+    def current_runs(self, now_s: float) -> list[str]:
+        """Return the runs that still say that they publish there, of ended ones the last; in the order of their begin.
+
+        ``now_s``: on the clock of the arrivals.
+        """
+        current = [run_id for run_id, heard_s in self.runs.items() if now_s - heard_s < RUN_SILENT_S]
+        return current or sorted(self.runs, key=self.runs.__getitem__)[-1:]
 
     def find(self, name: str, feed: Feed, for_s: float | None) -> ChannelTraffic:
         """Return a channel that was heard.
@@ -73,11 +81,11 @@ class Traffic:
     def hear(self, heard: Heard) -> ChannelTraffic:
         """Count a message; return its channel, one that is not kept where there are too many."""
         if heard.channel == ABOUT:
-            self._learn(heard.data)
+            self._learn(heard)
         channel = self._channel(heard.channel)
         if channel is None:
             self.overflow += 1
-            channel = ChannelTraffic(heard.channel, self._types, clock=self._clock)
+            channel = ChannelTraffic(heard.channel, clock=self._clock)
         channel.hear(heard)
         self.count += 1
         self.undecodable += not channel.decodes
@@ -87,12 +95,12 @@ class Traffic:
         """Return the channel of a name, made where it is new; None where there are too many."""
         channel = self.channels.get(name)
         if channel is None and len(self.channels) < MAX_CHANNELS:
-            channel = self.channels[name] = ChannelTraffic(name, self._types, told, self._clock)
+            channel = self.channels[name] = ChannelTraffic(name, told, self._clock)
         return channel
 
-    def _learn(self, data: bytes) -> None:
+    def _learn(self, heard: Heard) -> None:
         try:
-            about = decode(About, data)[2]
+            about = decode(About, heard.data)[2]
         except DecodeError:
             return
         self.told = True
@@ -100,25 +108,10 @@ class Traffic:
             channel = self._channel(name, type_name)
             if channel is not None:
                 channel.type_name = channel.type_name or type_name
-        if about.run_id and about.run_id not in self.runs:
-            self.runs = [*self.runs, about.run_id][-_MAX_RUNS:]
-
-
-class KnownTypes:
-    """The codecs of messages by their fingerprints, looked up once each."""
-
-    def __init__(self) -> None:
-        self._codecs: dict[bytes, tuple[type, Codec] | None] = {}
-
-    def of(self, data: bytes) -> tuple[type, Codec] | None:
-        """Return type and codec of a message, None where its type is not installed."""
-        key = data[:8]
-        if key not in self._codecs:
-            if len(self._codecs) >= _MAX_UNKNOWN:
-                self._codecs.clear()
-            lcm_class = type_of(data)
-            self._codecs[key] = None if lcm_class is None else (lcm_class, codec_of(lcm_class))
-        return self._codecs[key]
+        if about.run_id:
+            self.runs[about.run_id] = heard.at_s
+        if len(self.runs) > _MAX_RUNS:
+            del self.runs[min(self.runs, key=self.runs.__getitem__)]
 
 
 class ChannelTraffic:
@@ -129,7 +122,7 @@ class ChannelTraffic:
     ``fingerprint``. ``heard_s``: when it arrived.
     """
 
-    def __init__(self, name: str, types: KnownTypes, told: str | None = None, clock: Clock | None = None) -> None:
+    def __init__(self, name: str, told: str | None = None, clock: Clock | None = None) -> None:
         self.name = name
         self.type_name = told
         self.lcm_class = type_named(told) if told else None
@@ -138,7 +131,6 @@ class ChannelTraffic:
         self.fingerprint = b""
         self.heard_s = 0.0
         self.history = RateHistory()
-        self._types = types
         self._clock = clock
         self._newest: bytes | None = None
         self._values: dict[str, Any] | None = None
@@ -152,23 +144,23 @@ class ChannelTraffic:
         self.count += 1
         self.last_bytes = len(data)
         self.heard_s = heard.at_s
-        self._arrivals.add(heard.at_s, heard.at_s, self.count)
-        self.history.add(heard.at_s, len(data))
-        known = self._types.of(data)
-        self.is_unknown, self.fingerprint = known is None, data[:8]
-        self.decodes = known is not None and known[1].fits(data)
-        if known is not None and (known[0] is not self.lcm_class or self.type_name is None):
-            self._take_type(known[0])
-        if known is None or not self.decodes:
+        self._arrivals.add(heard.at_s, heard.at_s, self.count, len(data))
+        self.history.add(heard.at_s)
+        lcm_class = type_of(data)
+        self.is_unknown, self.fingerprint = lcm_class is None, data[:8]
+        codec = None if lcm_class is None else codec_of(lcm_class)
+        self.decodes = codec is not None and codec.fits(data)
+        if lcm_class is not None and (lcm_class is not self.lcm_class or self.type_name is None):
+            self._take_type(lcm_class)
+        if codec is None or not self.decodes:
             self.undecodable += 1
             return
-        codec = known[1]
         self._newest, self._values = data, None
         utime, seq = codec.peek(data, "utime"), codec.peek(data, "seq")
         if utime is not None and seq is not None:
             if not self._numbered or seq <= self._last_seq:
                 self._stamps, self._first_seq, self._numbered = Window(self._recent_s), seq, 0
-            self._stamps.add(heard.at_s, utime / 1e6, seq)
+            self._stamps.add(heard.at_s, utime / 1e6, seq, len(data))
             self._last_seq = seq
             self._numbered += 1
 
@@ -210,8 +202,8 @@ class ChannelTraffic:
     @property
     def is_silent(self) -> bool:
         """Whether messages have stopped to come: none for 3 of its periods, and for a second at least."""
-        silent_s, arriving = self.silent_s, self._arrivals.periods()
-        period_s = 1 / arriving.rate_hz if arriving else 0.0
+        silent_s, rate_hz = self.silent_s, self._arrivals.rate_hz()
+        period_s = 1 / rate_hz if rate_hz else 0.0
         return silent_s is not None and silent_s > max(_SILENT_S, _SILENT_PERIODS * period_s)
 
     @property
@@ -225,6 +217,16 @@ class ChannelTraffic:
     def arriving(self) -> Periods | None:
         """Periods of the arrivals; None of a silent channel."""
         return None if self.is_silent else self._arrivals.periods()
+
+    @property
+    def sizes(self) -> Sizes:
+        """Sizes of the newest messages, as many as rates are taken of; raises ValueError before the first."""
+        return self._arrivals.sizes()
+
+    @property
+    def bytes_per_s(self) -> float | None:
+        """Bytes per second as they arrived; None below two messages and of a silent channel."""
+        return None if self.is_silent else self._arrivals.bytes_per_s()
 
     @property
     def rate_hz(self) -> float | None:

@@ -7,6 +7,7 @@ import math
 import statistics
 from collections import deque
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,16 +33,28 @@ class Periods:
     mean_s: float | None = None
 
 
+class Sizes(NamedTuple):
+    """The messages in a window: their number and sizes in bytes."""
+
+    n: int
+    min_bytes: int
+    mean_bytes: float
+    max_bytes: int
+
+
 class Window:
     """The newest messages on one clock: up to 10,000, and of the last ``recent_s`` seconds if that is given."""
 
     def __init__(self, recent_s: float | None) -> None:
         self._recent_s = math.inf if recent_s is None else recent_s
-        self._newest: deque[tuple[float, float, int]] = deque(maxlen=MAX_MESSAGES)
+        self._newest: deque[tuple[float, float, int, int]] = deque(maxlen=MAX_MESSAGES)
 
-    def add(self, at_s: float, time_s: float, number: int) -> None:
-        """Take a message that arrived at ``at_s``; ``time_s`` is its time on the window's clock."""
-        self._newest.append((at_s, time_s, number))
+    def add(self, at_s: float, time_s: float, number: int, n_bytes: int = 0) -> None:
+        """Take a message that arrived at ``at_s``; ``time_s`` is its time on the window's clock.
+
+        ``n_bytes`` is for `sizes` and `bytes_per_s`.
+        """
+        self._newest.append((at_s, time_s, number, n_bytes))
         while len(self._newest) > 2 and at_s - self._newest[0][0] > self._recent_s:
             self._newest.popleft()
 
@@ -55,17 +68,33 @@ class Window:
         if not self._newest:
             return None
         newest = itertools.islice(reversed(self._newest), _RECENT_MESSAGES)
-        return statistics.median(at_s - time_s for at_s, time_s, _ in newest)
+        return statistics.median(at_s - time_s for at_s, time_s, *_ in newest)
+
+    def sizes(self) -> Sizes:
+        """Return the sizes; raises ValueError where there is no message."""
+        sizes = [n_bytes for *_, n_bytes in self._newest]
+        return Sizes(len(sizes), min(sizes), sum(sizes) / len(sizes), max(sizes))
+
+    def bytes_per_s(self) -> float | None:
+        """Return the bytes of all but the first, over the time to the last; None where no time passed."""
+        length_s = self._length_s()
+        return (sum(n_bytes for *_, n_bytes in self._newest) - self._newest[0][-1]) / length_s if length_s > 0 else None
+
+    def rate_hz(self) -> float | None:
+        """Return the messages a second, the lost ones included; None where no time passed."""
+        length_s = self._length_s()
+        return (self._newest[-1][2] - self._newest[0][2]) / length_s if length_s > 0 else None
+
+    def _length_s(self) -> float:
+        """Return the time from the first to the last message, 0 where there is none."""
+        return self._newest[-1][1] - self._newest[0][1] if self._newest else 0.0
 
     def periods(self) -> Periods | None:
         """Return the periods, None below two messages or where no time passed between the first and the last."""
-        if len(self._newest) < 2:
+        rate_hz = self.rate_hz()
+        if rate_hz is None:
             return None
-        _, times, numbers = np.array(self._newest, np.float64).T
-        length_s = float(times[-1] - times[0])
-        if length_s <= 0:
-            return None
-        rate_hz = float(numbers[-1] - numbers[0]) / length_s
+        _, times, numbers, _ = np.array(self._newest, np.float64).T
         steps = np.diff(times)[np.diff(numbers) == 1]
         if not steps.size:
             return Periods(rate_hz, None, None, None, len(times))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,7 +17,7 @@ from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import Twist
 from graphnav.record import LogWriter
-from graphnav.spy import Bandwidth, Heard
+from graphnav.spy import Heard, Traffic
 
 
 @pytest.fixture
@@ -33,23 +35,26 @@ def log(tmp_path: Path) -> Path:
 
 @given(st.lists(st.tuples(st.floats(0.001, 1), st.integers(0, 10_000)), min_size=2, max_size=50))
 def test_the_bandwidth_is_what_comes_after_the_first(messages: list[tuple[float, int]]) -> None:
-    bandwidth = Bandwidth(is_live=False)
+    traffic = Traffic()
     at_s = 0.0
     for step_s, size in messages:
         at_s += step_s
-        bandwidth.hear(Heard("x", bytes(size), at_s))
-    sizes = bandwidth.sizes
-    assert sizes.bytes_per_s == pytest.approx(sum(n for _, n in messages[1:]) / sum(s for s, _ in messages[1:]))
+        channel = traffic.hear(Heard("x", bytes(size), at_s))
+    assert channel.bytes_per_s == pytest.approx(sum(n for _, n in messages[1:]) / sum(s for s, _ in messages[1:]))
+    sizes = channel.sizes
     assert (sizes.min_bytes, sizes.max_bytes) == (min(n for _, n in messages), max(n for _, n in messages))
     assert sizes.min_bytes <= sizes.mean_bytes <= sizes.max_bytes
 
 
 def test_a_live_bandwidth_forgets_after_ten_seconds() -> None:
-    bandwidth = Bandwidth(is_live=True)
+    now_s = 29.9
+    traffic = Traffic(lambda: now_s)
     for k in range(300):
-        bandwidth.hear(Heard("x", bytes(1000 if k < 150 else 10), 0.1 * k))
-    assert bandwidth.sizes.max_bytes == 10
-    assert bandwidth.sizes.bytes_per_s == pytest.approx(100)
+        channel = traffic.hear(Heard("x", bytes(1000 if k < 150 else 10), 0.1 * k))
+    assert channel.sizes.max_bytes == 10
+    assert channel.bytes_per_s == pytest.approx(100)
+    now_s = 31.0
+    assert channel.bytes_per_s is None, "nothing has come for a second"
 
 
 def test_bw_of_one_channel(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -71,6 +76,42 @@ def test_bw_of_all_channels(log: Path, capsys: pytest.CaptureFixture[str], words
         ["once", "10", "B", "10", "B", "10", "B", "1"],
         ["all", "16.8", "kB/s"],
     ]
+
+
+SAID_BY = {
+    "hz": {"rate_hz", "wall_rate_hz"}
+    | {f"{clock}_{name}_s" for clock in ("period", "wall_period") for name in ("min", "max", "std")},
+    "bw": {"bytes", "bytes_per_s", "min_bytes", "mean_bytes", "max_bytes"},
+}
+
+
+def said_as_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    """Run a command and return the document that it prints."""
+    assert main([*words, "--json"]) == 0
+    said: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return said
+
+
+@pytest.mark.parametrize("command", SAID_BY)
+def test_programs_are_told_what_spy_tells_them(log: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    said = said_as_json(capsys, command, str(log))
+    spied = said_as_json(capsys, "spy", str(log))
+    assert said["feed"] == str(log)
+    assert set(said["channels"]) == set(spied["channels"])
+    for name, one in said["channels"].items():
+        assert set(one) == SAID_BY[command] | {"type", "messages", "lost", "silent_s"}
+        assert one.items() <= spied["channels"][name].items()
+    only = said_as_json(capsys, command, "CAMERA", str(log))
+    assert only == {"feed": str(log), "dropped_packets": 0, "channels": {"CAMERA": said["channels"]["CAMERA"]}}
+
+
+@pytest.mark.parametrize("command", SAID_BY)
+def test_keys_are_documented(capsys: pytest.CaptureFixture[str], command: str) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    said = capsys.readouterr().out
+    for key in SAID_BY[command]:
+        assert key in said or (key.startswith("wall_period") and "wall_period_min_s, ..." in said), key
 
 
 def test_hz_of_all_channels(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -139,3 +180,11 @@ def test_the_last_report_is_printed_once(live: str, capsys: pytest.CaptureFixtur
     assert len(lines) == (1 if command == "bw" else 2)
     assert main([command, live, "--for", "1.4"]) == 0
     assert capsys.readouterr().out.count("channel") == 1
+
+
+@pytest.mark.parametrize("command", ["bw", "hz"])
+def test_a_live_document_comes_once_and_at_the_end(live: str, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    (said,) = said_as_json(capsys, command, "x", live, "--for", "1.4")["channels"].values()
+    assert said["messages"] > 1
+    assert said["silent_s"] >= 0
+    assert said["type"] == "graphnav_lcm.twist_t"

@@ -83,7 +83,7 @@ def _size(row: Row) -> str:
 
 
 def _bandwidth(row: Row) -> str:
-    return "-" if row.bandwidth_bps is None else f"{size_of(round(row.bandwidth_bps))}/s"
+    return "-" if row.bytes_per_s is None else f"{size_of(round(row.bytes_per_s))}/s"
 
 
 def _count(value: int) -> str:
@@ -109,7 +109,7 @@ _BY_PRIORITY = (
         lambda row: row.type_name or "",
         is_left=True,
     ),
-    Column("bandwidth", 11, _bandwidth, lambda row: _low(row.bandwidth_bps)),
+    Column("bandwidth", 11, _bandwidth, lambda row: _low(row.bytes_per_s)),
     Column("latency ms", 10, lambda row: _ms(row.latency_s), lambda row: _low(row.latency_s)),
     Column("mean ms", 8, lambda row: _ms(row.mean_s), lambda row: _low(row.mean_s)),
     Column("std ms", 8, lambda row: _ms(row.std_s), lambda row: _low(row.std_s)),

@@ -1,4 +1,4 @@
-"""Messages and bytes of the last seconds."""
+"""Messages of the last seconds."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from graphnav.spy.sparkline import sparkline
 def test_whole_seconds_are_counted_and_the_one_that_runs_is_not() -> None:
     history = RateHistory()
     for k in range(25):
-        history.add(100.0 + 0.1 * k, 50)
+        history.add(100.0 + 0.1 * k)
     assert history.counts(102.4) == [10, 10]
-    assert history.bandwidth_bps(102.4) == 500
     assert history.counts(103.0) == [10, 10, 5]
     assert history.counts(105.5) == [10, 10, 5, 0, 0]
 
@@ -22,16 +21,15 @@ def test_whole_seconds_are_counted_and_the_one_that_runs_is_not() -> None:
 def test_nothing_is_told_before_the_first_second_is_over() -> None:
     history = RateHistory()
     assert history.counts(5.0) == []
-    history.add(5.0, 1)
+    history.add(5.0)
     assert history.counts(5.9) == []
-    assert history.bandwidth_bps(5.9) is None
 
 
 @given(st.lists(st.floats(-1e12, 1e12) | st.sampled_from([float("nan"), float("inf")]), max_size=50))
 def test_any_clock_costs_no_more_than_a_minute_of_counts(times: list[float]) -> None:
     history = RateHistory()
     for at_s in times:
-        history.add(at_s, 1)
+        history.add(at_s)
         assert len(history.counts(at_s)) <= SECONDS
         assert sum(history.counts(at_s)) <= len(times)
 

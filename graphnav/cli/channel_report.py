@@ -1,0 +1,81 @@
+"""What ``hz`` and ``bw`` share: listen to a channel or to all, report once a second and at the end."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from graphnav.cli.options import add_channel_and_feed, add_types_option, channel_and_feed, load_types_of, seconds
+from graphnav.cli.report_times import ReportTimes
+from graphnav.cli.status import OK
+
+if TYPE_CHECKING:
+    from graphnav.cli.tables import TextTable
+    from graphnav.spy import ChannelTraffic, Traffic
+
+_JSON_S = 2.5
+
+
+def add_arguments(parser: argparse.ArgumentParser, keys: str) -> None:
+    """Declare the arguments; ``keys`` documents what ``--json`` says of a channel."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = (
+        f'--json prints {{"feed": ..., "dropped_packets": N, "channels": {{NAME: {{...}}}}}}; of each channel:\n{keys}'
+    )
+    add_channel_and_feed(parser)
+    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help=f"print one JSON document at the end, for programs; --for is {_JSON_S:g} s then unless given",
+    )
+    add_types_option(parser)
+
+
+def report(
+    args: argparse.Namespace,
+    line: Callable[[ChannelTraffic], str],
+    table: Callable[[Traffic], TextTable],
+    as_json: Callable[[ChannelTraffic], dict[str, Any]],
+) -> int:
+    """Run a command that prints a line for one channel, a table of all, or either as JSON.
+
+    Raises GraphnavError where nothing was heard, UserError where a run is heard that has no such channel.
+    """
+    from graphnav.cli.tables import print_table  # noqa: PLC0415
+    from graphnav.spy import Feed, Traffic  # noqa: PLC0415
+
+    load_types_of(args)
+    name, source = channel_and_feed(args)
+    feed = Feed(source)
+    traffic = Traffic(feed.clock)
+    for_s = _JSON_S if args.json and args.for_s is None else args.for_s
+    times = ReportTimes(for_s)
+    for heard in feed.listen(for_s):
+        if heard is not None:
+            traffic.hear(heard)
+            continue
+        if name is not None:
+            traffic.check(name, feed)
+        if args.json or not times.is_due():
+            continue
+        if name is None and traffic.channels:
+            print_table(table(traffic))
+        elif name is not None and name in traffic.channels and traffic.channels[name].count:
+            print(line(traffic.channels[name]), flush=True)
+    if name is not None:
+        channels = {name: traffic.find(name, feed, for_s)}
+    elif not traffic.channels:
+        raise feed.silence(for_s)
+    else:
+        channels = traffic.channels
+    if args.json:
+        told = {name: as_json(channels[name]) for name in sorted(channels)}
+        print(json.dumps({"feed": feed.name, "dropped_packets": feed.dropped_packets(), "channels": told}))
+    elif name is not None:
+        print(line(channels[name]))
+    else:
+        print_table(table(traffic))
+    return OK
