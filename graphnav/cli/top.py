@@ -7,7 +7,7 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, seconds
+from graphnav.cli.options import add_feed_argument, add_types_option, load_types_of, seconds
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="how long to wait for the first status (default: 2.5 s)",
     )
+    add_types_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -43,6 +44,7 @@ def main(args: argparse.Namespace) -> int:
 
     from graphnav.spy import Feed, Health, health_as_json, health_as_text  # noqa: PLC0415
 
+    load_types_of(args)
     feed = Feed(args.feed)
     health = Health(feed.clock)
     console = Console(highlight=False)

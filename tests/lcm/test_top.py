@@ -25,6 +25,7 @@ from graphnav.codec import encode
 from graphnav.messages import About, GuardState, Message, Status
 from graphnav.record import ABOUT, LogWriter
 from graphnav.spy import Health, Heard, health_as_text
+from graphnav.spy.health import MAX_RUNS
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 STAGE = {
@@ -151,6 +152,26 @@ def test_damaged_messages_are_left_aside() -> None:
     for message in (STATUS, STOPPED, ABOUT_B):
         health.hear(Heard(ABOUT, encode(message, 0, 0)[:-3], 0.0))
     assert (health.runs, health.guards) == ({}, {})
+
+
+def test_invented_runs_and_guards_do_not_fill_the_memory() -> None:
+    health = Health()
+    for k in range(3 * MAX_RUNS):
+        health.hear(Heard(ABOUT, encode(replace(ABOUT_B, run_id=f"run-{k}"), 0, 0), k))
+        health.hear(Heard("graphnav.status", encode(replace(STATUS, run_id="real"), 0, k), k))
+        health.hear(Heard(f"guard-{k}", encode(STOPPED, 0, 0), k))
+    assert len(health.runs) == MAX_RUNS
+    assert health.runs["real"].seq == 3 * MAX_RUNS - 1, "who is heard again and again is not forgotten"
+    assert f"run-{3 * MAX_RUNS - 1}" in health.runs
+    assert list(health.guards) == [f"guard-{k}" for k in range(2 * MAX_RUNS, 3 * MAX_RUNS)]
+
+
+def test_types_that_are_not_there_are_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with LogWriter(tmp_path / "run.lcmlog") as log:
+        log.write("graphnav.status", 0, encode(STATUS, 0, 0))
+    assert main(["top", str(tmp_path), "--types", "no_such_package"]) == 2
+    assert "no_such_package" in capsys.readouterr().err
+    assert main(["top", str(tmp_path), "--types", "graphnav_lcm"]) == 0
 
 
 def test_the_last_status_of_a_log_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
