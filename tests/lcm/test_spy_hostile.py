@@ -24,7 +24,7 @@ from graphnav.spy.screen import SpyApp
 from graphnav.spy.traffic import MAX_CHANNELS
 from graphnav.spy.watch import Memory
 
-from .test_spy_screen import until
+from .spy_app import until
 
 SHORT_MAGIC = 0x4C433032
 """What a LCM packet of one fragment begins with."""

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from .test_spy_screen import publishing
+from .spy_app import publishing
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 TYPED = shlex.quote(GRAPHNAV)
