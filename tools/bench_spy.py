@@ -24,11 +24,11 @@ _TICK_S = 1 / os.sysconf("SC_CLK_TCK")
 _SETTLE_S = 6.0
 
 
-def measure(seconds: float, keys: bytes, rows: int = 50, cols: int = 200) -> float:
+def measure(seconds: float, keys: bytes, graphics: str = "blocks", rows: int = 50, cols: int = 200) -> float:
     """Return the share of a core that the spy takes beside a run, after some keys were pressed."""
     with tempfile.TemporaryDirectory() as folder, _run(folder, seconds + 3 * _SETTLE_S):
         time.sleep(_SETTLE_S / 2)
-        with spy_in_terminal([], folder, rows, cols) as (process, terminal):
+        with spy_in_terminal(["--graphics", graphics], folder, rows, cols) as (process, terminal):
             time.sleep(_SETTLE_S)
             for key in keys:
                 os.write(terminal, bytes([key]))
@@ -53,9 +53,9 @@ def _run(folder: str, seconds: float) -> Iterator[None]:
 def spy_in_terminal(
     arguments: Sequence[str], folder: str, rows: int, cols: int
 ) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
-    """Run the spy in a terminal of a size, whose output is read and dropped; yield the process and its keyboard."""
+    """Run the spy in a terminal of a size, whose output is dropped; yield the process and its keyboard."""
     terminal, screen = pty.openpty()
-    fcntl.ioctl(screen, termios.TIOCSWINSZ, struct.pack("HHHH", rows, cols, 0, 0))
+    fcntl.ioctl(screen, termios.TIOCSWINSZ, struct.pack("HHHH", rows, cols, 10 * cols, 20 * rows))
     looks = {**os.environ, "TERM": "xterm-256color", "COLORTERM": "truecolor"}
     command = [GRAPHNAV, "spy", *arguments]
     with subprocess.Popen(
@@ -88,10 +88,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--channel", default="robot.image", help="the channel that is opened")
+    parser.add_argument("--graphics", default="blocks", choices=("blocks", "sixel", "kitty"))
     args = parser.parse_args()
     table = measure(args.seconds, b"")
-    picture = measure(args.seconds, b"/" + args.channel.encode() + b"\r\r")
-    print(f"table {table:.1%} of a core, {args.channel} open {picture:.1%} (limit {LIMIT:.0%})")
+    picture = measure(args.seconds, b"/" + args.channel.encode() + b"\r\r", args.graphics)
+    print(f"table {table:.1%} of a core, {args.channel} open by {args.graphics} {picture:.1%} (limit {LIMIT:.0%})")
     return 0 if max(table, picture) <= LIMIT else 1
 
 

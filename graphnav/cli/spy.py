@@ -34,6 +34,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--for", dest="for_s", type=seconds, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
     )
+    parser.add_argument(
+        "--graphics",
+        choices=("auto", "blocks", "sixel", "kitty"),
+        default="blocks",
+        help="how the full screen shows pictures: half blocks, which every terminal has; sixels; the protocol of "
+        "kitty; auto asks the terminal and takes the best, half blocks inside tmux and screen (default: blocks)",
+    )
     add_types_option(parser)
 
 
@@ -46,7 +53,7 @@ def main(args: argparse.Namespace) -> int:
     load_types_of(args)
     feed = Feed(args.feed)
     if not (args.once or args.json) and _has_screen():
-        return _full_screen(feed)
+        return _full_screen(feed, args.graphics)
     traffic = Traffic(feed.clock)
     console = Console(highlight=False, soft_wrap=True)
     if feed.is_live and not (args.once or args.json):
@@ -72,16 +79,17 @@ def _has_screen() -> bool:
     return is_terminal and os.environ.get("TERM", "dumb") not in _PLAIN_TERMINALS
 
 
-def _full_screen(feed: Feed) -> int:
+def _full_screen(feed: Feed, graphics: str) -> int:
     """Show the feed until the user leaves."""
     from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.spy.screen import SpyApp, watch_of  # noqa: PLC0415
+    from graphnav.spy.screen import SpyApp, painters, watch_of  # noqa: PLC0415
 
     gc.freeze()  # what was imported stays: it need not be looked through again and again
+    new_painter = painters(graphics)
     watch = watch_of(feed)
     watch.start()
     try:
-        app = SpyApp(watch, Catalog(), Path.cwd())
+        app = SpyApp(watch, Catalog(), Path.cwd(), new_painter)
         app.run()
     finally:
         watch.close()

@@ -4,8 +4,9 @@ from graphnav.spy.feed import Feed
 from graphnav.spy.live_watch import LiveWatch
 from graphnav.spy.log_watch import LogWatch
 from graphnav.spy.screen.app import SpyApp
+from graphnav.spy.screen.choose_painter import painters
 
-__all__ = ["SpyApp", "watch_of"]
+__all__ = ["SpyApp", "painters", "watch_of"]
 
 
 def watch_of(feed: Feed) -> LiveWatch | LogWatch:

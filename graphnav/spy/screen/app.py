@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar
 
@@ -13,8 +14,11 @@ from textual.binding import Binding, BindingType
 from graphnav.catalog import Catalog
 from graphnav.spy.live_watch import LiveWatch
 from graphnav.spy.log_watch import LogWatch
+from graphnav.spy.screen.block_painter import BlockPainter
 from graphnav.spy.screen.channel_screen import ChannelScreen
 from graphnav.spy.screen.channels_screen import ChannelsScreen
+from graphnav.spy.screen.painter import Painter
+from graphnav.spy.screen.picture_view import PictureView
 from graphnav.spy.screen.screen_image import screen_image
 from graphnav.spy.screen.session import Session
 
@@ -42,10 +46,16 @@ class SpyApp(App[None]):
         Binding("ctrl+c", "quit", "quit", show=False, priority=True),
     ]
 
-    def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog, folder: Path) -> None:
+    def __init__(
+        self,
+        watch: LiveWatch | LogWatch,
+        catalog: Catalog,
+        folder: Path,
+        new_painter: Callable[[], Painter] = BlockPainter,
+    ) -> None:
         super().__init__(ansi_color=True)
         self._watch = watch
-        self._session = Session(watch, catalog)
+        self._session = Session(watch, catalog, new_painter)
         self._folder = folder
         self._played_s = 0.0
 
@@ -58,6 +68,13 @@ class SpyApp(App[None]):
         """Return whether a key means something: freezing is for what is live, stepping for logs."""
         del parameters
         return action not in (_LOG_ONLY if self._watch.is_live else _LIVE_ONLY)
+
+    async def action_quit(self) -> None:
+        """Leave; what is not in the cells would outlive the screen."""
+        self._session.is_frozen = True
+        for view in self.screen.query(PictureView):
+            view.take_away()
+        self.exit()
 
     def action_freeze(self) -> None:
         """Let the view stand still, or go on."""

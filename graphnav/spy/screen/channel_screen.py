@@ -18,7 +18,8 @@ from graphnav.pictures import drawing
 from graphnav.spy.reasons import losses
 from graphnav.spy.report import size_of
 from graphnav.spy.screen.field_tree import FieldTree
-from graphnav.spy.screen.picture_view import Bytes, PictureView
+from graphnav.spy.screen.painter import Bytes
+from graphnav.spy.screen.picture_view import PictureView
 from graphnav.spy.screen.plot_view import MAX_CURVES, PlotView
 from graphnav.spy.screen.reason_line import ReasonLine
 from graphnav.spy.screen.session import Session
@@ -67,7 +68,7 @@ class ChannelScreen(Screen[None]):
         with Horizontal(id="body"):
             yield FieldTree(id="fields")
             with Vertical(id="views"):
-                yield PictureView(id="picture")
+                yield PictureView(self._session.new_painter(), id="picture")
                 yield PlotView(id="plot", markup=False)
         yield Footer()
 
@@ -99,7 +100,7 @@ class ChannelScreen(Screen[None]):
         if sample is None:
             return
         version = self._session.watch.version
-        if at_once or version != self._drawn_version:
+        if at_once or version != self._drawn_version or self.query_one(PictureView).wants_picture:
             self._drawn_version = version
             self._show_picture(sample)
         self._collect(sample)
@@ -148,7 +149,7 @@ class ChannelScreen(Screen[None]):
 
     def _picture_of(self, message: Message, view: PictureView) -> Bytes | None:
         rows, cols = view.box_px
-        context = self._session.moment.context(rows, cols, with_legend=False)
+        context = self._session.moment.context(rows, cols, with_legend=view.has_small_pixels)
         return self._session.pictures.draw(message, context)
 
     def _lay_out(self, *, has_picture: bool) -> None:

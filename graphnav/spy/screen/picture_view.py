@@ -1,68 +1,103 @@
-"""A picture in the terminal, by half blocks: any terminal shows them, and they cost little."""
+"""A picture in the terminal."""
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
-import numpy.typing as npt
-from rich.color import Color
 from rich.segment import Segment
-from rich.style import Style
+from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
-from graphnav.spy.half_blocks import UPPER_HALF, half_blocks, run_of, shades
-
-Bytes = npt.NDArray[np.uint8]
-
-_MAX_SEGMENTS = 50_000
+from graphnav.spy.screen.painter import Bytes, Cells, Painter
 
 
 class PictureView(Widget):
     """Shows a picture in its middle, or why there is none."""
 
-    def __init__(self, *, id: str | None = None) -> None:  # noqa: A002, Textual's name
+    def __init__(self, painter: Painter, *, id: str | None = None) -> None:  # noqa: A002, Textual's name
         super().__init__(id=id)
+        self._painter = painter
         self._strips: list[Strip] = []
-        self._segments: dict[int, Segment] = {}
-        self._has_colour = not os.environ.get("NO_COLOR")
+        self.picture: Bytes | None = None
+        """What is shown; None where a text is, or nothing."""
+        self._painted_for = self.size
+        self._is_lost = False
 
     @property
     def box_px(self) -> tuple[int, int]:
         """Rows and columns of pixels that there is room for."""
-        return max(1, 2 * self.size.height), max(1, self.size.width)
+        return self._painter.box_px(self.size.height, self.size.width)
+
+    @property
+    def wants_picture(self) -> bool:
+        """Whether there is room for a picture that was not shown, or was taken away, before the layout was done."""
+        return self._is_lost and self.display and bool(self.size)
+
+    @property
+    def has_small_pixels(self) -> bool:
+        """Whether pixels are so small that letters can be read."""
+        return self._painter.is_raw
+
+    @property
+    def is_raw(self) -> bool:
+        """Whether the lines hold a picture as escape sequences, so that its pixels are not in the cells."""
+        return self._painter.is_raw and self.picture is not None
+
+    @property
+    def place(self) -> Cells | None:
+        """The cells that the picture takes."""
+        return None if self.picture is None else self._painter.place(self.picture, self.size.height, self.size.width)
 
     def show(self, picture: Bytes) -> None:
-        """Show a picture (rows, cols, 3) that fits the box."""
-        if self._has_colour:
-            kept = self._segments
-            lines = [[kept.get(run) or self._segment(run) for run in line] for line in half_blocks(picture)]
-        else:
-            lines = [[Segment(line)] for line in shades(picture)]
-        left = (self.size.width - picture.shape[1]) // 2
-        above = (self.size.height - len(lines)) // 2
-        margin = [Segment(" " * left)] if left > 0 else []
-        blank = [Strip([])] * max(0, above)
-        self._strips = [*blank, *(Strip([*margin, *line], left + picture.shape[1]) for line in lines)]
+        """Show a picture (rows, cols, 3) that fits the box; the one that is shown costs nothing."""
+        shown = self.picture if self._painted_for == self.size else None
+        self._is_lost = not self.size
+        if self._is_lost or (shown is not None and np.array_equal(shown, picture)):
+            return
+        self.picture, self._painted_for = picture, self.size
+        self._strips = self._painter.paint(picture, self.size.height, self.size.width)
         self.refresh()
 
     def say(self, text: str) -> None:
         """Show a text in place of a picture."""
         strips = [Strip([Segment(line)]) for line in text.splitlines()]
-        if strips != self._strips:
+        if self.picture is not None or strips != self._strips:
+            self.take_away()
             self._strips = strips
             self.refresh()
+        self._is_lost = False
 
     def render_line(self, y: int) -> Strip:
         """Return a line of the picture."""
         return self._strips[y] if y < len(self._strips) else Strip([])
 
-    def _segment(self, packed: int) -> Segment:
-        """Make the segment of a run and keep it: the next picture has the same ones."""
-        if len(self._segments) >= _MAX_SEGMENTS:
-            self._segments.clear()
-        run = run_of(packed)
-        style = Style(color=Color.from_rgb(*run.above), bgcolor=Color.from_rgb(*run.below))
-        segment = self._segments[packed] = Segment(UPPER_HALF * run.length, style)
-        return segment
+    def render_lines(self, crop: Region) -> list[Strip]:
+        """Return lines; those with escape sequences as they are."""
+        if not self.is_raw:
+            return super().render_lines(crop)
+        if self._painted_for != self.size:
+            return [Strip.blank(crop.width)] * crop.height
+        return self._strips[crop.y : crop.bottom]
+
+    def on_resize(self) -> None:
+        """Show nothing until there is a picture of the new size."""
+        if self.picture is not None and self._painted_for != self.size:
+            self.take_away()
+            self.refresh()
+
+    def on_hide(self) -> None:
+        """Take the picture off the screen; it may be to be seen again by now."""
+        if not self.display:
+            self.take_away()
+
+    def on_unmount(self) -> None:
+        """Take the picture off the screen."""
+        self.take_away()
+
+    def take_away(self) -> None:
+        """Take the picture off the screen, or the text."""
+        self._is_lost = self.picture is not None
+        self.picture, self._strips = None, []
+        driver = self.app._driver  # noqa: SLF001, Textual has no other way to write what is not a cell
+        if driver is not None and (sequence := self._painter.erase()):
+            driver.write(sequence)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFont, ImageOps
 from rich.cells import cell_len
 from rich.color import Color
 from rich.segment import Segment
@@ -18,6 +18,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 
 from graphnav.spy.half_blocks import UPPER_HALF
+from graphnav.spy.screen.picture_view import PictureView
 
 _FONT = Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSansMono.ttf"
 _FONT_PX = 16
@@ -40,6 +41,9 @@ def screen_image(screen: Screen[Any]) -> Image.Image:
     font = ImageFont.truetype(str(_FONT), _FONT_PX)
     for x, y, segment in cells_of(screen):
         _draw_segment(draw, font, x * cols_px, y * rows_px, segment)
+    for view in screen.query(PictureView):
+        if view.is_raw and view.display:
+            _paste_picture(image, view)
     return image
 
 
@@ -52,8 +56,22 @@ def cells_of(screen: Screen[Any]) -> Iterator[tuple[int, int, Segment]]:
         for y, strip in enumerate(widget.render_lines(Region(0, 0, region.width, region.height))):
             x = region.x
             for segment in strip:
+                if segment.control:
+                    continue
                 yield x, region.y + y, segment
                 x += cell_len(segment.text)
+
+
+def _paste_picture(image: Image.Image, view: PictureView) -> None:
+    """Put a picture that is not in the cells where the terminal shows it, in its own proportions."""
+    place, picture = view.place, view.picture
+    if place is None or picture is None:
+        return
+    cols_px, rows_px = _CELL_PX
+    pixels = ImageOps.contain(Image.fromarray(picture), (place.cols * cols_px, place.rows * rows_px))
+    left = (view.region.x + place.col) * cols_px + (place.cols * cols_px - pixels.width) // 2
+    top = (view.region.y + place.row) * rows_px + (place.rows * rows_px - pixels.height) // 2
+    image.paste(pixels, (left, top))
 
 
 def _is_above(widget: Widget) -> bool:

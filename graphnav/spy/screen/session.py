@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 
 from rich.text import Text
 
@@ -11,19 +12,21 @@ from graphnav.pictures import Pictures
 from graphnav.spy.live_watch import LiveWatch
 from graphnav.spy.log_watch import LogWatch
 from graphnav.spy.moment import Moment
+from graphnav.spy.screen.painter import Painter
 
 
 class Session:
     """One use of the full-screen spy.
 
     ``is_frozen``: the view stands still, and what is heard meanwhile is kept all the same. ``is_playing``: a log goes
-    on by itself.
+    on by itself. ``new_painter`` makes what draws the pictures of a view.
     """
 
-    def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog) -> None:
+    def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog, new_painter: Callable[[], Painter]) -> None:
         self.watch = watch
         self.moment = Moment(watch, catalog)
         self.pictures = Pictures(catalog)
+        self.new_painter = new_painter
         self.has_colour = not os.environ.get("NO_COLOR")
         self.is_frozen = self.is_playing = False
 

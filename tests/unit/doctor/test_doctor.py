@@ -176,7 +176,7 @@ def test_the_terminal_is_asked_and_left_as_it_was(attributes: bytes, kitty: byte
         stdin=theirs,
         stdout=theirs,
         stderr=subprocess.PIPE,
-        env={**os.environ, "TERM": "xterm-256color"},
+        env={**os.environ, "TERM": "xterm-256color", "TMUX": "", "STY": ""},
         pass_fds=[write_end],
     )
     os.close(write_end)

@@ -1,0 +1,101 @@
+"""Pictures as sixels: six rows of pixels a band, one line of characters for each colour of a band."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+Bytes = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.int64]
+
+SCALES = (1, 2, 3, 6)
+"""How many dots of a terminal, down and right, a pixel may take: a band of six holds an integer number of them."""
+MAX_COLOURS = 256
+_BAND = 6
+_FIRST = 63
+"""The character of a column without a dot; a dot in row k of the band adds 2**k."""
+_MAX_DOTS = 4096
+_MAX_GRAYS = 64
+"""More of them would not be seen, and take longer to send."""
+
+
+def sixels(picture: Bytes, scale: int = 1, n_colours: int = MAX_COLOURS) -> str:
+    """Return the escape sequence that draws a picture (rows, cols, 3) with its upper left corner at the cursor.
+
+    ``scale``: dots of the terminal for a pixel, of `SCALES`; ``n_colours``: what the terminal has registers for. Every
+    dot of the picture is drawn, so what stood there before needs not be erased.
+    """
+    rows, cols = picture.shape[:2]
+    if scale not in SCALES or not 0 < cols * scale <= _MAX_DOTS:
+        raise ValueError(f"{cols} columns at {scale} dots a pixel")
+    indices, palette = _reduced(picture, n_colours)
+    registers = "".join(
+        "#{};2;{};{};{}".format(place, *np.rint(palette[place] / 2.55).astype(int).tolist())
+        for place in np.unique(indices)
+    )
+    return f'\x1bP0;1;0q"1;1;{cols * scale};{rows * scale}{registers}{_bands(indices, scale, len(palette))}\x1b\\'
+
+
+def _reduced(picture: Bytes, n_colours: int) -> tuple[Ints, npt.NDArray[np.float64]]:
+    """Return the number of each pixel's colour (rows, cols), and the colours (n, 3), 0 to 255.
+
+    Gray pictures get as many levels as there may be: the octree, which is fast, has 16 for them.
+    """
+    gray = picture[..., 0]
+    if np.array_equal(gray, picture[..., 1]) and np.array_equal(gray, picture[..., 2]):
+        levels = np.linspace(0, 255, min(n_colours, _MAX_GRAYS))
+        nearest = np.rint(np.arange(256) * (len(levels) - 1) / 255).astype(np.int64)
+        return nearest[gray], np.repeat(levels[:, None], 3, axis=1)
+    n_most = min(n_colours, MAX_COLOURS)
+    reduced = Image.fromarray(picture).quantize(n_most, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    return np.asarray(reduced).astype(np.int64), np.array(reduced.getpalette(), np.float64).reshape(-1, 3)
+
+
+def _bands(indices: Ints, scale: int, n_colours: int) -> str:
+    """Return the picture's bands: every colour of a band in a line of its own, all lines at the same place."""
+    dots = _dots(indices, scale, n_colours)
+    band_of_line, colour_of_line = np.nonzero(dots.any(axis=2))
+    lines = dots[band_of_line, colour_of_line]
+    starts = np.ones(lines.shape, bool)
+    starts[:, 1:] = lines[:, 1:] != lines[:, :-1]
+    line_of_run, col_of_run = np.nonzero(starts)
+    ends = np.append(col_of_run[1:], lines.shape[1])
+    ends[ends == 0] = lines.shape[1]
+    value = lines[line_of_run, col_of_run].astype(np.int64)
+    is_drawn = (value > 0) | (ends < lines.shape[1])
+    runs = ((ends - col_of_run) * scale << _BAND | value)[is_drawn]
+    run_counts = np.bincount(line_of_run[is_drawn], minlength=len(lines))
+    text = list(map(_run_text, runs.tolist()))
+    out: list[str] = []
+    begin, band = 0, 0
+    for line_band, colour, end in zip(
+        band_of_line.tolist(), colour_of_line.tolist(), np.cumsum(run_counts).tolist(), strict=True
+    ):
+        out.append("-" * (line_band - band) if line_band > band else "$" if begin else "")
+        out.append(f"#{colour}")
+        out += text[begin:end]
+        begin, band = end, line_band
+    return "".join(out)
+
+
+def _dots(indices: Ints, scale: int, n_colours: int) -> Bytes:
+    """Return the dots (bands, colours, cols) of each colour in each band, a bit a row."""
+    rows, cols = indices.shape
+    rows_a_band = _BAND // scale
+    n_bands = -(-rows // rows_a_band)
+    dots = np.zeros((n_bands, n_colours, cols), np.uint8)
+    columns = np.arange(cols)
+    for row in range(rows_a_band):
+        of_row = indices[row::rows_a_band]
+        dots[np.arange(len(of_row))[:, None], of_row, columns] |= ((1 << scale) - 1) << scale * row
+    return dots
+
+
+@cache
+def _run_text(run: int) -> str:
+    """Return the characters of a run: its length times 64, and its dots."""
+    length, letter = run >> _BAND, chr(_FIRST + (run & 63))
+    return letter * length if length < 4 else f"!{length}{letter}"
