@@ -17,7 +17,7 @@ from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 from graphnav.record import LogWriter
 from graphnav.runner import Runner
-from graphnav.runner.wired_stages import Sink
+from graphnav.runner.owned_stages import Sink
 from graphnav.tap import Tap
 
 GRAPH = "corridor_ccw"

@@ -20,7 +20,7 @@ from graphnav.live.timer import Timer
 from graphnav.messages import Message
 from graphnav.runner.lifecycle import close_stages, reset_stages
 from graphnav.runner.lockstep import Outcome
-from graphnav.runner.wired_stages import Sink
+from graphnav.runner.owned_stages import Sink
 from graphnav.stage import Source, Stage
 
 _MAX_UNLOGGED = 32

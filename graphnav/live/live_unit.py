@@ -7,7 +7,6 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from graphnav.errors import StageError
 from graphnav.graph import Node
 from graphnav.live.firing import Used
 from graphnav.live.join import MAX_UNMATCHED, Held, Join, MatchedSet
@@ -37,7 +36,6 @@ class LiveUnit(Unit):
         sizes = [queues[f"{node.name}.{port}"] for port in self._plain if f"{node.name}.{port}" in queues]
         bound = MAX_UNMATCHED if not sizes else None if None in sizes else max(size or 0 for size in sizes)
         self.join = Join(self._plain, max_unmatched=bound, in_order=bool(sizes))
-        self.start_utime = 0
         self.birth_s = self.origin_s = math.nan
         """What readers of its newest outputs count age from, and what their latency is counted from, monotonic seconds;
         they differ for a stage with a timer, whose every firing is a new decision; NaN where nothing new came in."""
@@ -146,6 +144,3 @@ class LiveUnit(Unit):
             return Latest(fault=fault)
         message, birth_s, _ = self._newest[port]
         return Latest(message, now_s - birth_s, fault)
-
-    def _failure(self, utime: int, what: str) -> StageError:
-        return StageError(self.node.name, self.node.use, (utime - self.start_utime) / 1e6, what)

@@ -28,10 +28,10 @@ from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome
 from graphnav.runner.lockstep_status import STATUS
+from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recorded import LiveSink, note_failure, write_summary
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
-from graphnav.runner.wired_stages import Sink
 from graphnav.stage import Stage
 
 

@@ -11,7 +11,8 @@ from graphnav.graph import Channel
 from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.replay.contents import Contents
-from graphnav.replay.holes import Hole, holes_of
+from graphnav.replay.firings import LoggedFirings
+from graphnav.replay.holes import Hole, holes_of, is_first_only
 from graphnav.replay.plan import Plan
 from graphnav.tap import PACKET_BYTES
 
@@ -31,6 +32,34 @@ def refuse_unreadable(plan: Plan, contents: Contents, recording: Recording, abou
     """
     _refuse_other_types(plan, contents, recording)
     _refuse_thinned(plan, contents, recording, about)
+
+
+def refuse_unlogged(
+    plan: Plan, contents: Contents, recording: Recording, logged: LoggedFirings, *, is_small: bool
+) -> None:
+    """Refuse a live log that never held what stages read that did not read it in the run.
+
+    Raises
+    ------
+    UserError
+        It has no messages of such a channel, or only the first because it keeps small ones.
+    """
+    newly = {
+        i.channel.name
+        for node in plan.stepped.nodes
+        for i in node.inputs
+        if i.channel is not None and (node.name in logged.added or (node.name, i.port.name) in logged.new_ports)
+    }
+    lines = []
+    for channel in plan.played:
+        found = contents.messages[channel.name]
+        if channel.name not in newly or (found and not (is_small and is_first_only(found, contents))):
+            continue
+        lines.append(f"{channel.name}: {'all but 1' if found else 'all of them'}")
+    if lines:
+        readers = ", ".join(sorted({n for c in plan.played if c.name in newly for n in plan.readers_of(c)}))
+        what = f"{recording.path} lacks messages that {readers} read:"
+        raise UserError.of("\n  ".join([what, *lines, *contents.lost]), _HINT)
 
 
 class Reach(NamedTuple):

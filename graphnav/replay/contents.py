@@ -49,7 +49,7 @@ class Contents:
     lost: tuple[str, ...]
     """What is damaged, in lines for people."""
     is_own: bool
-    """Whether the run itself wrote the log, not a logger that listened: then its events have the messages' stamps."""
+    """Whether a lockstep run wrote the log, not a logger that listened: then its events have the messages' stamps."""
 
     @property
     def last_us(self) -> int:
@@ -70,7 +70,7 @@ def read_contents(recording: Recording, graph: Graph, about: About | None, *, is
     channels = {channel.name: channel for channel in graph.channels.values()}
     heads = [head for head in recording.heads() if not head.channel.startswith(RESERVED)]
     own = [head for head in heads if head.channel in channels]
-    is_own = 2 * sum(head.logged_us == head.utime for head in own) > len(own)
+    is_own = not is_live and 2 * sum(head.logged_us == head.utime for head in own) > len(own)
     other_types = _other_types(own, channels)
     known = {*channels, *about.channels} if about is not None else {head.channel for head in heads}
     messages: dict[str, list[Logged]] = {name: [] for name in channels}

@@ -2,28 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
-from graphnav.codec import EncodeError, decode, encode
+from graphnav.codec import decode
 from graphnav.graph import Channel
 from graphnav.live.firing import Used
+from graphnav.live.live_unit import LiveUnit
 from graphnav.messages import Message
 from graphnav.record import Recording
+from graphnav.replay.added_stages import AddedStages, Due
+from graphnav.replay.contents import Logged
+from graphnav.replay.firing_log import FiringLog
 from graphnav.replay.firings import Firing, LoggedFirings
+from graphnav.replay.new_port import NewPort
 from graphnav.replay.plan import Plan
-from graphnav.runner.lifecycle import close_stages, reset_stages
+from graphnav.runner.owned_stages import OwnedStages, Sink
 from graphnav.runner.unit import Unit
-from graphnav.runner.wired_stages import Sink
-from graphnav.stage import Latest, Since, Stage
+from graphnav.stage import Latest, Port, Since, Stage
+
+Deliver = Callable[[int, Message, float, float, int], None]
 
 
-class FiringRunner:
+class _Read(NamedTuple):
+    """A message that a stage steps with, and which one of its channel it is in the log of the replay."""
+
+    message: Message
+    number: int
+
+
+class FiringRunner(OwnedStages[Unit]):
     """Owns the stages that step, and fires them in the order of the log.
 
     A message of a played channel is that of the log, one of a stage that steps is what this stage published now with
     the same stamp. A firing that lacks a message on a plain input, because its stage has not published it now, is left
-    out. ``begin_us``, ``start_us``: the run's clock when it began, and from when on its firings are repeated.
+    out. Stages that the run did not have fire by the rule of `AddedStages`; inputs that a stage did not read in the
+    run are those of `NewPort`. ``begin_us``, ``start_us``: the run's clock when it began, and from when on stages fire.
+    ``log`` gets all that a replay of this replay needs.
     """
 
     def __init__(
@@ -33,37 +51,41 @@ class FiringRunner:
         recording: Recording,
         logged: LoggedFirings,
         sinks: Sequence[Sink],
+        log: FiringLog | None,
         begin_us: int,
         start_us: int,
     ) -> None:
-        self.ticks = 0
-        """Firings."""
-        self.utime = begin_us
-        """The run's clock at the newest firing."""
-        self.is_ready = False
-        self._recording, self._logged, self._sinks = recording, logged, sinks
-        self._begin_us, self._start_us = begin_us, start_us
-        self._units = {node.name: Unit(node, stages[node.name], self._publish) for node in plan.stepped.nodes}
+        super().__init__(sinks, begin_us)
+        self._recording, self._logged, self._log = recording, logged, log
+        self._start_us = start_us
+        self._messages = {channel.name: channel.message for channel in plan.graph.channels.values()}
         self._played = {channel.name for channel in plan.played}
-        self._seqs: dict[str, int] = {}
         self._awaited = logged.awaited.copy()
-        self._published: dict[tuple[str, int], Message] = {}
-
-    @property
-    def units(self) -> Mapping[str, Unit]:
-        """The stages at work, by name."""
-        return self._units
-
-    def reset(self, seed: int) -> None:
-        """Make every stage's state anew from ``seed``.
-
-        Raises
-        ------
-        StageError
-            A stage cannot be made ready.
-        """
-        reset_stages(self._units, seed)
-        self.is_ready = True
+        self._published: dict[tuple[str, int], _Read] = {}
+        self._own_us = begin_us
+        self._birth_s = 0.0
+        self._readers: dict[str, list[tuple[Port, Deliver]]] = defaultdict(list)
+        self._new_ports: dict[str, dict[str, NewPort]] = defaultdict(dict)
+        added: list[LiveUnit] = []
+        for node in plan.stepped.order:
+            unit: Unit
+            if node.name in logged.added:
+                unit = LiveUnit(node, stages[node.name], self._publish, plan.graph.queues, lambda *_: "")
+                unit.before_step = self._log_added
+                added.append(unit)
+                for i in node.inputs:
+                    if i.channel is not None:
+                        self._readers[i.channel.name].append((i.port, partial(unit.deliver, i.port.name)))
+            else:
+                unit = Unit(node, stages[node.name], self._publish)
+                for i in node.inputs:
+                    if i.channel is not None and (node.name, i.port.name) in logged.new_ports:
+                        new = self._new_ports[node.name][i.port.name] = NewPort(i.port)
+                        self._readers[i.channel.name].append((i.port, new.deliver))
+            unit.start_utime = begin_us
+            self._units[node.name] = unit
+        self._added_names = frozenset(unit.node.name for unit in added)
+        self._added = AddedStages(added, (start_us - begin_us) / 1e6)
 
     def replay(self) -> Iterator[int]:
         """Repeat the firings; yield the run's clock at each one that is done, microseconds.
@@ -75,70 +97,145 @@ class FiringRunner:
         DecodeError
             A message of the log is damaged.
         """
-        for firing in self._logged.firings:
-            if firing.at_us >= self._start_us:
-                self.utime = firing.at_us
-                self._fire(firing)
+        for one in self._events():
+            if one.at_us >= self._start_us:
+                yield from self._fire_added(one.at_us)
+            self.utime = one.at_us
+            if isinstance(one, Logged):
+                self._hear(one)
+            elif one.stage not in self._units:
+                self._copy(one)
+            elif one.at_us >= self._start_us and one.stage not in self._added_names:
+                self._fire(one)
                 self.ticks += 1
-                yield firing.at_us
+                yield one.at_us
+            if one.at_us >= self._start_us:
+                yield from self._fire_added(one.at_us)
 
-    def close(self) -> None:
-        """Release what the stages hold.
+    def _events(self) -> Iterator[Logged | Firing]:
+        """Yield the firings, before each one what the log holds up to then, as far as it is read or written."""
+        is_wanted = self._readers.__contains__ if self._log is None else lambda _: True
+        messages = [one for one in self._logged.messages if is_wanted(one.channel)]
+        place = 0
+        for firing in self._logged.firings:
+            while place < len(messages) and messages[place].at_us <= firing.at_us:
+                yield messages[place]
+                place += 1
+            yield firing
+        if not self._logged.is_cut:
+            yield from messages[place:]
 
-        Raises
-        ------
-        StageError
-            The first failure, once every stage was closed.
-        """
-        close_stages(self._units, (self.utime - self._begin_us) / 1e6)
+    def _fire_added(self, to_us: int) -> Iterator[int]:
+        while self._added_names and (due := self._added.next_due(self._run_s(to_us))) is not None:
+            self.utime = self._begin_us + round(due.at_s * 1e6)
+            due.fire(self._stamp_of(due))
+            self.ticks += 1
+            yield self.utime
+
+    def _stamp_of(self, due: Due) -> int:
+        if due.utime is not None:
+            return due.utime
+        self._own_us = max(self._own_us + 1, self.utime)
+        return self._own_us
+
+    def _run_s(self, at_us: int) -> float:
+        return (at_us - self._begin_us) / 1e6
+
+    def _hear(self, logged: Logged) -> None:
+        """Take a message of the log."""
+        data = self._recording.event(logged.channel, logged.place).data
+        number = logged.place if self._log is None else self._log.copy(logged, data)
+        if logged.channel in self._readers:
+            message = decode(self._messages[logged.channel], data)[2]
+            self._deliver(logged.channel, logged.utime, message, self._run_s(logged.at_us), number)
+
+    def _deliver(self, channel: str, utime: int, message: Message, birth_s: float, number: int) -> None:
+        """Give a message to stages that the log says nothing of; before the start only to those that sample it."""
+        for port, deliver in self._readers[channel]:
+            if port.latest or self.utime >= self._start_us:
+                deliver(utime, message, birth_s, self._run_s(self.utime), number)
 
     def _fire(self, firing: Firing) -> None:
         unit = self._units[firing.stage]
+        now_s = self._run_s(firing.at_us)
         inputs: dict[str, Any] = {}
-        used: dict[str, list[Used]] = {}
+        logged: dict[str, list[Used]] = defaultdict(list)
+        used: list[Used] = []
         for one in firing.used:
-            used.setdefault(one.port, []).append(one)
+            logged[one.port].append(one)
+        plain = [one.utime for i in unit.node.inputs if i.port.is_plain for one in logged[i.port.name]]
+        stamp = firing.utime if unit.node.every_ms is None else next(iter(plain), None)
         is_complete = True
         for i in unit.node.inputs:
-            name, found = i.port.name, used.get(i.port.name, [])
-            if i.port.latest:
-                inputs[name] = self._sampled(i.channel, found)
+            if i.channel is None:
+                if not i.port.is_plain:
+                    inputs[i.port.name] = Latest(is_connected=False) if i.port.latest else Since()
                 continue
-            messages = [(one.utime, self._message(i.channel, one)) for one in found if i.channel is not None]
-            if i.port.since:
-                inputs[name] = Since(tuple((utime, message) for utime, message in messages if message is not None))
-            elif i.channel is not None:
-                inputs[name] = messages[0][1] if messages else None
-                is_complete &= inputs[name] is not None or not messages
-        if is_complete:
+            if (new := self._new_ports[firing.stage].get(i.port.name)) is not None:
+                value, found = new.take(stamp, now_s)
+                is_complete &= value is not None or i.port.optional
+            else:
+                value, found = self._logged_value(i.port, i.channel, logged[i.port.name])
+                is_complete &= value is not None or not logged[i.port.name]
+            inputs[i.port.name] = value
+            used += found
+        if not is_complete:
+            return
+        is_decision = unit.node.every_ms is not None or not math.isfinite(firing.age_s)
+        self._birth_s = now_s if is_decision else now_s - firing.age_s
+        try:
             unit.step(firing.utime, inputs, firing.age_s)
+        finally:
+            if self._log is not None:
+                self._log.fire(firing.stage, firing.at_us, firing.utime, firing.age_s, used)
 
-    def _sampled(self, channel: Channel | None, used: Sequence[Used]) -> Latest[Any]:
-        if channel is None:
-            return Latest(is_connected=False)
-        if not used:
-            return Latest()
-        return Latest(self._message(channel, used[0]), used[0].age_s, used[0].fault)
+    def _logged_value(self, port: Port, channel: Channel, logged: Sequence[Used]) -> tuple[Any, list[Used]]:
+        """Return what the log says that an input got, and which messages that is."""
+        read = [(self._read(channel, one), one) for one in logged]
+        used = [one._replace(number=found.number if found else -1) for found, one in read if found or port.latest]
+        if port.since:
+            return Since(tuple((one.utime, found.message) for found, one in read if found)), used
+        found, first = read[0] if read else (None, None)
+        message = found.message if found else None
+        if not port.latest:
+            return message, used[:1]
+        return (Latest(message, first.age_s, first.fault) if first else Latest()), used[:1]
 
-    def _message(self, channel: Channel | None, used: Used) -> Message | None:
-        if channel is None or used.number < 0:
+    def _read(self, channel: Channel, used: Used) -> _Read | None:
+        if used.number < 0:
             return None
         if channel.name in self._played:
             logged = self._logged.played[channel.name, used.number, used.utime]
-            return decode(channel.message, self._recording.event(channel.name, logged.place).data)[2]
+            message = decode(channel.message, self._recording.event(channel.name, logged.place).data)[2]
+            return _Read(message, self._log.number_of(channel.name, logged.place) if self._log else used.number)
         key = channel.name, used.utime
         self._awaited[key] -= 1
         return self._published.get(key) if self._awaited[key] else self._published.pop(key, None)
 
+    def _copy(self, firing: Firing) -> None:
+        """Write the firing of a stage that does not step: a replay of this one may step it."""
+        if self._log is None:
+            return
+        channels = self._logged.channels.get(firing.stage, {})
+        used = [one._replace(number=self._log.number_of(channels.get(one.port, ""), one.number)) for one in firing.used]
+        self._log.fire(firing.stage, firing.at_us, firing.utime, firing.age_s, used)
+
+    def _log_added(self, unit: LiveUnit, utime: int, age_s: float, used: Sequence[Used]) -> None:
+        self._birth_s = unit.birth_s
+        if self._log is not None:
+            self._log.fire(unit.node.name, self.utime, utime, age_s, used)
+
     def _publish(self, channel: Channel, utime: int, message: Message) -> None:
         if channel.name in self._played:
             return
-        seq = self._seqs[channel.name] = self._seqs.get(channel.name, -1) + 1
-        try:
-            data = encode(message, utime, seq)
-        except EncodeError as error:
-            raise ValueError(str(error)) from error
-        for sink in self._sinks:
-            sink.write(channel.name, utime, data)
-        if self._awaited[channel.name, utime]:
-            self._published[channel.name, utime] = decode(channel.message, data)[2]
+        seq = self._next_seq(channel)
+        data = self._give(channel, utime, seq, message)
+        if self._log is not None:
+            self._log.publish(channel.name, self.utime, data)
+        is_awaited = bool(self._awaited[channel.name, utime])
+        if not is_awaited and channel.name not in self._readers:
+            return
+        copy = decode(channel.message, data)[2]
+        if is_awaited:
+            self._published[channel.name, utime] = _Read(copy, seq)
+        self._deliver(channel.name, utime, copy, self._birth_s, seq)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,32 +30,46 @@ class Firing(NamedTuple):
 
 @dataclass(frozen=True)
 class LoggedFirings:
-    """The firings of the stages that step, in the order of the log, and where the played messages among them are."""
+    """The firings of a run, in the order of the log, and where the messages are that they read."""
 
     firings: tuple[Firing, ...]
+    """Also of stages that do not step."""
+    messages: tuple[Logged, ...]
+    """What the log holds and no stage publishes that steps, by when it was published."""
     played: Mapping[tuple[str, int, int], Logged]
     """What they read of the log, by channel, number and stamp."""
     awaited: Counter[tuple[str, int]]
     """How often they read what other stages publish that step, by channel and stamp."""
     is_cut: bool
     """Whether the log lacks messages that later firings read, because it is damaged."""
+    added: frozenset[str]
+    """Stages that the run did not have."""
+    new_ports: frozenset[tuple[str, str]]
+    """Inputs that other stages did not read in the run, by the names of stage and port."""
+    channels: Mapping[str, Mapping[str, str]]
+    """What the inputs of the stages read that do not step, by the names of stage and port."""
 
 
-def read_firings(plan: Plan, contents: Contents, recording: Recording) -> LoggedFirings:
+def read_firings(
+    plan: Plan, contents: Contents, recording: Recording, wires: Mapping[str, Mapping[str, str]]
+) -> LoggedFirings:
     """Return the firings of a log up to the first that the rest of a damaged log is not enough for.
+
+    ``wires``: what each port of each stage read in that run, by the names of stage and port.
 
     Raises
     ------
     UserError
         The log holds no firings, or lacks messages that the stages stepped with, and not because it is damaged.
     """
-    reader = _Reader(plan, contents)
+    added = plan.stepped_names - wires.keys()
+    new_ports = frozenset((name, i.port.name) for name, i in new_inputs(plan, wires) if name not in added)
+    reader = _Reader(plan, contents, new_ports)
     firings: list[Firing] = []
     lacking: Counter[str] = Counter()
     n_complete: float = math.inf
-    for firing in _decoded(recording, plan):
-        lacks = reader.take(firing)
-        if lacks:
+    for firing in _decoded(recording):
+        if lacks := reader.take(firing) if firing.stage in plan.stepped_names else []:
             lacking.update(lacks)
             n_complete = min(n_complete, len(firings))
         firings.append(firing)
@@ -69,26 +83,39 @@ def read_firings(plan: Plan, contents: Contents, recording: Recording) -> Logged
             what, "record everything: --set run.record=all; or play what these stages publish with --play"
         )
     kept = firings if math.isinf(n_complete) else firings[: int(n_complete)]
-    return LoggedFirings(tuple(kept), reader.played, reader.awaited, is_cut=len(kept) < len(firings))
+    held = {channel.name for channel in (*plan.played, *plan.copied)}
+    return LoggedFirings(
+        firings=tuple(kept),
+        messages=tuple(sorted((one for one in contents.order if one.channel in held), key=lambda one: one.at_us)),
+        played=reader.played,
+        awaited=reader.awaited,
+        is_cut=len(kept) < len(firings),
+        added=added,
+        new_ports=new_ports,
+        channels={
+            node.name: {i.port.name: i.channel.name for i in node.inputs if i.channel is not None}
+            for node in plan.graph.nodes
+            if node.name not in plan.stepped_names
+        },
+    )
 
 
-def _decoded(recording: Recording, plan: Plan) -> Iterator[Firing]:
+def _decoded(recording: Recording) -> Iterator[Firing]:
     for index in range(recording.count(FIRED)):
         event = recording.event(FIRED, index)
         try:
             utime, _, fired = decode(Fired, event.data)
         except DecodeError:
             continue
-        if fired.stage in plan.stepped_names:
-            numbers, stamps, ages = fired.numbers.tolist(), fired.stamps_us.tolist(), fired.ages_s.tolist()
-            used = map(Used, fired.ports, numbers, stamps, ages, fired.faults)
-            yield Firing(fired.fired_us, fired.stage, utime, fired.age_s, tuple(used))
+        numbers, stamps, ages = fired.numbers.tolist(), fired.stamps_us.tolist(), fired.ages_s.tolist()
+        used = map(Used, fired.ports, numbers, stamps, ages, fired.faults)
+        yield Firing(fired.fired_us, fired.stage, utime, fired.age_s, tuple(used))
 
 
 class _Reader:
     """Finds the messages of firings among those of the log."""
 
-    def __init__(self, plan: Plan, contents: Contents) -> None:
+    def __init__(self, plan: Plan, contents: Contents, new_ports: Collection[tuple[str, str]]) -> None:
         self.played: dict[tuple[str, int, int], Logged] = {}
         self.awaited: Counter[tuple[str, int]] = Counter()
         self.read: Counter[str] = Counter()
@@ -98,7 +125,7 @@ class _Reader:
         self._ports: dict[str, dict[str, tuple[Channel, bool]]] = defaultdict(dict)
         for node in plan.stepped.nodes:
             for i in node.inputs:
-                if i.channel is not None:
+                if i.channel is not None and (node.name, i.port.name) not in new_ports:
                     self._ports[node.name][i.port.name] = i.channel, i.channel.ref in played
         self._by_place = {name: {one.place: one for one in found} for name, found in contents.messages.items()}
         self._by_stamp = {name: {one.utime: one for one in found} for name, found in contents.messages.items()}

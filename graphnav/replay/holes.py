@@ -95,9 +95,13 @@ def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Conte
     A source may publish a large message once, as it does a map, for stages that sample it.
     """
     messages = contents.messages[channel.name]
-    first = messages[0]
-    if len(messages) > 1 or first.n_bytes < SMALL_BYTES or first.utime >= contents.last_us:
+    if not is_first_only(messages, contents):
         return []
     is_sampled = not any(i.channel == channel and i.port.is_plain for n in plan.stepped.nodes for i in n.inputs)
     is_once = is_sampled and (port is None or port.optional)
-    return [] if is_once else [Hole(0, first.utime, math.inf)]
+    return [] if is_once else [Hole(0, messages[0].utime, math.inf)]
+
+
+def is_first_only(messages: Sequence[Logged], contents: Contents) -> bool:
+    """Whether a log may hold nothing but the first message of a channel because it is large."""
+    return len(messages) == 1 and messages[0].n_bytes >= SMALL_BYTES and messages[0].utime < contents.last_us

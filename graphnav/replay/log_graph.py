@@ -32,7 +32,7 @@ class LogGraph:
     is_live: bool
     """Whether it is the log of a live run."""
     wires: Mapping[str, Mapping[str, str]]
-    """What the inputs of each stage read in that run, by the names of stage and port."""
+    """What the inputs of each stage of that run read, by the names of stage and port."""
 
 
 def about_in(recording: Recording) -> About | None:
@@ -107,9 +107,7 @@ def _log_graph(graph: Graph, about: About | None) -> LogGraph:
     is_live = STATUS in about.channels
     record = _section(_yaml_of(about), "run").get("record") or ("small" if is_live else "all")
     stages = _section(_yaml_of(about), "stages").items()
-    wires = {
-        name: stage["in"] for name, stage in stages if isinstance(stage, dict) and isinstance(stage.get("in"), dict)
-    }
+    wires = {name: _mapping(stage.get("in")) for name, stage in stages if isinstance(stage, dict)}
     return LogGraph(graph, about, record == "small", is_live, wires)
 
 
@@ -148,7 +146,10 @@ def _section(data: bytes, key: str) -> dict[str, Any]:
         plain = parse_yaml(data, GRAPH)[0].plain()
     except UserError:
         return {}
-    found = plain.get(key) if isinstance(plain, dict) else None
+    return _mapping(plain.get(key)) if isinstance(plain, dict) else {}
+
+
+def _mapping(found: Any) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 

@@ -25,6 +25,8 @@ class Plan:
     """What of it a stage reads that steps."""
     compared: tuple[Channel, ...]
     """What the stages publish that step, in firing order, without what is played."""
+    copied: tuple[Channel, ...]
+    """What is neither played nor compared, because its stage is not needed: a log of the replay holds it as it was."""
     not_needed: tuple[str, ...]
     """Stages that neither step nor are played: only stages read them that do not step either."""
 
@@ -59,12 +61,15 @@ def make_plan(graph: Graph, play: Sequence[str] = ()) -> Plan:
     nodes, order = (tuple(n for n in given if n.name in stepping) for given in (graph.nodes, graph.order))
     read = {i.channel.ref for node in nodes for i in node.inputs if i.channel is not None}
     channels = [channel for ref, channel in graph.channels.items() if ref in played]
+    compared = tuple(c for node in order for c in node.outputs.values() if c.ref not in played)
+    of_no_use = {channel.ref for node in graph.nodes if node.name in not_needed for channel in node.outputs.values()}
     return Plan(
         graph=graph,
         stepped=replace(graph, nodes=nodes, order=order),
         played=tuple(channels),
         needed=tuple(channel for channel in channels if channel.ref in read),
-        compared=tuple(c for node in order for c in node.outputs.values() if c.ref not in played),
+        compared=compared,
+        copied=tuple(channel for ref, channel in graph.channels.items() if ref in of_no_use - played),
         not_needed=tuple(not_needed),
     )
 

@@ -12,11 +12,13 @@ from typing import Protocol
 from graphnav.codec import DecodeError, encode
 from graphnav.errors import GraphnavError, StageError, UserError
 from graphnav.graph.channels import RESERVED
+from graphnav.live.about import live_about
 from graphnav.record import ABOUT, LogWriter, Recording
 from graphnav.replay.comparison import Comparison, Scope
 from graphnav.replay.contents import read_contents
 from graphnav.replay.field_differences import Tolerance
 from graphnav.replay.log_graph import LogGraph
+from graphnav.replay.message_counts import MessageCounts
 from graphnav.replay.plan import make_plan
 from graphnav.replay.recorded_scores import recorded_scores
 from graphnav.replay.result import ReplayResult
@@ -24,7 +26,6 @@ from graphnav.replay.session import live_session, lockstep_session
 from graphnav.runner.recorded import about_of
 from graphnav.runner.summary import scores_of
 from graphnav.runner.unit import Unit
-from graphnav.runner.wired_stages import Sink
 
 
 @dataclass(frozen=True)
@@ -98,13 +99,13 @@ def replay(
     stages = plan.stepped.make_stages()
     recorded = made.about.channels if made.about is not None else None
     scope = Scope(begin_us, from_us, session.last_us, options.tolerance, made.is_small, recorded)
-    comparison = Comparison(recording, plan.compared, contents, scope)
+    new = [channel for channel in plan.compared if recorded is not None and channel.name not in recorded]
+    compared = [channel for channel in plan.compared if channel not in new]
+    comparison, counts = Comparison(recording, compared, contents, scope), MessageCounts()
     lost, failure, done_us = [*contents.lost, *session.lost], "", begin_us
     with ExitStack() as cleanup:
-        writers: list[Sink] = []
-        if out is not None:
-            writers.append(cleanup.enter_context(_log_writer(out, made)))
-        replayer: Replayer = session.make(stages, [comparison, *writers], writers)
+        log = None if out is None else cleanup.enter_context(_log_writer(out, made, begin_us))
+        replayer: Replayer = session.make(stages, [comparison, counts], log)
         comparison.now_us = lambda: replayer.utime
         try:
             cleanup.callback(replayer.close)
@@ -131,6 +132,7 @@ def replay(
         played=played,
         not_needed=plan.not_needed,
         channels=comparison.results(done_us if replayer.ticks else begin_us - 1),
+        new={channel.name: counts.of(channel.name) for channel in new},
         not_replayed=tuple(_not_replayed(recording, made, (stepped | set(played)) - contents.other_types)),
         lost=tuple(lost),
         failure=failure,
@@ -147,16 +149,15 @@ def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> 
         return {}
 
 
-def _log_writer(path: Path, made: LogGraph) -> LogWriter:
-    if made.is_live:
-        raise UserError.of("the replay of a live run cannot be written as a log", "leave -o out")
+def _log_writer(path: Path, made: LogGraph, begin_us: int) -> LogWriter:
     if path.exists():
         raise UserError.of(f"{path} exists already", "choose another file with -o")
     try:
         writer = LogWriter(path)
     except OSError as error:
         raise UserError.of(f"cannot write {path}: {error.strerror}", "choose another file with -o") from error
-    writer.write(ABOUT, 0, encode(about_of(made.graph), 0, 0))
+    about = live_about(made.graph, by_outside_names=False) if made.is_live else about_of(made.graph)
+    writer.write(ABOUT, begin_us, encode(about, begin_us, 0))
     return writer
 
 

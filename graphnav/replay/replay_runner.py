@@ -12,7 +12,8 @@ from graphnav.record import Recording
 from graphnav.replay.contents import Logged
 from graphnav.replay.plan import Plan
 from graphnav.replay.schedule import Tick
-from graphnav.runner.wired_stages import Sink, WiredStages
+from graphnav.runner.owned_stages import Sink
+from graphnav.runner.wired_stages import WiredStages
 from graphnav.stage import Stage
 
 

@@ -81,6 +81,8 @@ class ReplayResult:
     not_needed: tuple[str, ...]
     channels: dict[str, ChannelResult]
     """By channel, in firing order."""
+    new: Mapping[str, int]
+    """How many messages were published on each channel that the run did not have; they are not compared."""
     not_replayed: tuple[str, ...]
     """Channels of the log on which the replay publishes nothing."""
     lost: tuple[str, ...]
@@ -117,6 +119,7 @@ class ReplayResult:
             "stepped": list(self.stepped),
             "played": list(self.played),
             "not_needed": list(self.not_needed),
+            "new": dict(self.new),
             "not_replayed": list(self.not_replayed),
             "channels": {name: _channel_as_json(channel) for name, channel in self.channels.items()},
             "scores": {stage: _finite(metrics) for stage, metrics in self.scores.items()},

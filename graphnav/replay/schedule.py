@@ -13,7 +13,7 @@ from graphnav.replay.plan import Plan
 
 @dataclass
 class Tick:
-    """One stamp and what is played at it, by the stage that published it."""
+    """One stamp and what the log holds of it that no stage publishes which steps, by the stage that published it."""
 
     utime: int
     played: dict[str, list[Logged]] = field(default_factory=lambda: defaultdict(list))
@@ -38,7 +38,7 @@ class _Walk:
     def __init__(self, plan: Plan) -> None:
         self.ticks: dict[int, Tick] = {}
         self._channels = {channel.name: channel for channel in plan.graph.channels.values()}
-        self._played = {channel.name for channel in plan.played}
+        self._held = {channel.name for channel in (*plan.played, *plan.copied)}
         self._sources = {node.name for node in plan.graph.sources}
         self._places = _places(plan.graph)
         self._stamped = {
@@ -81,7 +81,7 @@ class _Walk:
             self._is_past_sources = True
 
     def _put(self, message: Logged) -> None:
-        if message.channel in self._played and self._utime is not None:
+        if message.channel in self._held and self._utime is not None:
             tick = self.ticks.setdefault(self._utime, Tick(self._utime))
             tick.played[self._channels[message.channel].stage].append(message)
 

@@ -8,23 +8,24 @@ from dataclasses import dataclass
 from graphnav.bus import Bus
 from graphnav.errors import UserError
 from graphnav.record import Recording
-from graphnav.replay.check_log import reach_of, refuse_unreadable
+from graphnav.replay.check_log import reach_of, refuse_unlogged, refuse_unreadable
 from graphnav.replay.contents import Contents
+from graphnav.replay.firing_log import FiringLog
 from graphnav.replay.firing_runner import FiringRunner
-from graphnav.replay.firings import new_inputs, read_firings
+from graphnav.replay.firings import read_firings
 from graphnav.replay.log_graph import LogGraph
 from graphnav.replay.plan import Plan
 from graphnav.replay.replay_runner import ReplayRunner
 from graphnav.replay.schedule import ticks_of
-from graphnav.runner.wired_stages import Sink
+from graphnav.runner.owned_stages import Sink
 from graphnav.stage import Stage
 
-Make = Callable[[Mapping[str, Stage], Sequence[Sink], Sequence[Sink]], ReplayRunner | FiringRunner]
+Make = Callable[[Mapping[str, Stage], Sequence[Sink], Sink | None], ReplayRunner | FiringRunner]
 
 
 @dataclass(frozen=True)
 class Session:
-    """What makes the runner of a replay: from stages, what takes their messages, and what takes the played ones.
+    """What makes the runner of a replay: from stages, what takes their messages, and the log of the replay.
 
     ``last_us``: the run's clock at the last tick or firing of the log, within which the log may have ended.
     """
@@ -52,8 +53,9 @@ def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents:
     earlier = ([m for m in contents.messages[channel.name] if m.utime < start_us] for channel in plan.needed)
     before = [messages[-1] for messages in earlier if messages]
 
-    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], player_sinks: Sequence[Sink]) -> ReplayRunner:
-        return ReplayRunner(plan, stages, Bus("memq://"), sinks, recording, ticks, before, player_sinks)
+    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> ReplayRunner:
+        logs = () if log is None else (log,)
+        return ReplayRunner(plan, stages, Bus("memq://"), (*sinks, *logs), recording, ticks, before, logs)
 
     return Session(make, contents.last_us, reach.lost)
 
@@ -64,20 +66,15 @@ def live_session(recording: Recording, made: LogGraph, plan: Plan, contents: Con
     Raises
     ------
     UserError
-        The log lacks what is needed, or a stage reads what it did not read in the run.
+        The log lacks what is needed.
     """
-    for name, new in new_inputs(plan, made.wires):
-        assert new.channel is not None
-        what = (
-            f"stage '{name}' reads '{new.channel.ref}' on '{new.port.name}', as it did not in the live run: "
-            "the log does not say which of its messages the stage would have stepped with"
-        )
-        raise UserError.of(what, "swap it for a stage with the inputs of the recorded one")
     refuse_unreadable(plan, contents, recording, made.about)
-    logged = read_firings(plan, contents, recording)
+    logged = read_firings(plan, contents, recording, made.wires)
+    refuse_unlogged(plan, contents, recording, logged, is_small=made.is_small)
 
-    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], _: Sequence[Sink]) -> FiringRunner:
-        return FiringRunner(plan, stages, recording, logged, sinks, recording.begin_us, start_us)
+    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> FiringRunner:
+        firing_log = None if log is None else FiringLog(log)
+        return FiringRunner(plan, stages, recording, logged, sinks, firing_log, recording.begin_us, start_us)
 
     last_us = logged.firings[-1].at_us
     if not logged.is_cut:

@@ -36,6 +36,9 @@ def as_text(result: ReplayResult, console: Console) -> Group:
     n_equal = sum(map(len, result.scores.values())) - sum(map(len, changed.values()))
     if n_equal:
         lines.append(Text(f"{_count(n_equal, 'metric')} as recorded"))
+    if result.new:
+        counts = (f"{name} ({_count(number, 'message')})" for name, number in result.new.items())
+        lines.append(Text(f"new, not compared: {', '.join(counts)}"))
     if result.not_needed:
         lines.append(Text(f"not needed: {', '.join(result.not_needed)}"))
     if result.not_replayed:

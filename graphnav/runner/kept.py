@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from graphnav.runner.wired_stages import Sink
+from graphnav.runner.owned_stages import Sink
 
 SMALL_BYTES = 4096
 

@@ -8,7 +8,8 @@ from enum import StrEnum
 
 from graphnav.bus import Bus
 from graphnav.graph import Graph
-from graphnav.runner.wired_stages import Sink, WiredStages
+from graphnav.runner.owned_stages import Sink
+from graphnav.runner.wired_stages import WiredStages
 from graphnav.stage import Source, Stage
 
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from graphnav.codec import encode
 from graphnav.messages import Status
 from graphnav.runner.lockstep import Runner
+from graphnav.runner.owned_stages import Sink
 from graphnav.runner.stage_health import Rates, memory_mb, stage_statuses
-from graphnav.runner.wired_stages import Sink
 
 STATUS = "graphnav.status"
 """The channel on which a run publishes its health once a second."""

@@ -21,9 +21,9 @@ from graphnav.runner.kept import ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome, Runner
 from graphnav.runner.lockstep_status import LockstepStatus
 from graphnav.runner.log_forecast import LogForecast
+from graphnav.runner.owned_stages import Sink
 from graphnav.runner.saved_graph import save_graph
 from graphnav.runner.summary import Summary, figures_of, scores_of, versions
-from graphnav.runner.wired_stages import Sink
 from graphnav.stage import Stage
 
 SUMMARY = "summary.json"

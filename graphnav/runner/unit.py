@@ -24,6 +24,8 @@ class Unit:
         self.missed = 0
         """Steps that ended after the stage's deadline."""
         self.last_utime = 0
+        self.start_utime = 0
+        """When the run began, by the clock of its stamps."""
         self._publish = publish
         self._step: Callable[..., Any] = getattr(stage, "step")  # noqa: B009 - a Stage has no step of its own
         ports = ports_of(node.stage_class)
@@ -101,7 +103,7 @@ class Unit:
                 raise self._failure(utime, f"output '{port.name}': {_said(error)}") from error
 
     def _failure(self, utime: int, what: str) -> StageError:
-        return StageError(self.node.name, self.node.use, utime / 1e6, what)
+        return StageError(self.node.name, self.node.use, (utime - self.start_utime) / 1e6, what)
 
 
 def _said(error: BaseException) -> str:

@@ -5,69 +5,28 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from graphnav.bus import Bus
-from graphnav.codec import EncodeError, decode, encode
+from graphnav.codec import decode
 from graphnav.graph import Channel, Graph
 from graphnav.messages import Message
-from graphnav.runner.lifecycle import close_stages, reset_stages
 from graphnav.runner.lockstep_unit import LockstepUnit
+from graphnav.runner.owned_stages import OwnedStages, Sink
 from graphnav.stage import Stage
 
 
-class Sink(Protocol):
-    """What takes every message of a run: the log, the tap."""
-
-    def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Take one message as it was published."""
-
-
-class WiredStages:
+class WiredStages(OwnedStages[LockstepUnit]):
     """Owns the stages of a graph and the bus; a subclass says when which one fires."""
 
     def __init__(self, graph: Graph, stages: Mapping[str, Stage], bus: Bus, sinks: Sequence[Sink]) -> None:
         """Wire ``stages`` (by name) of ``graph`` over ``bus``; every message also goes to the ``sinks``."""
+        super().__init__(sinks)
         self.graph = graph
-        self.ticks = 0
-        self.utime = 0
-        self.is_ready = False
-        """Whether every stage was reset."""
         self._bus = bus
-        self._sinks = sinks
-        self._seqs: dict[str, int] = defaultdict(int)
         self._units = {node.name: LockstepUnit(node, stages[node.name], self._publish) for node in graph.nodes}
         self._plain = {i.channel.name for n in graph.nodes for i in n.inputs if i.channel and i.port.is_plain}
         self._consumed = self._subscribe()
-
-    @property
-    def units(self) -> Mapping[str, LockstepUnit]:
-        """The stages at work, by name."""
-        return self._units
-
-    def reset(self, seed: int) -> None:
-        """Make every stage's state anew from ``seed`` and set the clock to 0.
-
-        Raises
-        ------
-        StageError
-            A stage cannot be made ready.
-        """
-        self._seqs.clear()
-        self.is_ready = False
-        self.ticks = self.utime = 0
-        reset_stages(self._units, seed)
-        self.is_ready = True
-
-    def close(self) -> None:
-        """Release what the stages hold; each is closed, also if another one fails to.
-
-        Raises
-        ------
-        StageError
-            The first failure, once every stage was closed.
-        """
-        close_stages(self._units, self.utime / 1e6)
 
     def _fire(self, unit: LockstepUnit, stamp: int) -> str | None:
         outcome = unit.fire(stamp)
@@ -85,16 +44,10 @@ class WiredStages:
         if utime != self.utime and channel.name in self._plain:
             raise ValueError("it has a stamp of its own, but feeds a plain input: read it as Latest or Since")
         consumed = channel.name in self._consumed
-        seq = self._seqs[channel.name]
-        self._seqs[channel.name] = seq + 1
+        seq = self._next_seq(channel)
         if not consumed and not self._sinks:
             return
-        try:
-            data = encode(message, utime, seq)
-        except EncodeError as error:
-            raise ValueError(str(error)) from error
-        for sink in self._sinks:
-            sink.write(channel.name, utime, data)
+        data = self._give(channel, utime, seq, message)
         if consumed:
             self._bus.publish(channel.name, data)
 

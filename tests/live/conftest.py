@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graphnav import Image, Recording, Twist
+from graphnav import Image, Odometry, Recording, Twist
 from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.codec import decode, encode
@@ -20,6 +20,7 @@ from graphnav.graph import Graph, load_graph
 from graphnav.live import run_live
 from graphnav.messages import Message
 from graphnav.record import LOG
+from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
 from graphnav.runner.summary import Summary
 
 STAGES = Path(__file__).parent / "stages.py"
@@ -174,3 +175,54 @@ def outside(group: str) -> Iterator[Callable[..., Outside]]:
     yield make
     for one in made:
         one.close()
+
+
+EVERY_KIND = """
+run: {until_s: 30, record: all}
+inputs:
+  camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}
+  base.odometry: {channel: ODOMETRY, type: graphnav_lcm.odometry_t}
+stages:
+  tick:   {use: probe.ticker, with: {rate_hz: 50}, in: {command: guard.twist}}
+  see:    {use: probe.brightness, in: {image: camera.image}}
+  slow:   {use: probe.brightness, with: {dawdle_s: 0.03}, in: {image: camera.image}}
+  both:   {use: probe.both, in: {a: see.twist, b: slow.twist}}
+  gather: {use: probe.gather, in: {image: camera.image, odometry: base.odometry}}
+  guard:  {use: probe.pass, every_ms: 20, in: {command: both.twist, image: camera.image}}
+outputs: {guard.twist: {channel: SPEED, motor: false}}
+"""
+
+
+@pytest.fixture
+def every_kind() -> str:
+    """Return a graph with timers, a source, joins and inputs that are read in all three ways."""
+    return EVERY_KIND
+
+
+@pytest.fixture
+def log(live: Callable[..., Live], outside: Callable[..., Outside]) -> Path:
+    """Return the log of a run of that graph."""
+    program = outside("SPEED")
+    run = live(EVERY_KIND)
+    program.wait_for(lambda: bool(program.of("SPEED")))
+    for level in range(40):
+        for _ in range(3):
+            program.say("ODOMETRY", Odometry(x_m=0.1 * level, y_m=0.0, yaw_rad=0.0, v_mps=1.0, omega_radps=0.0))
+        program.show("CAMERA", level)
+        time.sleep(0.015)
+    program.wait_for(lambda: any(v > 0 for _, v in program.speeds("SPEED")))
+    run.stop()
+    return run.folder / "run.lcmlog"
+
+
+@pytest.fixture
+def again() -> Callable[..., ReplayResult]:
+    """Return a function that replays a log with swaps: ``out``, and the words of `ReplayOptions`."""
+
+    def run(log: Path, *sets: str, out: Path | None = None, **options: Any) -> ReplayResult:
+        catalog = Catalog()
+        catalog.add_file(STAGES)
+        with Recording(log) as recording:
+            return replay(recording, graph_to_replay(recording, catalog, sets=sets), ReplayOptions(**options), out=out)
+
+    return run

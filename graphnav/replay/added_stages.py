@@ -1,0 +1,71 @@
+"""Stages that a recorded live run did not have: the log does not say when they fire, the rule of live runs does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
+
+from graphnav.live.live_unit import LiveUnit
+from graphnav.live.timer import Timer
+
+_MAX_GAP_S = 10.0
+"""Where a log says nothing for longer, the timers do not fire: its stamps may be damaged."""
+
+
+class Due(NamedTuple):
+    """A firing: when, in seconds of the run, and what steps the stage, given the stamp of what it publishes."""
+
+    at_s: float
+    unit: LiveUnit
+    utime: int | None
+    """The stamp of the set that it steps with, None where it publishes with the run's clock."""
+    fire: Callable[[int], str | None]
+
+
+class AddedStages:
+    """Says which stage is due, by the time of the log.
+
+    Steps take no time. So a stage fires at the time of the message that completes the newest set of its plain inputs,
+    the one nearest to the end of the graph first; later where the set waits for a `Since` input. Timers count from
+    ``start_s``.
+    """
+
+    def __init__(self, units: Sequence[LiveUnit], start_s: float) -> None:
+        self._units = tuple(reversed(units))
+        self._timers = [(Timer(u.node.every_ms / 1e3, start_s), u) for u in self._units if u.node.every_ms]
+        self._now_s = start_s
+
+    def next_due(self, to_s: float) -> Due | None:
+        """Return the next firing up to a time, None if there is none until then."""
+        for unit in self._units:
+            if (due := self._ready(unit, self._now_s)) is not None:
+                return due
+        self._skip_gap(to_s)
+        timer_s, timer, clocked = min(
+            ((timer.due_s, timer, unit) for timer, unit in self._timers),
+            key=lambda one: one[0],
+            default=(math.inf, None, None),
+        )
+        waking_s = min((unit.wakes_at_s() for unit in self._units), default=math.inf)
+        if min(timer_s, waking_s) > to_s:
+            self._now_s = max(self._now_s, to_s)
+            return None
+        self._now_s = max(self._now_s, min(timer_s, waking_s))
+        if timer is None or clocked is None or waking_s < timer_s:
+            return self.next_due(to_s)
+        timer.advance(self._now_s)
+        return Due(self._now_s, clocked, None, partial(clocked.fire_timer, now_s=self._now_s))
+
+    def _ready(self, unit: LiveUnit, now_s: float) -> Due | None:
+        matched = unit.ready(now_s)
+        if matched is None:
+            return None
+        utime = None if unit.is_clocked else matched.utime
+        return Due(now_s, unit, utime, partial(unit.fire_set, matched, now_s=now_s))
+
+    def _skip_gap(self, to_s: float) -> None:
+        for timer, _ in self._timers:
+            if to_s - timer.due_s > _MAX_GAP_S:
+                timer.advance(to_s)
