@@ -82,13 +82,19 @@ class ReplayRunner(WiredStages):
                 self._fire_complete(unit, tick.utime)
 
     def _prime(self, message: Logged) -> None:
-        """Let stages that sample a channel know a message from before the first tick."""
+        """Let stages that sample a channel know a message from before the first tick; it fires nothing in a replay."""
         name = message.channel
-        utime, _, value = decode(self._messages[name], self._recording.event(name, message.place).data)
-        for unit in self._units.values():
-            for i in unit.node.inputs:
-                if i.port.latest and i.channel is not None and i.channel.name == name:
-                    unit.deliver(i.port.name, utime, value)
+        data = self._recording.event(name, message.place).data
+        readers = [
+            (u, i.port) for u in self._units.values() for i in u.node.inputs if i.channel and i.channel.name == name
+        ]
+        sampling = [(unit, port.name) for unit, port in readers if port.latest]
+        if sampling and not any(port.is_plain for _, port in readers):
+            for sink in self._player_sinks:
+                sink.write(name, message.utime, data)
+        utime, _, value = decode(self._messages[name], data)
+        for unit, port_name in sampling:
+            unit.deliver(port_name, utime, value)
 
     def _play(self, message: Logged) -> None:
         name = message.channel

@@ -15,6 +15,7 @@ from graphnav.replay.firing_runner import FiringRunner
 from graphnav.replay.firings import read_firings
 from graphnav.replay.log_graph import LogGraph
 from graphnav.replay.plan import Plan
+from graphnav.replay.renumbered import Renumbered
 from graphnav.replay.replay_runner import ReplayRunner
 from graphnav.replay.schedule import ticks_of
 from graphnav.runner.owned_stages import Sink
@@ -54,7 +55,7 @@ def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents:
     before = [messages[-1] for messages in earlier if messages]
 
     def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> ReplayRunner:
-        logs = () if log is None else (log,)
+        logs = () if log is None else (Renumbered(log) if start_us else log,)
         return ReplayRunner(plan, stages, Bus("memq://"), (*sinks, *logs), recording, ticks, before, logs)
 
     return Session(make, contents.last_us, reach.lost)

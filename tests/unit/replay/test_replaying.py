@@ -112,7 +112,7 @@ def test_what_is_played_does_not_step(record: Record, again: Again, tmp_path: Pa
     assert events_of(tmp_path / "again.lcmlog") == events_of(log)
 
 
-def test_what_is_then_not_needed_does_not_step_either(record: Record, again: Again) -> None:
+def test_what_is_then_not_needed_does_not_step_either(record: Record, again: Again, tmp_path: Path) -> None:
     text = """
     run: {until_s: 2, seed: 5}
     stages:
@@ -122,10 +122,12 @@ def test_what_is_then_not_needed_does_not_step_either(record: Record, again: Aga
       late:   {use: again.late, in: {twist: gather.twist}}
     """
     log = record(text)
-    result = again(log, play=["gather"])
+    result = again(log, play=["gather"], out=tmp_path / "again.lcmlog")
     assert (result.stepped, result.not_needed) == (("late",), ("mean",))
     assert result.is_equal
     assert result.not_replayed == ("mean.twist",)
+    back = again(tmp_path / "again.lcmlog")
+    assert (back.stepped, back.is_equal) == (("mean", "gather", "late"), True)
 
 
 def test_seeds_are_those_of_the_run(record: Record, again: Again, tmp_path: Path) -> None:
@@ -159,6 +161,15 @@ def test_a_cold_start_samples_what_was_there(record: Record, again: Again) -> No
     log = record()
     cold = again(log, from_s=1.0, is_cold=True, tolerance=Tolerance(max_rel=2.0, max_abs=2.0))
     assert cold.channels["gather.twist"].fields.get("v_mps") is None, "the goal of 0.9 s is known at 1.0 s"
+
+
+def test_the_log_of_a_cold_start_replays_without_a_difference(record: Record, again: Again, tmp_path: Path) -> None:
+    out = tmp_path / "again.lcmlog"
+    again(record(), out=out, from_s=1.0, is_cold=True)
+    back = again(out)
+    assert back.is_equal, back.first
+    assert back.lost == ()
+    assert back.channels["gather.twist"].n_compared == 16
 
 
 def test_a_time_behind_the_end_is_refused(record: Record, again: Again) -> None:
