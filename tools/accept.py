@@ -7,6 +7,7 @@ import sys
 
 from acceptance.comparing import controls_item, targets_item
 from acceptance.driving import drives_item, sign_item
+from acceptance.damaging import damage_item
 from acceptance.guarding import guard_item
 from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item
@@ -15,6 +16,7 @@ from acceptance.live_late import late_item
 from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
+from acceptance.replaying import replay_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
 from acceptance.watch_cost import cost_item
@@ -47,6 +49,8 @@ ITEMS = {
     "hostile": hostile_item,
     "cost": cost_item,
     "page": page_item,
+    "replay": replay_item,
+    "damage": damage_item,
 }
 
 

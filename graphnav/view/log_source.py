@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from array import array
 from bisect import bisect_left, bisect_right
 from pathlib import Path
 
@@ -18,13 +17,14 @@ _BEFORE_S = 10.0
 """A jump plays so much of the log before its target at once, so that there are rates."""
 _MAX_BEFORE = 20_000
 _MAX_POSES = 4000
+_MAX_TOLD = 3
 
 
 class LogSource:
     """Plays a log from its beginning; times count from there, in seconds.
 
-    Events whose stamps run backwards count as stamped like the one before. Raises LogError where the file cannot be
-    read.
+    Stamps that jump count as `Timeline` says. ``torn``: what is lost of a damaged log. Raises LogError where the file
+    cannot be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -33,13 +33,9 @@ class LogSource:
         self.failure = ""
         self._recording = Recording(path)
         self._index = self._recording.index
-        self._begin_us = self._recording.begin_us
-        self._times_us = array("q")
-        newest_us = self._begin_us
-        for number in range(len(self._index)):
-            newest_us = max(newest_us, self._index[number].utime)
-            self._times_us.append(newest_us)
-        self.torn = str(self._recording.torn or "")
+        self._times_us = self._recording.timeline.at_us
+        lost = [*map(str, self._recording.damaged), *([str(self._recording.torn)] if self._recording.torn else [])]
+        self.torn = "; ".join(lost[:_MAX_TOLD]) + (f"; and {len(lost) - _MAX_TOLD} more" if lost[_MAX_TOLD:] else "")
         self.speed_ratio = 1.0
         self.is_playing = True
         self._at_s = 0.0
@@ -60,7 +56,7 @@ class LogSource:
     @property
     def length_s(self) -> float:
         """From the first event to the last."""
-        return (self._times_us[-1] - self._begin_us) / 1e6 if self._times_us else 0.0
+        return self._times_us[-1] / 1e6 if self._times_us else 0.0
 
     @property
     def at_s(self) -> float:
@@ -114,7 +110,7 @@ class LogSource:
             while before >= 0 and self._times_us[numbers[before]] == self._times_us[numbers[here]]:
                 before -= 1
             if before >= 0:
-                self.seek((self._times_us[numbers[before]] - self._begin_us) / 1e6)
+                self.seek(self._times_us[numbers[before]] / 1e6)
 
     def _play(self) -> None:
         before_s = time.monotonic()
@@ -128,7 +124,7 @@ class LogSource:
 
     def _advance(self, to_us: int) -> None:
         end = bisect_right(self._times_us, to_us)
-        self._at_s = min((to_us - self._begin_us) / 1e6, self.length_s)
+        self._at_s = min(to_us / 1e6, self.length_s)
         for number in range(self._next, end):
             self._hear(number)
         self._next = end
@@ -147,10 +143,10 @@ class LogSource:
 
     def _hear(self, number: int) -> None:
         event = self._recording.at(number)
-        self.watch.hear(Heard(event.channel, event.data, (self._times_us[number] - self._begin_us) / 1e6))
+        self.watch.hear(Heard(event.channel, event.data, self._times_us[number] / 1e6))
 
     def _us(self, at_s: float) -> int:
-        return self._begin_us + round(at_s * 1e6)
+        return round(at_s * 1e6)
 
     def _now(self) -> float:
         return self._at_s

@@ -1,0 +1,151 @@
+"""Recordings that end badly: ``graphnav record`` killed at once, and on a disk that is full."""
+
+from __future__ import annotations
+
+import os
+import random
+import resource
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from acceptance.drives import GRAPHNAV
+from acceptance.processes import await_file, group_url
+from graphnav import Image, Twist
+from graphnav.bus import Bus
+from graphnav.codec import encode
+from graphnav.record import Recording
+
+_N_KILLS = 10
+_MAX_KILL_S = 3.0
+_MAX_UNWRITTEN_S = 1.0
+_FULL_BYTES = 1_000_000
+_MAX_TOLD_S = 2.0
+_PERIOD_S = 0.002
+
+
+class Left(NamedTuple):
+    """What a recording left: events, whether their numbers have no gap, damage but for the end, bytes at the end."""
+
+    n_events: int
+    n_damaged: int
+    n_torn_bytes: int
+    last_us: int
+
+
+def killed(folder: Path, drawn: random.Random) -> Iterator[tuple[bool, str]]:
+    """Kill a recording at random moments; yield whether what is left of it is complete to its last event."""
+    n_good, n_events, torn, unwritten_s = 0, 0, 0, 0.0
+    for number in range(_N_KILLS):
+        log, url = folder / f"killed-{number}.lcmlog", group_url(201 + number)
+        with _recording(log, url) as process, _flood(url):
+            await_file(log)
+            time.sleep(drawn.uniform(0.0, _MAX_KILL_S))
+            process.kill()
+            killed_us = time.time_ns() // 1000
+            process.wait()
+        left = _left(log)
+        behind_s = (killed_us - left.last_us) / 1e6 if left.n_events else 0.0
+        n_good += left.n_damaged == 0 and behind_s <= _MAX_UNWRITTEN_S
+        n_events, torn = n_events + left.n_events, torn + bool(left.n_torn_bytes)
+        unwritten_s = max(unwritten_s, behind_s)
+    what = (
+        f"record killed with -9 at {_N_KILLS} random moments: {n_good} logs readable to the last complete event, "
+        f"{n_events} events in all, {torn} ended within one; the last event was {unwritten_s:.2f} s old at most"
+    )
+    yield n_good == _N_KILLS and n_events > 0, what
+
+
+def full_disk(folder: Path) -> Iterator[tuple[bool, str]]:
+    """Record where only so many bytes fit; yield whether that was told at once and what was written is readable."""
+    yield _full("a file of limited size", folder / "limited.lcmlog", _limit_size, group_url(211))
+    disk = folder / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={_FULL_BYTES}", "tmpfs", str(disk)]
+    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
+        yield True, "record onto a full disk: not tried, a small disk cannot be mounted here"
+        return
+    try:
+        yield _full("a full disk", disk / "full.lcmlog", lambda: None, group_url(212))
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def _full(what: str, log: Path, prepare: Callable[[], None], url: str) -> tuple[bool, str]:
+    with _recording(log, url, prepare) as process, _flood(url):
+        await_file(log)
+        full_s = _await_size(log, process)
+        try:
+            said, _ = process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            return False, f"record onto {what}: it does not end"
+        took_s = time.monotonic() - full_s
+    left = _left(log)
+    told = [line for line in said.decode().splitlines()[2:] if log.name in line]
+    good = process.returncode == 1 and bool(told) and took_s <= _MAX_TOLD_S
+    good = good and left.n_damaged == left.n_torn_bytes == 0 and left.n_events > 0
+    return good, (
+        f"record onto {what}: ended with status {process.returncode} {took_s:.1f} s after {_FULL_BYTES} bytes, "
+        f"{left.n_events} events readable, {left.n_torn_bytes} bytes behind them; it said: {' / '.join(told)}"
+    )
+
+
+def _await_size(log: Path, process: subprocess.Popen[bytes]) -> float:
+    """Return when the log could not grow any more: it ended, or the file is nearly as large as it may be."""
+    while process.poll() is None and log.stat().st_size < _FULL_BYTES * 0.95:
+        time.sleep(0.01)
+    return time.monotonic()
+
+
+def _left(log: Path) -> Left:
+    with Recording(log) as recording:
+        stamps = [event.utime for event in recording.events()]
+        torn = recording.torn.n_bytes if recording.torn else 0
+        return Left(len(stamps), len(recording.damaged), torn, stamps[-1] if stamps else 0)
+
+
+def _limit_size() -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (_FULL_BYTES, _FULL_BYTES))
+
+
+@contextmanager
+def _recording(log: Path, url: str, prepare: Callable[[], None] = lambda: None) -> Iterator[subprocess.Popen[bytes]]:
+    command = [str(GRAPHNAV), "record", url, "-o", str(log)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=prepare)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGKILL)
+        process.wait()
+
+
+@contextmanager
+def _flood(url: str) -> Iterator[None]:
+    """Publish pictures and commands until the end."""
+    ending = threading.Event()
+
+    def publish() -> None:
+        bus = Bus(url)
+        image, seq = Image(pixels=np.zeros((40, 60), np.uint8)), 0
+        while not ending.wait(_PERIOD_S):
+            stamp = time.time_ns() // 1000
+            bus.publish("CAMERA", encode(image, stamp, seq))
+            bus.publish("COMMAND", encode(Twist(v_mps=0.1, omega_radps=0.0), stamp, seq))
+            seq += 1
+        bus.close()
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        yield
+    finally:
+        ending.set()
+        thread.join()

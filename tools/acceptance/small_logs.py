@@ -1,0 +1,42 @@
+"""Logs to be damaged: of runs of a few messages in lockstep and live, and of a drive."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from graphnav.catalog import Catalog
+from graphnav.graph import load_graph
+from graphnav.live import run_live
+from graphnav.record import LOG
+from graphnav.runner.recorded import run_recorded
+
+STAGES = Path(__file__).with_name("tiny_stages.py")
+GRAPH = """\
+run: {{until_s: {until_s}, seed: 1, record: all}}
+stages:
+  eye:  {{use: tiny.camera, with: {{rate_hz: 20}}}}
+  mean: {{use: tiny.mean, in: {{image: eye.image}}}}
+"""
+
+
+def record_tiny(folder: Path, *, is_live: bool) -> Path:
+    """Run the stages of a few pixels and return the log; ``folder`` must not exist."""
+    folder.mkdir()
+    path = folder / "tiny.yaml"
+    path.write_text(GRAPH.format(until_s=0.15 if is_live else 0.1))
+    catalog = Catalog()
+    catalog.add_file(STAGES)
+    graph = load_graph(path, catalog)
+    if is_live:
+        run_live(graph, graph.make_stages(), folder, notice=lambda _: None)
+    else:
+        run_recorded(graph, graph.make_stages(), folder)
+    return folder / LOG
+
+
+def record_drive(folder: Path, until_s: float) -> Path:
+    """Drive through the corridor in lockstep and return the log; ``folder`` must not exist."""
+    folder.mkdir()
+    graph = load_graph("corridor_ccw", Catalog(), [f"run.until_s={until_s}"])
+    run_recorded(graph, graph.make_stages(), folder)
+    return folder / LOG
