@@ -58,7 +58,7 @@ def _headline(result: ReplayResult) -> Text:
 
 def _verdict(result: ReplayResult) -> Text:
     compared = sum(channel.n_compared for channel in result.channels.values())
-    counted = f"{compared} messages on {_count(len(result.channels), 'channel')} compared"
+    counted = f"{_count(compared, 'message')} on {_count(len(result.channels), 'channel')} compared"
     if result.first is None and result.failure:
         return Text("failed", style="bold red").append(
             f", no differences until then: {counted}", style="default not bold"

@@ -133,7 +133,7 @@ def _trial(name: str, lost: list[str] | None, run: Callable[[], int], *, is_told
     if status not in (0, 1, 2) or "Traceback" in text or not all(c.isprintable() or c in "\n\r" for c in text):
         return Trial(name, "crash", f"status {status}: {text}")
     if lost is None or status == 2:
-        return Trial(name, "refused" if text else "silent")
+        return Trial(name, "refused" if text else "silent", text)
     if not lost:
         return Trial(name, "complete")
     is_told = is_told or any(one in text for one in lost) or f"in {len(lost)} places" in text
