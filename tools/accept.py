@@ -6,8 +6,8 @@ import argparse
 import sys
 
 from acceptance.comparing import controls_item, targets_item
-from acceptance.driving import drives_item, sign_item
 from acceptance.damaging import damage_item
+from acceptance.driving import drives_item, sign_item
 from acceptance.guarding import guard_item
 from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item

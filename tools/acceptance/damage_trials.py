@@ -11,6 +11,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
@@ -104,12 +105,12 @@ def try_commands(log: Path, scratch: Path, url: str) -> Iterator[Trial]:
     """Run every command on a log; files go to ``scratch``, messages to ``url``."""
     lost = lost_of(log)
     for name, words in _words(log, scratch, url).items():
-        yield _trial(name, lost, lambda words=words: main(words))
+        yield _trial(name, lost, partial(main, words))
         if name == "replay -o" and (scratch / "again.lcmlog").exists():
-            again = _trial("replay -o", lost, lambda: _read_again(scratch / "again.lcmlog"), is_told=True)
+            again = _trial("replay -o", lost, partial(_read_again, scratch / "again.lcmlog"), is_told=True)
             if again.came_out == "crash":
                 yield again
-    yield _trial("view", lost, lambda: _view(log))
+    yield _trial("view", lost, partial(_view, log))
 
 
 def lost_of(log: Path) -> list[str] | None:

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -65,7 +65,7 @@ def killed(folder: Path, drawn: random.Random) -> Iterator[tuple[bool, str]]:
 
 def full_disk(folder: Path) -> Iterator[tuple[bool, str]]:
     """Record where only so many bytes fit; yield whether that was told at once and what was written is readable."""
-    yield _full("a file of limited size", folder / "limited.lcmlog", _limit_size, group_url(211))
+    yield _full("a file of limited size", folder / "limited.lcmlog", group_url(211), _FULL_BYTES)
     disk = folder / "disk"
     disk.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", f"size={_FULL_BYTES}", "tmpfs", str(disk)]
@@ -73,13 +73,13 @@ def full_disk(folder: Path) -> Iterator[tuple[bool, str]]:
         yield True, "record onto a full disk: not tried, a small disk cannot be mounted here"
         return
     try:
-        yield _full("a full disk", disk / "full.lcmlog", lambda: None, group_url(212))
+        yield _full("a full disk", disk / "full.lcmlog", group_url(212))
     finally:
         subprocess.run(["umount", str(disk)], check=True)
 
 
-def _full(what: str, log: Path, prepare: Callable[[], None], url: str) -> tuple[bool, str]:
-    with _recording(log, url, prepare) as process, _flood(url):
+def _full(what: str, log: Path, url: str, max_bytes: int | None = None) -> tuple[bool, str]:
+    with _recording(log, url, max_bytes) as process, _flood(url):
         await_file(log)
         full_s = _await_size(log, process)
         try:
@@ -111,14 +111,12 @@ def _left(log: Path) -> Left:
         return Left(len(stamps), len(recording.damaged), torn, stamps[-1] if stamps else 0)
 
 
-def _limit_size() -> None:
-    resource.setrlimit(resource.RLIMIT_FSIZE, (_FULL_BYTES, _FULL_BYTES))
-
-
 @contextmanager
-def _recording(log: Path, url: str, prepare: Callable[[], None] = lambda: None) -> Iterator[subprocess.Popen[bytes]]:
+def _recording(log: Path, url: str, max_bytes: int | None = None) -> Iterator[subprocess.Popen[bytes]]:
     command = [str(GRAPHNAV), "record", url, "-o", str(log)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=prepare)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if max_bytes is not None:
+        resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (max_bytes, max_bytes))
     try:
         yield process
     finally:

@@ -27,8 +27,8 @@ class Mean(Stage):
     gain_ratio: float = param(0.5, ge=0.0, le=1.0, doc="weight of the newest picture")
 
     def reset(self, seed: int) -> None:
-        """Begin with black."""
-        self._mean = 0.0
+        """Begin with a gray level that is drawn."""
+        self._mean = float(np.random.default_rng(seed).uniform(0, 255))
 
     def step(self, image: Image) -> Twist:
         """Return the mean."""
