@@ -217,12 +217,13 @@ def log(live: Callable[..., Live], outside: Callable[..., Outside]) -> Path:
 
 @pytest.fixture
 def again() -> Callable[..., ReplayResult]:
-    """Return a function that replays a log with swaps: ``out``, and the words of `ReplayOptions`."""
+    """Return a function that replays a log of that graph with swaps: ``out``, and the words of `ReplayOptions`."""
 
     def run(log: Path, *sets: str, out: Path | None = None, **options: Any) -> ReplayResult:
         catalog = Catalog()
         catalog.add_file(STAGES)
         with Recording(log) as recording:
-            return replay(recording, graph_to_replay(recording, catalog, sets=sets), ReplayOptions(**options), out=out)
+            made = graph_to_replay(recording, catalog, sets=["slow.dawdle_s=0", *sets])
+            return replay(recording, made, ReplayOptions(**options), out=out)
 
     return run

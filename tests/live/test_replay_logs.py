@@ -119,7 +119,7 @@ def test_what_reads_an_equal_stage_instead_has_no_differences(again: Again, log:
     result = again(log, *TWIN, "both.in.a=twin.twist")
     assert result.is_equal, result.first
     assert result.channels["both.twist"].n_compared > 0
-    other = again(log, "both.in.a=slow.twist", "slow.dawdle_s=0")
+    other = again(log, "both.in.a=slow.twist")
     assert other.is_equal, "slow publishes what see publishes"
     differs = again(log, "dark+=probe.trouble", "dark.in.image=camera.image", "both.in.a=dark.twist")
     assert not differs.channels["both.twist"].is_equal
