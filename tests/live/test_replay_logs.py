@@ -46,6 +46,7 @@ def speeds(recording: Recording, channel: str) -> dict[int, float]:
         (TWIN, {}),
         ((*TWIN, "both.in.a=twin.twist"), {}),
         (("late+=probe.pass", "late.in.command=both.twist", "late.in.image=camera.image"), {}),
+        (("more+=probe.gather", "more.in.image=camera.image", "more.in.odometry=base.odometry"), {}),
     ],
 )
 def test_the_log_of_a_replay_replays_without_a_difference(

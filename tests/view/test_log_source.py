@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -135,3 +136,18 @@ def test_stamps_that_run_backwards_are_played_in_the_order_of_the_file(tmp_path:
     assert counts(source) == {"x": 4}
     source.start()
     source.close()
+
+
+def test_damage_anywhere_is_told_and_a_damaged_stamp_does_not_stretch_the_log(tmp_path: Path, log: Path) -> None:
+    data = bytearray(log.read_bytes())
+    events = [found.start() for found in re.finditer(b"\\xed\\xa1\\xda\\x01", data)]
+    data[events[20]] ^= 1
+    data[events[40] + 12] ^= 0x40
+    path = tmp_path / "spoiled.lcmlog"
+    path.write_bytes(data[:-3])
+    source = LogSource(path)
+    source.start()
+    source.close()
+    assert source.length_s == pytest.approx(3.9, abs=0.2)
+    told = source.torn.split("; ")
+    assert [f"from byte {events[20]}" in told[0], "is not whole" in told[1]] == [True, True]
