@@ -56,6 +56,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command: export, print what was written, and what was lost."""
     from rich.console import Console  # noqa: PLC0415
 
+    from graphnav.cli.damaged_log import damage_told  # noqa: PLC0415
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
     from graphnav.export import Selection, duration_s, export_log  # noqa: PLC0415
     from graphnav.record import Recording, find_log  # noqa: PLC0415
@@ -64,7 +65,7 @@ def main(args: argparse.Namespace) -> int:
     catalog = catalog_of(args)
     load_types_of(args)
     selection = Selection(tuple(args.channels), args.from_s, args.until_s)
-    with Recording(find_log(args.run)) as recording:
+    with Recording(find_log(args.run)) as recording, damage_told(recording):
         until_s = min(duration_s(recording), selection.until_s)
         with progress_bar(Console(stderr=True), f"export {args.kind}", until_s) as show:
             done = export_log(

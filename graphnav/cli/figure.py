@@ -41,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and print what was written."""
     from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.cli.damaged_log import damage_told  # noqa: PLC0415
     from graphnav.record import Recording, find_log  # noqa: PLC0415
     from graphnav.report.pictures import draw_all, draw_frames, draw_sheet  # noqa: PLC0415
 
@@ -50,7 +51,7 @@ def main(args: argparse.Namespace) -> int:
     folder = args.folder or log.parent
     suffix = f".{args.format}"
     catalog = Catalog()
-    with Recording(log) as recording:
+    with Recording(log) as recording, damage_told(recording):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             drawn: list[Path] = []
@@ -64,8 +65,8 @@ def main(args: argparse.Namespace) -> int:
             raise UserError.of(
                 f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"
             ) from error
-    if not drawn:
-        raise UserError.of(f"{log} holds nothing to draw", "record images, planes or a robot's states")
+        if not drawn:
+            raise UserError.of(f"{log} holds nothing to draw", "record images, planes or a robot's states")
     for path in drawn:
         print(path)
     for damage in (*recording.damaged, *filter(None, [recording.torn])):

@@ -61,6 +61,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command; the status is 1 where anything differs."""
     from rich.console import Console  # noqa: PLC0415
 
+    from graphnav.cli.damaged_log import damage_told  # noqa: PLC0415
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
     from graphnav.record import find_log  # noqa: PLC0415
     from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay  # noqa: PLC0415
@@ -74,7 +75,7 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of("--cold begins at --from with fresh state, but there is no --from", "add --from S")
     log = find_log(args.log)
     catalog = catalog_of(args)
-    with _opened(log) as recording:
+    with _opened(log) as recording, damage_told(recording):
         made = graph_to_replay(recording, catalog, graph=args.graph, sets=args.sets, plugins=args.plugins)
         play = [word for words in args.play for word in words]
         _print_notices(made, play)

@@ -59,7 +59,7 @@ def refuse_unlogged(
     if lines:
         readers = ", ".join(sorted({n for c in plan.played if c.name in newly for n in plan.readers_of(c)}))
         what = f"{recording.path} lacks messages that {readers} read:"
-        raise UserError.of("\n  ".join([what, *lines, *contents.lost]), _HINT)
+        raise UserError.of("\n  ".join([what, *lines]), _HINT)
 
 
 class Reach(NamedTuple):
@@ -92,7 +92,7 @@ def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int
         lines = "; ".join(_lines(lacking, contents))
         return Reach(until_us, (f"replayed up to {until_us / 1e6:.2f} s; later messages are missing: {lines}",))
     what = f"{recording.path} lacks messages that {readers} read:"
-    raise UserError.of("\n  ".join([what, *_lines(lacking, contents), *contents.lost]), _HINT)
+    raise UserError.of("\n  ".join([what, *_lines(lacking, contents)]), _HINT)
 
 
 def _lines(lacking: Mapping[Channel, list[Hole]], contents: Contents) -> Iterator[str]:

@@ -91,9 +91,12 @@ def replay(
     begin_us = recording.begin_us if made.is_live else 0
     end_us = max((message.at_us for message in contents.order), default=begin_us)
     from_us = begin_us + round(options.from_s * 1e6)
-    if not contents.order or from_us > end_us:
+    if not contents.order:
+        what = f"{recording.path} holds no messages of its graph"
+        raise UserError.of(what, "name the graph that made it with --graph FILE, or another log")
+    if from_us > end_us:
         what = f"{recording.path} ends at {(end_us - begin_us) / 1e6:.2f} s"
-        raise UserError.of(what, f"--from {options.from_s:g} is behind that" if contents.order else "")
+        raise UserError.of(what, f"--from {options.from_s:g} is behind that")
     make_session = live_session if made.is_live else lockstep_session
     session = make_session(recording, made, plan, contents, from_us if options.is_cold else begin_us)
     stages = plan.stepped.make_stages()

@@ -45,7 +45,7 @@ class Trial(NamedTuple):
 
     command: str
     came_out: str
-    """"used": it told what is lost and used the rest; "refused": an error of one line; "complete": the damage left a
+    """"used": it told what is lost and used the rest; "refused": it told what is lost and that the rest is not enough; "complete": the damage left a
     log in which nothing can be seen to be lost; "silent": it told nothing of what is lost; "crash"."""
     cause: str = ""
 
@@ -133,12 +133,10 @@ def _trial(name: str, lost: list[str] | None, run: Callable[[], int], *, is_told
     text = said.getvalue()
     if status not in (0, 1, 2) or "Traceback" in text or not all(c.isprintable() or c in "\n\r" for c in text):
         return Trial(name, "crash", f"status {status}: {text}")
-    if lost is None or status == 2:
-        return Trial(name, "refused" if text else "silent", text)
-    if not lost:
+    if not lost and status != 2:
         return Trial(name, "complete")
-    is_told = is_told or any(one in text for one in lost) or f"in {len(lost)} places" in text
-    return Trial(name, "used" if is_told else "silent", text)
+    is_told = is_told or not lost or any(one in text for one in lost) or f"in {len(lost)} places" in text
+    return Trial(name, ("refused" if status == 2 else "used") if text and is_told else "silent", text)
 
 
 def _read_again(log: Path) -> int:
