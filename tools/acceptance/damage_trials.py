@@ -41,12 +41,12 @@ class Damage(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """What a command did with a damaged log: how it came out, and of a crash where and what."""
+    """What a command did with a damaged log, and what it said."""
 
     command: str
     came_out: str
-    """"used": it told what is lost and used the rest; "refused": it told what is lost and that the rest is not enough; "complete": the damage left a
-    log in which nothing can be seen to be lost; "silent": it told nothing of what is lost; "crash"."""
+    """What is lost was told and the rest "used", or "refused" because it is not enough; "complete": nothing can be seen
+    to be lost; "silent": nothing was told of what is lost; "crash"."""
     cause: str = ""
 
 
