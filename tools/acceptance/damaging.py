@@ -34,17 +34,23 @@ def damage_item(_seeds: Sequence[int], jobs: int) -> bool:
                 raise RuntimeError(f"the small log has {len(data)} bytes, more than {_MAX_SMALL_BYTES}")
             what = f"a {name} log of {len(data)} bytes cut at every byte offset"
             passed &= _said(what, *count_trials(data, map(Damage, range(len(data))), jobs))
+            what = f"the same log with one bit flipped, {_N_RANDOM} times"
+            passed &= _said(what, *count_trials(data, _flips(drawn, data), jobs))
         data = record_drive(Path(scratch) / "drive", _DRIVE_S).read_bytes()
         large = f"a log of {len(data) / 1e6:.1f} MB"
         cuts = [Damage(drawn.randrange(len(data))) for _ in range(_N_RANDOM)]
         passed &= _said(f"{large} cut at {_N_RANDOM} random offsets", *count_trials(data, cuts, jobs))
-        flips = [Damage(len(data), drawn.randrange(8 * len(data))) for _ in range(_N_RANDOM)]
-        passed &= _said(f"{large} with one bit flipped, {_N_RANDOM} times", *count_trials(data, flips, jobs))
+        what = f"{large} with one bit flipped, {_N_RANDOM} times"
+        passed &= _said(what, *count_trials(data, _flips(drawn, data), jobs))
         passed &= _without_permission(Path(scratch), data)
         for good, what in (*killed(Path(scratch), drawn), *full_disk(Path(scratch))):
             passed &= good
             say(f"{'ok  ' if good else 'MISS'} {what}")
     return passed
+
+
+def _flips(drawn: random.Random, data: bytes) -> list[Damage]:
+    return [Damage(len(data), drawn.randrange(8 * len(data))) for _ in range(_N_RANDOM)]
 
 
 def _said(what: str, counts: Mapping[str, Counter[str]], wrong: Sequence[str]) -> bool:
