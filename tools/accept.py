@@ -8,6 +8,7 @@ import sys
 from acceptance.comparing import controls_item, targets_item
 from acceptance.damaging import damage_item
 from acceptance.driving import drives_item, sign_item
+from acceptance.exporting import exports_item
 from acceptance.guarding import guard_item
 from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item
@@ -17,6 +18,7 @@ from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.replaying import replay_item
+from acceptance.notebook import notebook_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
 from acceptance.watch_cost import cost_item
@@ -51,6 +53,8 @@ ITEMS = {
     "page": page_item,
     "replay": replay_item,
     "damage": damage_item,
+    "exports": exports_item,
+    "notebook": notebook_item,
 }
 
 

@@ -10,6 +10,7 @@ from graphnav.render.boxes import boxes_of
 from graphnav.render.geometry import HEAD, PlacedBox, PlacedWire, geometry_of
 
 _STYLE = """
+  svg.dataflow { max-width: 100%; height: auto; }
   .dataflow text { font: 12px "DejaVu Sans", Verdana, sans-serif; fill: #24292f; }
   .dataflow .name { font-weight: bold; font-size: 13px; fill: #ffffff; }
   .dataflow .use { font-size: 11px; fill: #ffffff; }

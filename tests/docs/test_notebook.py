@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+STUDY = 'study.table.loc["corridor_ccw"].round(3)'
 NOTEBOOK = Path(__file__).resolve().parents[2] / "docs" / "notebook.ipynb"
 
 EXECUTE = """
@@ -66,8 +67,8 @@ def test_the_run_shows_panels_and_metrics(executed: dict[str, list[Mapping[str, 
 
 
 def test_tables_and_plots_are_shown(executed: dict[str, list[Mapping[str, Any]]]) -> None:
-    for line in ("log", "control.tail(3)", "study.table.round(3)"):
+    for line in ("log", "control.tail(3)", STUDY):
         assert "<table" in shown(executed, line)["text/html"], line
     plots = [line for line in executed if "image/png" in shown(executed, line)]
     assert len(plots) == 2
-    assert "plane.affine" in shown(executed, "study.table.round(3)")["text/html"]
+    assert "plane.affine" in shown(executed, STUDY)["text/html"]

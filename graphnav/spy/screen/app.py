@@ -36,12 +36,12 @@ class SpyApp(App[None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("space", "freeze", "freeze"),
         Binding("space", "play", "play"),
-        Binding("comma", "step(-1)", "step back", key_display=","),
-        Binding("full_stop", "step(1)", "step", key_display="."),
+        Binding("comma", "step(-1)", "step", key_display=",."),
+        Binding("full_stop", "step(1)", "step on", show=False),
         Binding("less_than_sign", "skip(-1.0)", "1 s back", show=False),
         Binding("greater_than_sign", "skip(1.0)", "1 s on", show=False),
         Binding("r", "record", "record"),
-        Binding("w", "save", "save PNG"),
+        Binding("w", "save", "save"),
         Binding("q", "quit", "quit"),
         Binding("ctrl+c", "quit", "quit", show=False, priority=True),
     ]

@@ -41,8 +41,8 @@ class ChannelScreen(Screen[None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,backspace", "leave", "back", key_display="Esc"),
         Binding("enter", "expand", "expand"),
-        Binding("p", "plot", "plot field"),
-        Binding("v", "view", "picture/plot"),
+        Binding("p", "plot", "plot"),
+        Binding("v", "view", "view"),
     ]
 
     def __init__(self, name: str, session: Session) -> None:
@@ -154,14 +154,18 @@ class ChannelScreen(Screen[None]):
 
     def _lay_out(self, *, has_picture: bool) -> None:
         """Show picture and plot as there are such and as there is room."""
-        is_tall = self.size.height >= _ROWS_FOR_BOTH
-        view = self._view or ("both" if is_tall and self._plotted else "picture")
         picture, plot = self.query_one("#picture"), self.query_one("#plot")
-        shows_picture = has_picture and view != "plot"
-        shows_plot = not has_picture or view != "picture"
+        shows_picture = has_picture and self._chosen_view != "plot"
+        shows_plot = not has_picture or self._chosen_view != "picture"
         if picture.display != shows_picture or plot.display != shows_plot:
             picture.display, plot.display = shows_picture, shows_plot
             self._draw_anew()
+
+    @property
+    def _chosen_view(self) -> str:
+        """What v chose, else what there is room for."""
+        is_tall = self.size.height >= _ROWS_FOR_BOTH
+        return self._view or ("both" if is_tall and self._plotted else "picture")
 
     def _collect(self, sample: Sample) -> None:
         """Take the numbers of all messages since the last time; of large ones, which are not kept, the newest."""
@@ -214,6 +218,5 @@ class ChannelScreen(Screen[None]):
 
     def action_view(self) -> None:
         """Show the picture, the plot, or both."""
-        place = _VIEWS.index(self._view) if self._view else -1
-        self._view = _VIEWS[(place + 1) % len(_VIEWS)]
+        self._view = _VIEWS[(_VIEWS.index(self._chosen_view) + 1) % len(_VIEWS)]
         self.show(at_once=True)
