@@ -19,6 +19,7 @@ from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.replaying import replay_item
 from acceptance.notebook import notebook_item
+from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
 from acceptance.watch_cost import cost_item
@@ -53,6 +54,7 @@ ITEMS = {
     "page": page_item,
     "replay": replay_item,
     "damage": damage_item,
+    "screens": screens_item,
     "exports": exports_item,
     "notebook": notebook_item,
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -34,12 +34,17 @@ Rgb = tuple[int, int, int]
 
 def screen_image(screen: Screen[Any]) -> Image.Image:
     """Return what a screen shows."""
-    width, height = screen.size
+    return cells_image(screen.size, cells_of(screen))
+
+
+def cells_image(size: tuple[int, int], cells: Iterable[tuple[int, int, Segment]]) -> Image.Image:
+    """Return what stands on a screen of some columns and rows, as `cells_of` tells it."""
+    width, height = size
     cols_px, rows_px = _CELL_PX
     image = Image.new("RGB", (width * cols_px, height * rows_px), tuple(MONOKAI.background_color))
     draw = ImageDraw.Draw(image)
     font = ImageFont.truetype(str(_FONT), _FONT_PX)
-    for x, y, segment in cells_of(screen):
+    for x, y, segment in cells:
         _draw_segment(draw, font, x * cols_px, y * rows_px, segment)
     for view in screen.query(PictureView):
         if view.is_raw and view.display:

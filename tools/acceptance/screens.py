@@ -1,0 +1,220 @@
+"""The spy beside a run, as a user has them: two terminals, several kinds of them, and what stands on the screen."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from statistics import fmean
+
+import lcm
+from PIL import Image
+from rich.cells import cell_len
+from rich.console import Console
+from rich.text import Text
+
+from acceptance.drives import GRAPHNAV, say
+from acceptance.processes import await_file, end, group_url
+from acceptance.terminal import Terminal
+from graphnav import Recording
+from graphnav.record import LOG
+from graphnav.spy.screen.screen_image import cells_image
+
+_FIRST_S, _SECOND_S = 40, 20
+"""How long the two runs last."""
+_WATCHED_S = 13.0
+"""The spy's rates are those of the last 10 s."""
+_MAX_ERROR = 0.02
+_PICTURE_LETTERS = "▀.:-=+*#%@"
+_MIN_PICTURE_CELLS = 250
+_PICTURES = ("robot.image", "flow.flow", "plane.plane")
+_PLOTTED, _FIELDS = "control.twist", ("v_mps", "omega_radps")
+
+
+@dataclass(frozen=True)
+class Look:
+    """A kind of terminal: columns and rows, and its environment."""
+
+    size: tuple[int, int]
+    environment: Mapping[str, str]
+
+
+_LOOKS = {
+    "80x24": Look((80, 24), {"TERM": "tmux-256color"}),
+    "200x50": Look((200, 50), {"TERM": "tmux-256color"}),
+    "80x24-no-colour": Look((80, 24), {"TERM": "tmux-256color", "NO_COLOR": "1"}),
+    "80x24-vt100": Look((80, 24), {"TERM": "vt100"}),
+}
+
+
+def screens_item(seeds: Sequence[int], _jobs: int) -> bool:
+    """Watch two runs one after the other in each kind of terminal; print rates and where the captures are."""
+    if shutil.which("tmux") is None:
+        say("MISS tmux is not installed")
+        return False
+    folder = Path(tempfile.mkdtemp(prefix="graphnav-screens-"))
+    passed = True
+    for number, (name, look) in enumerate(_LOOKS.items(), start=1):
+        with ExitStack() as stack:
+            watched = stack.enter_context(closing(_Watched(folder / name, look, group_url(220 + number))))
+            try:
+                good, numbers = watched.look(seeds[:2])
+            except AssertionError as error:
+                good, numbers = False, str(error)
+        passed &= good
+        say(f"{'ok  ' if good else 'MISS'} {name}: {numbers}")
+    say(f"     look at {folder}")
+    return passed
+
+
+class _Watched:
+    """A spy in one terminal, runs in another one, and lcm-logger, which hears what the spy hears."""
+
+    def __init__(self, folder: Path, look: Look, url: str) -> None:
+        folder.mkdir(parents=True)
+        self._folder, self._look, self._url = folder, look, url
+        self._spy, self._run = Terminal(folder / "spy.tmux"), Terminal(folder / "run.tmux")
+        self._heard = folder / "heard.lcmlog"
+        command = [str(Path(lcm.LCM_BIN_DIR) / "lcm-logger"), "--quiet", "--flush-interval", "100", "--lcm-url"]
+        self._logger = subprocess.Popen([*command, f"{url}&recv_buf_size=2097152", str(self._heard)])
+
+    def close(self) -> None:
+        """End everything."""
+        self._spy.close()
+        self._run.close()
+        end(self._logger)
+
+    def look(self, seeds: Sequence[int]) -> tuple[bool, str]:
+        """Watch two runs; return whether all was as it should be, and what was measured."""
+        variables = " ".join(f"{name}={value}" for name, value in self._look.environment.items())
+        command = f"env {variables} {shlex.quote(str(GRAPHNAV))} spy; echo ended with $?; sleep 3600"
+        self._spy.start(f"env LCM_DEFAULT_URL={shlex.quote(self._url)} sh -c {shlex.quote(command)}", self._look.size)
+        self._spy.wait_for(lambda shown: "no publisher" in shown)
+        self._keep("0-nobody")
+        self._start_run("first", seeds[0], _FIRST_S)
+        errors = self._rates_when_steady("1-table")
+        for place, channel in enumerate(_PICTURES, start=2):
+            self._open(channel)
+            self._spy.wait_for(_has_picture)
+            time.sleep(1.0)
+            self._keep(f"{place}-{channel}")
+            self._go_back()
+        self._open(_PLOTTED)
+        self._spy.wait_for(lambda shown: all(f"• {field} " in shown for field in _FIELDS))
+        self._keep("5-plot")
+        self._spy.wait_for(lambda shown: "stale for" in shown)
+        self._keep("6-stale")
+        self._go_back()
+        self._spy.wait_for(lambda shown: not any(_rates(shown).values()))
+        self._keep("7-table-of-a-finished-run")
+        self._start_run("second", seeds[1], _SECOND_S)
+        errors_again = self._rates_when_steady("8-table-of-the-next-run")
+        self._spy.press("q")
+        self._spy.wait_for(lambda shown: "ended with 0" in shown)
+        return self._judged({"first": errors, "second": errors_again})
+
+    def _start_run(self, name: str, seed: int, until_s: float) -> None:
+        self._run.close()
+        words = ["run", "corridor_ccw", "--pace", "1", "--seed", str(seed), "--until", str(until_s), "--no-pictures"]
+        command = shlex.join([str(GRAPHNAV), *words, "-o", str(self._folder / name)])
+        shell = f"LCM_DEFAULT_URL={shlex.quote(self._url)} {command}; sleep 3600"
+        self._run.start(f"sh -c {shlex.quote(shell)}", (100, 24))
+        await_file(self._folder / name / LOG)
+
+    def _rates_when_steady(self, name: str) -> dict[str, tuple[float | None, float | None]]:
+        """Return, for each channel, the rate on the screen and the one that lcm-logger heard in the same 10 s."""
+        self._spy.wait_for(lambda shown: bool(_rates(shown).get(_PLOTTED)))
+        time.sleep(_WATCHED_S)
+        now_s = time.time()
+        shown = _rates(self._keep(name))
+        with Recording(self._heard) as recording:
+            heard: dict[str, list[float]] = {}
+            for event in recording.events():
+                heard.setdefault(event.channel, []).append(event.utime * 1e-6)
+        return {channel: (rate, _rate_of(heard.get(channel, []), now_s)) for channel, rate in shown.items()}
+
+    def _open(self, channel: str) -> None:
+        """Filter for a channel and open it, at a person's pace."""
+        self._spy.press("/")
+        self._spy.wait_for(lambda shown: "part of a channel" in shown)
+        self._spy.press(channel)
+        self._spy.wait_for(lambda shown: channel in _rates(shown) and "robot.goal" not in _rates(shown))
+        self._spy.press("Enter")
+        self._spy.wait_for(lambda shown: "⏎ open" in shown)
+        self._spy.press("Enter")
+        self._spy.wait_for(lambda shown: "Esc back" in shown)
+
+    def _go_back(self) -> None:
+        self._spy.press("Escape")
+        self._spy.wait_for(lambda shown: "⏎ open" in shown)
+        self._spy.press("Escape")
+        self._spy.wait_for(lambda shown: "robot.goal" in _rates(shown))
+
+    def _keep(self, name: str) -> str:
+        """Save what stands on the screen, as text and as a picture; return the text."""
+        shown, coloured = self._spy.screen(), self._spy.screen("-e")
+        (self._folder / f"{name}.txt").write_text(shown, encoding="utf-8")
+        _picture_of(coloured, self._look.size).save(self._folder / f"{name}.png")
+        return shown
+
+    def _judged(self, runs: Mapping[str, Mapping[str, tuple[float | None, float | None]]]) -> tuple[bool, str]:
+        """Compare the rates on the screen with those of each run's own log, else with what lcm-logger heard."""
+        said, good = [], True
+        for name, rates in runs.items():
+            with Recording(self._folder / name / LOG) as recording:
+                logged = {channel: _rate(recording.utimes(channel)) for channel in recording.channels}
+            missing = logged.keys() - rates.keys()
+            by_log = [_error(rates[channel][0], rate) for channel, rate in logged.items() if rate and not missing]
+            by_ear = {channel: _error(shown, heard) for channel, (shown, heard) in rates.items() if heard}
+            good &= not missing and max((*by_log, *by_ear.values()), default=1.0) <= _MAX_ERROR
+            worst = max(by_ear, key=lambda channel: by_ear[channel], default="none")
+            said.append(
+                f"{name} run: {len(logged) - len(missing)} of {len(logged)} channels of its log shown; rates differ by "
+                f"{max(by_log, default=1.0):.2%} at most from the log's stamps ({len(by_log)} channels), by "
+                f"{max(by_ear.values(), default=1.0):.2%} from lcm-logger's arrivals ({len(by_ear)} channels; {worst})"
+            )
+        return good, "; ".join(said)
+
+
+def _rates(shown: str) -> dict[str, float | None]:
+    """Return the channels of a table and their rates, None for a dash."""
+    rows = re.findall(r"^(\S+\.\S+) .*?(?:([\d.]+) Hz|-) ", shown, re.MULTILINE)
+    return {channel: float(rate) if rate else None for channel, rate in rows}
+
+
+def _rate(utimes: Sequence[int]) -> float | None:
+    """Return the rate of stamps in microseconds; None of a single one."""
+    return 1e6 / fmean(later - earlier for earlier, later in pairwise(utimes)) if len(utimes) > 1 else None
+
+
+def _rate_of(times_s: Sequence[float], now_s: float) -> float | None:
+    """Return the rate of arrivals in the last 10 s."""
+    return _rate([round(at_s * 1e6) for at_s in times_s if now_s - 10.0 <= at_s <= now_s])
+
+
+def _error(shown: float | None, real: float | None) -> float:
+    return abs(shown / real - 1) if shown and real else 1.0
+
+
+def _has_picture(shown: str) -> bool:
+    return "Esc back" in shown and sum(map(shown.count, _PICTURE_LETTERS)) >= _MIN_PICTURE_CELLS
+
+
+def _picture_of(coloured: str, size: tuple[int, int]) -> Image.Image:
+    """Draw what tmux tells of a screen and its colours."""
+    console = Console(color_system="truecolor", width=size[0], force_terminal=True)
+    cells = []
+    for y, line in enumerate(coloured.splitlines()):
+        x = 0
+        for segment in Text.from_ansi(line).render(console):
+            cells.append((x, y, segment))
+            x += cell_len(segment.text)
+    return cells_image(size, cells)
