@@ -8,6 +8,7 @@ import sys
 from acceptance.comparing import controls_item, targets_item
 from acceptance.damaging import damage_item
 from acceptance.driving import drives_item, sign_item
+from acceptance.exchange import exchange_item
 from acceptance.exporting import exports_item
 from acceptance.guarding import guard_item
 from acceptance.live_bad import bad_item
@@ -55,6 +56,7 @@ ITEMS = {
     "replay": replay_item,
     "damage": damage_item,
     "screens": screens_item,
+    "exchange": exchange_item,
     "exports": exports_item,
     "notebook": notebook_item,
 }

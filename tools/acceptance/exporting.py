@@ -41,7 +41,8 @@ def exports_item(seeds: Sequence[int], _jobs: int) -> bool:
         passed = True
         with Recording(folder / "run" / LOG) as recording:
             n_messages = sum(map(recording.count, recording.channels))
-            say(f"     {recording.timeline.duration_us * 1e-6:.1f} s, {n_messages} messages on {len(recording.channels)} channels")
+            lasted_s = recording.timeline.duration_us * 1e-6
+            say(f"     a drive of {lasted_s:.1f} s, {n_messages} messages on {len(recording.channels)} channels")
             for kind, check in _CHECKS.items():
                 target = folder / f"run.{kind}"
                 command = [GRAPHNAV, "export", folder / "run", "--to", kind, "-o", target]
@@ -140,7 +141,8 @@ def _same_scalars(recording: Recording, read: Callable[[str], Any]) -> tuple[boo
                 elif found != wanted:
                     n_different += 1
     return not n_different, (
-        f"{n_scalars} scalars read back, {n_numbers} of them numbers: {n_different} differ, largest difference {largest:g}"
+        f"{n_scalars} scalars read back, {n_numbers} of them numbers: {n_different} differ, "
+        f"largest difference {largest:g}"
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 import shutil
 import subprocess
@@ -16,25 +15,19 @@ from pathlib import Path
 from statistics import fmean
 
 import lcm
-from PIL import Image
-from rich.cells import cell_len
-from rich.console import Console
-from rich.text import Text
 
 from acceptance.drives import GRAPHNAV, say
 from acceptance.processes import await_file, end, group_url
+from acceptance.screen_reading import has_picture, screen_picture, shown_rates
 from acceptance.terminal import Terminal
 from graphnav import Recording
 from graphnav.record import LOG
-from graphnav.spy.screen.screen_image import cells_image
 
 _FIRST_S, _SECOND_S = 40, 20
 """How long the two runs last."""
 _WATCHED_S = 13.0
 """The spy's rates are those of the last 10 s."""
 _MAX_ERROR = 0.02
-_PICTURE_LETTERS = "▀.:-=+*#%@"
-_MIN_PICTURE_CELLS = 250
 _PICTURES = ("robot.image", "flow.flow", "plane.plane")
 _PLOTTED, _FIELDS = "control.twist", ("v_mps", "omega_radps")
 
@@ -81,15 +74,17 @@ class _Watched:
     def __init__(self, folder: Path, look: Look, url: str) -> None:
         folder.mkdir(parents=True)
         self._folder, self._look, self._url = folder, look, url
-        self._spy, self._run = Terminal(folder / "spy.tmux"), Terminal(folder / "run.tmux")
+        self._spy = Terminal(folder / "spy.tmux")
+        self._runs: list[Terminal] = []
         self._heard = folder / "heard.lcmlog"
         command = [str(Path(lcm.LCM_BIN_DIR) / "lcm-logger"), "--quiet", "--flush-interval", "100", "--lcm-url"]
-        self._logger = subprocess.Popen([*command, f"{url}&recv_buf_size=2097152", str(self._heard)])
+        command += [f"{url}&recv_buf_size=2097152", str(self._heard)]
+        self._logger = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def close(self) -> None:
         """End everything."""
-        self._spy.close()
-        self._run.close()
+        for terminal in (self._spy, *self._runs):
+            terminal.close()
         end(self._logger)
 
     def look(self, seeds: Sequence[int]) -> tuple[bool, str]:
@@ -103,7 +98,7 @@ class _Watched:
         errors = self._rates_when_steady("1-table")
         for place, channel in enumerate(_PICTURES, start=2):
             self._open(channel)
-            self._spy.wait_for(_has_picture)
+            self._spy.wait_for(has_picture)
             time.sleep(1.0)
             self._keep(f"{place}-{channel}")
             self._go_back()
@@ -113,7 +108,7 @@ class _Watched:
         self._spy.wait_for(lambda shown: "stale for" in shown)
         self._keep("6-stale")
         self._go_back()
-        self._spy.wait_for(lambda shown: not any(_rates(shown).values()))
+        self._spy.wait_for(lambda shown: not any(shown_rates(shown).values()))
         self._keep("7-table-of-a-finished-run")
         self._start_run("second", seeds[1], _SECOND_S)
         errors_again = self._rates_when_steady("8-table-of-the-next-run")
@@ -122,19 +117,20 @@ class _Watched:
         return self._judged({"first": errors, "second": errors_again})
 
     def _start_run(self, name: str, seed: int, until_s: float) -> None:
-        self._run.close()
+        terminal = Terminal(self._folder / f"{name}.tmux")
+        self._runs.append(terminal)
         words = ["run", "corridor_ccw", "--pace", "1", "--seed", str(seed), "--until", str(until_s), "--no-pictures"]
         command = shlex.join([str(GRAPHNAV), *words, "-o", str(self._folder / name)])
         shell = f"LCM_DEFAULT_URL={shlex.quote(self._url)} {command}; sleep 3600"
-        self._run.start(f"sh -c {shlex.quote(shell)}", (100, 24))
+        terminal.start(f"sh -c {shlex.quote(shell)}", (100, 24))
         await_file(self._folder / name / LOG)
 
     def _rates_when_steady(self, name: str) -> dict[str, tuple[float | None, float | None]]:
         """Return, for each channel, the rate on the screen and the one that lcm-logger heard in the same 10 s."""
-        self._spy.wait_for(lambda shown: bool(_rates(shown).get(_PLOTTED)))
+        self._spy.wait_for(lambda shown: bool(shown_rates(shown).get(_PLOTTED)))
         time.sleep(_WATCHED_S)
         now_s = time.time()
-        shown = _rates(self._keep(name))
+        shown = shown_rates(self._keep(name))
         with Recording(self._heard) as recording:
             heard: dict[str, list[float]] = {}
             for event in recording.events():
@@ -146,7 +142,7 @@ class _Watched:
         self._spy.press("/")
         self._spy.wait_for(lambda shown: "part of a channel" in shown)
         self._spy.press(channel)
-        self._spy.wait_for(lambda shown: channel in _rates(shown) and "robot.goal" not in _rates(shown))
+        self._spy.wait_for(lambda shown: channel in shown_rates(shown) and "robot.goal" not in shown_rates(shown))
         self._spy.press("Enter")
         self._spy.wait_for(lambda shown: "⏎ open" in shown)
         self._spy.press("Enter")
@@ -156,13 +152,13 @@ class _Watched:
         self._spy.press("Escape")
         self._spy.wait_for(lambda shown: "⏎ open" in shown)
         self._spy.press("Escape")
-        self._spy.wait_for(lambda shown: "robot.goal" in _rates(shown))
+        self._spy.wait_for(lambda shown: "robot.goal" in shown_rates(shown))
 
     def _keep(self, name: str) -> str:
         """Save what stands on the screen, as text and as a picture; return the text."""
         shown, coloured = self._spy.screen(), self._spy.screen("-e")
         (self._folder / f"{name}.txt").write_text(shown, encoding="utf-8")
-        _picture_of(coloured, self._look.size).save(self._folder / f"{name}.png")
+        screen_picture(coloured, self._look.size).save(self._folder / f"{name}.png")
         return shown
 
     def _judged(self, runs: Mapping[str, Mapping[str, tuple[float | None, float | None]]]) -> tuple[bool, str]:
@@ -173,7 +169,11 @@ class _Watched:
                 logged = {channel: _rate(recording.utimes(channel)) for channel in recording.channels}
             missing = logged.keys() - rates.keys()
             by_log = [_error(rates[channel][0], rate) for channel, rate in logged.items() if rate and not missing]
-            by_ear = {channel: _error(shown, heard) for channel, (shown, heard) in rates.items() if heard}
+            by_ear = {
+                channel: _error(shown, heard)
+                for channel, (shown, heard) in rates.items()
+                if shown is not None or logged.get(channel, heard)
+            }
             good &= not missing and max((*by_log, *by_ear.values()), default=1.0) <= _MAX_ERROR
             worst = max(by_ear, key=lambda channel: by_ear[channel], default="none")
             said.append(
@@ -182,12 +182,6 @@ class _Watched:
                 f"{max(by_ear.values(), default=1.0):.2%} from lcm-logger's arrivals ({len(by_ear)} channels; {worst})"
             )
         return good, "; ".join(said)
-
-
-def _rates(shown: str) -> dict[str, float | None]:
-    """Return the channels of a table and their rates, None for a dash."""
-    rows = re.findall(r"^(\S+\.\S+) .*?(?:([\d.]+) Hz|-) ", shown, re.MULTILINE)
-    return {channel: float(rate) if rate else None for channel, rate in rows}
 
 
 def _rate(utimes: Sequence[int]) -> float | None:
@@ -202,19 +196,3 @@ def _rate_of(times_s: Sequence[float], now_s: float) -> float | None:
 
 def _error(shown: float | None, real: float | None) -> float:
     return abs(shown / real - 1) if shown and real else 1.0
-
-
-def _has_picture(shown: str) -> bool:
-    return "Esc back" in shown and sum(map(shown.count, _PICTURE_LETTERS)) >= _MIN_PICTURE_CELLS
-
-
-def _picture_of(coloured: str, size: tuple[int, int]) -> Image.Image:
-    """Draw what tmux tells of a screen and its colours."""
-    console = Console(color_system="truecolor", width=size[0], force_terminal=True)
-    cells = []
-    for y, line in enumerate(coloured.splitlines()):
-        x = 0
-        for segment in Text.from_ansi(line).render(console):
-            cells.append((x, y, segment))
-            x += cell_len(segment.text)
-    return cells_image(size, cells)

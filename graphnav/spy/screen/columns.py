@@ -94,7 +94,7 @@ def _count(value: int) -> str:
 
 
 NAME = Column("channel", 22, lambda row: shown_name(row.name), lambda row: row.name, is_left=True)
-SPARK = Bars("rate, 60 s", 10, lambda row: str(sum(row.counts)), lambda row: sum(row.counts))
+SPARK = Bars("per second", 10, lambda row: str(sum(row.counts)), lambda row: sum(row.counts))
 _BY_PRIORITY = (
     Column("rate", 11, _rate, lambda row: _low(row.rate_hz)),
     Column("size", 9, _size, lambda row: _low(row.n_bytes)),

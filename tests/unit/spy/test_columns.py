@@ -26,7 +26,7 @@ def test_columns_fill_no_more_than_the_terminal(width: int) -> None:
 
 
 def test_80_columns_hold_what_matters_most() -> None:
-    assert [column.heading for column, _ in layout(80)] == ["channel", "rate", "size", "drops", "age", "rate, 60 s"]
+    assert [column.heading for column, _ in layout(80)] == ["channel", "rate", "size", "drops", "age", "per second"]
 
 
 def test_a_wide_terminal_shows_everything() -> None:

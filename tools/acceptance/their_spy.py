@@ -1,0 +1,85 @@
+"""LCM's own spy shows our channels, on a display that nobody sees: two screenshots to look at."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from acceptance.drives import GRAPHNAV
+from acceptance.processes import await_file, end
+from graphnav.jdk import find_jdk
+
+_NEEDS = ("Xvfb", "xdotool", "import")
+_FIRST_ROW_PX = (60, 28)
+"""Where lcm-spy's table has its first channel: a double click opens it."""
+_SHOWN_S = 5.0
+_PATIENCE_S = 60.0
+
+
+def their_spy_line(folder: Path, log: Path, url: str) -> tuple[bool, str]:
+    """Start ``graphnav lcm-spy`` while a log is played; return how many types it found, and the screenshots."""
+    missing = [program for program in _NEEDS if shutil.which(program) is None]
+    if missing or find_jdk().lacks:
+        return True, f"lcm-spy: not tried, {find_jdk().lacks or f'{missing[0]} is not installed'}"
+    table, fields = folder / "lcm-spy-table.png", folder / "lcm-spy-fields.png"
+    silent = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL}
+    player = subprocess.Popen([GRAPHNAV, "play", log, "--url", url, "--loop"], **silent)
+    try:
+        with _display() as display, _spy(folder / "lcm-spy.txt", display, url) as found:
+            time.sleep(_SHOWN_S)
+            _screenshot(display, table)
+            x, y = map(str, _FIRST_ROW_PX)
+            _x(display, "xdotool", "mousemove", x, y, "click", "--repeat", "2", "--delay", "120", "1")
+            time.sleep(_SHOWN_S)
+            _screenshot(display, fields)
+    finally:
+        end(player)
+    n_definitions = len([*(Path(__file__).resolve().parents[2] / "lcmtypes").glob("*.lcm")])
+    return found >= n_definitions, f"lcm-spy found {found} types, {n_definitions} ship; look at {table} and {fields}"
+
+
+@contextmanager
+def _display() -> Iterator[str]:
+    """Start an X server without a screen; give its name."""
+    read_end, write_end = os.pipe()
+    command = ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "1000x700x24", "-nolisten", "tcp"]
+    server = subprocess.Popen(command, pass_fds=[write_end], stderr=subprocess.DEVNULL)
+    os.close(write_end)
+    try:
+        with os.fdopen(read_end) as number:
+            yield f":{number.readline().strip()}"
+    finally:
+        server.terminate()
+        server.wait()
+
+
+@contextmanager
+def _spy(said: Path, display: str, url: str) -> Iterator[int]:
+    """Start lcm-spy, which is Java in a shell; give how many types it found."""
+    with said.open("wb") as file:
+        command = ["env", f"DISPLAY={display}", str(GRAPHNAV), "lcm-spy", url]
+        process = subprocess.Popen(command, stdout=file, stderr=subprocess.STDOUT, start_new_session=True)
+    try:
+        await_file(said)
+        end_s = time.monotonic() + _PATIENCE_S
+        while not (found := re.search(r"Found (\d+) LCM types", said.read_text())) and time.monotonic() < end_s:
+            time.sleep(0.2)
+        yield int(found[1]) if found else 0
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _screenshot(display: str, target: Path) -> None:
+    _x(display, "import", "-window", "root", str(target))
+
+
+def _x(display: str, *command: str) -> None:
+    subprocess.run(command, env={**os.environ, "DISPLAY": display}, check=True, capture_output=True)
