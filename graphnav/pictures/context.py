@@ -39,7 +39,7 @@ class PictureContext:
     ``rows``, ``cols``: the box, in pixels, that the picture has to fit into. ``find``: other messages of the moment, as
     the image below a plane or the map around a state; it decodes only what is asked for. ``path_m``: returns where the
     robot was so far, float64 (n, 2), x_m and y_m in W, oldest first. ``with_legend``: whether there is room for
-    letters, scale bars and colour wheels.
+    letters, scale bars and colour wheels. ``with_colour``: whether colours are seen; where not, only brightness tells.
     """
 
     rows: int = 480
@@ -47,3 +47,4 @@ class PictureContext:
     find: Find = no_message
     path_m: Callable[[], Doubles] = no_path
     with_legend: bool = True
+    with_colour: bool = True

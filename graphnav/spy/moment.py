@@ -22,7 +22,12 @@ _MAX_POINTS = 20_000
 
 
 class Moment:
-    """Decodes the newest messages of a watch, and remembers where the robot was while someone asks for it."""
+    """Decodes the newest messages of a watch, and remembers where the robot was while someone asks for it.
+
+    ``with_colour``: whether pictures may tell by colours.
+    """
+
+    with_colour = True
 
     def __init__(self, watch: Watch, catalog: Catalog) -> None:
         self._watch = watch
@@ -58,7 +63,7 @@ class Moment:
 
     def context(self, rows: int, cols: int, *, with_legend: bool) -> PictureContext:
         """Return what a picture of this moment is drawn with."""
-        return PictureContext(rows, cols, self.find, self.path_m, with_legend)
+        return PictureContext(rows, cols, self.find, self.path_m, with_legend, self.with_colour)
 
     def find(self, kind: type[M], /) -> M | None:
         """Return the newest message of a type, of the first channel that carries it."""

@@ -25,6 +25,7 @@ _SAME_VIEW_RATIO = 1.25
 """Grids whose sides differ by more do not show the same view."""
 _MAX_BODIES = 2000
 _MAX_M = 1e6
+_MIN_SCALE = 1e-6
 
 
 def picture_of(message: Message, context: PictureContext) -> Bytes | None:
@@ -56,6 +57,8 @@ def _flow_colours(uv_px: Floats, valid: npt.NDArray[Any], context: PictureContex
     stretch = _stretch(valid.shape, context)
     seen = (valid != 0) & np.isfinite(uv_px).all(axis=-1)
     flow = Flow(np.where(seen[..., None], uv_px, 0).astype(np.float32), seen.astype(np.uint8), 0)
+    if not context.with_colour:
+        return _gray(stretch, np.linalg.norm(flow.uv_px.astype(np.float64), axis=-1))
     return flow_tile(stretch, flow, flow_scale_px(flow.uv_px, flow.valid), with_wheel=_has_room(stretch, context))
 
 
@@ -71,6 +74,8 @@ def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int,
     """Draw a dominant map over the image of its moment, alone where there is none of the same view."""
     image = context.find(Image)
     camera = None
+    if not context.with_colour:
+        return _gray(_stretch(obstacle.shape, context), (obstacle != 0).astype(np.float64))
     if image is None or not _is_same_view(obstacle.shape, step_px, image):
         step_px = 1
         stretch = _stretch(obstacle.shape, context)
@@ -80,6 +85,12 @@ def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int,
         camera = camera_rgb(stretch, image)
     nothing = np.empty((0, 0), np.float32)
     return plane_tile(stretch, camera, Plane(obstacle, nothing, valid, step_px=step_px, obstacle_ratio=0.0))
+
+
+def _gray(stretch: Stretch, values: npt.NDArray[Any]) -> Bytes:
+    """Draw a grid of numbers as brightness: 0 black, the largest white."""
+    levels = (255 * (values / max(values.max(initial=0.0), _MIN_SCALE))).astype(np.uint8)
+    return stretch.placed(np.repeat(stretch.resized(levels, 1)[..., None], 3, axis=-1))
 
 
 def _potential(potential: Potential, context: PictureContext) -> Bytes:

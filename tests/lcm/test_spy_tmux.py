@@ -3,54 +3,22 @@
 from __future__ import annotations
 
 import json
-import os
 import shlex
 import shutil
 import subprocess
 import sysconfig
-import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from acceptance.terminal import Terminal
 
 from .spy_app import publishing
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 TYPED = shlex.quote(GRAPHNAV)
-PATIENCE_S = 60.0
 
 pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
-
-
-@dataclass
-class Terminal:
-    """A terminal inside a tmux server of its own."""
-
-    socket: Path
-
-    def tmux(self, *words: str) -> str:
-        """Run a command of tmux and return what it prints."""
-        done = subprocess.run(["tmux", "-S", self.socket, *words], capture_output=True, text=True, check=True)
-        return done.stdout
-
-    def press(self, *keys: str) -> None:
-        """Press keys."""
-        self.tmux("send-keys", *keys)
-
-    def screen(self, *options: str) -> str:
-        """Return what stands on the screen."""
-        return self.tmux("capture-pane", "-p", *options)
-
-    def wait_for(self, condition: Callable[[str], bool]) -> str:
-        """Return the screen as soon as a condition holds for it."""
-        end_s = time.monotonic() + PATIENCE_S
-        while time.monotonic() < end_s:
-            if condition(shown := self.screen()):
-                return shown
-            time.sleep(0.1)
-        raise AssertionError(f"it never came to that:\n{shown}")
 
 
 @pytest.fixture
@@ -61,15 +29,12 @@ def terminal(tmp_path: Path) -> Iterator[Callable[..., Terminal]]:
     def start(command: str, size: tuple[int, int], **environment: str) -> Terminal:
         one = Terminal(tmp_path / f"tmux-{len(made)}")
         made.append(one)
-        variables = [word for name, value in environment.items() for word in ("-e", f"{name}={value}")]
-        width, height = map(str, size)
-        command = f"env -u COLUMNS -u LINES {command}"  # Textual takes them for the terminal's size
-        one.tmux("-f", os.devnull, "new-session", "-d", "-x", width, "-y", height, *variables, command)
+        one.start(command, size, **environment)
         return one
 
     yield start
     for one in made:
-        subprocess.run(["tmux", "-S", one.socket, "kill-server"], capture_output=True, check=False)
+        one.close()
 
 
 def open_image(one: Terminal) -> None:
@@ -99,8 +64,9 @@ def test_a_live_group_is_seen_in_tmux(group: str, terminal: Callable[..., Termin
         one.press("q")
 
 
-def test_without_colour_pictures_are_shades(group: str, terminal: Callable[..., Terminal]) -> None:
-    one = terminal(f"{TYPED} spy '{group}'; sleep 60", (80, 24), NO_COLOR="1")
+@pytest.mark.parametrize("variable", ["NO_COLOR=1", "TERM=vt100"])
+def test_without_colour_pictures_are_shades(group: str, terminal: Callable[..., Terminal], variable: str) -> None:
+    one = terminal(f"{variable} {TYPED} spy '{group}'; sleep 60", (80, 24))
     with publishing(group, "robot.image"):
         one.wait_for(lambda shown: "Hz" in shown)
         open_image(one)

@@ -28,6 +28,7 @@ class Session:
         self.pictures = Pictures(catalog)
         self.new_painter = new_painter
         self.has_colour = not os.environ.get("NO_COLOR")
+        self.moment.with_colour = self.has_colour
         self.is_frozen = self.is_playing = False
 
     def heading(self) -> Text:

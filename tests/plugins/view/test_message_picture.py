@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import fields, replace
 from typing import Any
 
@@ -61,10 +62,11 @@ def drawn(pictures: Pictures, message: Message, context: PictureContext) -> Byte
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 @pytest.mark.parametrize(("rows", "cols"), [(120, 160), (480, 640), (40, 60), (61, 43), (1, 1), (300, 2), (2, 300)])
+@pytest.mark.parametrize("with_colour", [True, False])
 def test_a_picture_fills_its_box_in_one_direction(
-    pictures: Pictures, drive: Messages, kind: type[Message], rows: int, cols: int
+    pictures: Pictures, drive: Messages, kind: type[Message], rows: int, cols: int, with_colour: bool
 ) -> None:
-    picture = drawn(pictures, drive[kind], around(drive, rows, cols))
+    picture = drawn(pictures, drive[kind], around(drive, rows, cols, with_colour=with_colour))
     assert picture.dtype == np.uint8
     assert picture.shape[2] == 3
     assert picture.shape[0] == rows or picture.shape[1] == cols
@@ -96,6 +98,18 @@ def test_a_plane_lies_over_the_image_of_its_moment(pictures: Pictures, drive: Me
     ground &= ~obstacle
     assert np.median(np.abs(over.astype(int) - image.pixels)[ground]) == 0
     assert np.median(alone[ground]) == 235
+
+
+def test_without_colour_brightness_tells(pictures: Pictures, drive: Messages) -> None:
+    plane, flow = drive[Plane], drive[Flow]
+    assert isinstance(plane, Plane)
+    assert isinstance(flow, Flow)
+    picture = drawn(pictures, plane, around(drive, *plane.obstacle.shape, with_colour=False))
+    assert np.array_equal(picture[..., 0] == 255, plane.obstacle != 0)
+    assert np.array_equal(picture[..., 1] == 0, plane.obstacle == 0)
+    picture = drawn(pictures, flow, around(drive, *flow.valid.shape, with_colour=False))
+    length_px = np.linalg.norm(flow.uv_px, axis=-1) * (flow.valid != 0)
+    assert np.abs(picture[..., 0] / 255 - length_px / length_px.max()).max() < 0.01
 
 
 def test_an_image_of_another_view_is_not_used(pictures: Pictures, drive: Messages) -> None:
@@ -140,7 +154,7 @@ def test_damaged_messages_are_drawn_or_refused(pictures: Pictures, kind: type[Me
         return
     rows, cols = data.draw(st.integers(1, 90)), data.draw(st.integers(1, 90))
     try:
-        drawn(pictures, message, around(small, rows, cols))
+        drawn(pictures, message, around(small, rows, cols, with_colour=data.draw(st.booleans())))
     except DrawingError:
         return
 
@@ -159,10 +173,10 @@ def test_numbers_of_any_size_are_drawn_or_refused(pictures: Pictures, kind: type
             new = value
         else:
             continue
-        try:
-            drawn(pictures, replace(message, **{field.name: new}), around(small, 50, 70))
-        except DrawingError:
-            continue
+        for with_colour in (True, False):
+            with suppress(DrawingError):
+                around_it = around(small, 50, 70, with_colour=with_colour)
+                drawn(pictures, replace(message, **{field.name: new}), around_it)
 
 
 def test_a_map_of_a_million_bodies_is_refused(pictures: Pictures) -> None:

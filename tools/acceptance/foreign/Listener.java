@@ -1,5 +1,6 @@
 // Decodes every channel named on its command line by the classes of a jar; prints counts and sums when its input ends.
 
+import java.io.DataInput;
 import java.util.Map;
 import java.util.TreeMap;
 import lcm.lcm.LCM;
@@ -34,13 +35,13 @@ public class Listener implements LCMSubscriber {
         if (type == null)
             return;
         try {
-            Object message = type.getConstructor(LCMDataInputStream.class).newInstance(in);
+            Object message = type.getConstructor(DataInput.class).newInstance(in);
             long[] sum = sums.get(channel);
             sum[0]++;
             sum[1] += type.getField("utime").getLong(message);
             sum[2] += type.getField("seq").getLong(message);
         } catch (ReflectiveOperationException error) {
-            System.err.println(channel + ": " + error.getCause());
+            System.err.println(channel + ": " + error);
         }
     }
 }
