@@ -18,6 +18,8 @@ _BESIDE_COLS, _BELOW_ROWS = 20, 3
 _HEAD_LINES = 2
 """What the plot has above its curves: the vertical axis's name and a limit."""
 _MIN_COLS, _MIN_ROWS = 10, 3
+_NO_DOTS = "\u2800"
+"""Braille's blank, which many fonts do not draw as wide as a space."""
 _LARGEST = 1e300
 """Differences of larger numbers are not finite."""
 
@@ -60,7 +62,7 @@ def plot_text(curves: Mapping[str, Points], from_s: float, cols: int, rows: int,
     for place, (_, points) in enumerate(drawn):
         xs, ys = zip(*points, strict=True)
         figure.plot(xs, ys, lc=_COLOURS[place] if with_colour else None)
-    lines = Text.from_ansi(figure.show()).split("\n")[_HEAD_LINES:]
+    lines = Text.from_ansi(figure.show().replace(_NO_DOTS, " ")).split("\n")[_HEAD_LINES:]
     return Text("\n", no_wrap=True, overflow="crop").join([legend, *lines])
 
 
