@@ -121,8 +121,10 @@ def _refuse_changes(sets: Sequence[str], plugins: Sequence[Path]) -> None:
         raise UserError.of("set and plugins change a graph while it is loaded", "give them to graphnav.load")
 
 
-def with_run_options(graph: Graph, **options: object) -> Graph:
+def with_run_options(graph: Graph, options: Mapping[str, object], written: Mapping[str, str] | None = None) -> Graph:
     """Return the graph with other ``run`` options; None leaves what the graph says.
+
+    ``written``: how the user wrote an option, where that is not its name: ``{"until_s": "--until"}``.
 
     Raises
     ------
@@ -135,5 +137,6 @@ def with_run_options(graph: Graph, **options: object) -> Graph:
             try:
                 given[name] = params_of(RunOptions)[name].parse(plain(value, name))
             except ParamError as error:
-                raise UserError.of(error.what, error.hint) from error
+                where = f"{written[name]}: " if written and name in written else ""
+                raise UserError.of(f"{where}{error.what}", error.hint) from error
     return replace(graph, run=replace(graph.run, **given))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal, get_args
+from typing import get_args
 
 from graphnav.api.arguments import PathLike, plain, wrong_type
 from graphnav.api.execute import execute, runs_live
@@ -14,18 +14,15 @@ from graphnav.api.kept_folder import new_folder
 from graphnav.api.loading import add_plugins, loaded, with_run_options
 from graphnav.api.notices import tell
 from graphnav.api.one_thread import one_thread
+from graphnav.api.open_tap import TapMode, open_tap
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
-from graphnav.lcm_url import tap_url
 from graphnav.live import live_url
 from graphnav.record import LOG
 from graphnav.report.pictures import draw_pictures
 from graphnav.runner import Outcome
-from graphnav.runner.recorded import LiveSink, new_run_id
-from graphnav.tap import Tap
-
-TapMode = Literal["thin", "full", "none"]
+from graphnav.runner.recorded import new_run_id
 
 _drawing = threading.Lock()
 """Matplotlib's settings belong to the process: runs in several threads draw one after another."""
@@ -92,7 +89,7 @@ def run(
         The disk refuses.
     """
     catalog = Catalog()
-    checked = with_run_options(loaded(graph, set, plugins, catalog), seed=seed, until_s=until_s)
+    checked = with_run_options(loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s})
     _check_arguments(pace, tap, url)
     is_live = runs_live(checked, live=live, pace=pace, url=url)
     if is_live:
@@ -109,7 +106,7 @@ def run(
             is_live=is_live,
             pace=pace,
             url=url,
-            tap=_open_tap(tap, run_id),
+            tap=open_tap(tap, run_id, tell=tell),
             run_id=run_id,
             on_time=lambda _: None,
             on_failure=errors.append,
@@ -132,17 +129,6 @@ def _check_arguments(pace: object, tap: object, url: object) -> None:
         raise wrong_type("tap", tap, '"thin", "full" or "none"', 'write tap="thin" to watch with graphnav spy')
     if url is not None and not isinstance(url, str):
         raise wrong_type("url", url, "a string or None", 'write url="udpm://239.255.76.67:7667?ttl=0"')
-
-
-def _open_tap(mode: TapMode, run_id: str) -> LiveSink | None:
-    """Return the tap, or None where it is off or there is no multicast, which is told."""
-    if mode == "none":
-        return None
-    try:
-        return Tap(mode, run_id, tap_url(), tell)
-    except GraphnavError as error:
-        tell(f"no tap: {error}")
-        return None
 
 
 def _draw(catalog: Catalog, graph: Graph, folder: Path) -> Sequence[Path]:

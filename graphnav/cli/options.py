@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from graphnav.errors import ParamError, Place, UserError
+from graphnav.errors import Place, UserError
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
@@ -222,24 +221,9 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
     UserError
         Everything that is wrong with the graph or the options.
     """
-    from graphnav.api.loading import load_with  # noqa: PLC0415
+    from graphnav.api.loading import load_with, with_run_options  # noqa: PLC0415
 
     catalog = catalog_of(args)
     graph = load_with(catalog, args.graph, args.sets, args.plugins)
-    given = {
-        name: _run_option(option, name, value)
-        for option, name in (("seed", "seed"), ("until", "until_s"))
-        if (value := getattr(args, option, None)) is not None
-    }
-    return catalog, replace(graph, run=replace(graph.run, **given))
-
-
-def _run_option(option: str, name: str, value: Any) -> Any:
-    """Return what the command line says in place of ``run: {name: ...}``."""
-    from graphnav.spec import RunOptions  # noqa: PLC0415
-    from graphnav.stage import params_of  # noqa: PLC0415
-
-    try:
-        return params_of(RunOptions)[name].parse(value)
-    except ParamError as error:
-        raise UserError.of(f"--{option}: {error.what}", error.hint) from error
+    given = {"seed": getattr(args, "seed", None), "until_s": getattr(args, "until", None)}
+    return catalog, with_run_options(graph, given, {"seed": "--seed", "until_s": "--until"})

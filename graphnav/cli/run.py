@@ -6,8 +6,9 @@ import argparse
 import json
 import sys
 import traceback
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
@@ -15,8 +16,6 @@ from graphnav.errors import DrawingError, GraphnavError
 from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from graphnav.graph import Graph
     from graphnav.runner.recorded import LiveSink
     from graphnav.runner.summary import Summary
@@ -64,6 +63,8 @@ def main(args: argparse.Namespace) -> int:
     from rich.console import Console  # noqa: PLC0415
 
     from graphnav.api.execute import runs_live  # noqa: PLC0415
+    from graphnav.api.open_tap import open_tap  # noqa: PLC0415
+    from graphnav.lcm_url import tap_url  # noqa: PLC0415
     from graphnav.record import LOG  # noqa: PLC0415
     from graphnav.report.folder import make_run_folder  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
@@ -83,7 +84,9 @@ def main(args: argparse.Namespace) -> int:
     if is_live:
         console.print(live_notice, markup=False)
     run_id = new_run_id()
-    tap = _open_tap(args.tap, run_id, console)
+    tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
+    if tap is not None:
+        console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
     summary = _run(graph, stages, folder, args, tap, run_id, is_live=is_live)
     if args.json:
         print(json.dumps(summary.as_json() | {"folder": str(folder)}))
@@ -115,23 +118,6 @@ def _live_notice(args: argparse.Namespace, graph: Graph) -> str:
 
     why = "--live" if args.live else f"inputs: {', '.join(graph.inputs)}"
     return f"live on {live_url(graph, args.url)} ({why}); Ctrl-C ends it"
-
-
-def _open_tap(mode: Literal["thin", "full", "none"], run_id: str, console: Console) -> LiveSink | None:
-    """Return the tap, or None where it is off or there is no multicast, which is said once."""
-    from graphnav.lcm_url import tap_url  # noqa: PLC0415
-    from graphnav.tap import Tap  # noqa: PLC0415
-
-    if mode == "none":
-        return None
-    try:
-        url = tap_url()
-        tap = Tap(mode, run_id, url)
-    except GraphnavError as error:
-        console.print(f"no tap: {error}", markup=False)
-        return None
-    console.print(f"run {run_id} on {url}: watch it with 'graphnav spy'", markup=False)
-    return tap
 
 
 def _run(

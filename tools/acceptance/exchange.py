@@ -133,9 +133,8 @@ def _lcm_cli_line(log: Path, url: str) -> Line:
     where = re.fullmatch(r"udpm://([\d.]+):(\d+).*", url)
     assert where is not None
     live = ["--lcm-url", where[1], "--lcm-port", where[2]]
-    player = subprocess.Popen(
-        [GRAPHNAV, "play", log, "--url", url, "--loop"], stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL
-    )
+    nothing, command = subprocess.DEVNULL, [str(GRAPHNAV), "play", str(log), "--url", url, "--loop"]
+    player = subprocess.Popen(command, stdin=nothing, stdout=nothing, stderr=nothing)
     try:
         listed = set(_said([str(LCM_CLI), "topic", "list", "-d", "3", *live]).split())
         words = ["topic", "echo", "control.twist", "-n", "5", "-t", "20", "-f", str(ROOT / "lcmtypes")]

@@ -22,7 +22,7 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
-from graphnav.export.leaves import leaves_of
+from graphnav.export.leaves import Scalar, leaves_of
 from graphnav.export.topics import topics_of
 from graphnav.record import ABOUT, LOG
 
@@ -45,7 +45,7 @@ def exports_item(seeds: Sequence[int], _jobs: int) -> bool:
             say(f"     a drive of {lasted_s:.1f} s, {n_messages} messages on {len(recording.channels)} channels")
             for kind, check in _CHECKS.items():
                 target = folder / f"run.{kind}"
-                command = [GRAPHNAV, "export", folder / "run", "--to", kind, "-o", target]
+                command = [str(GRAPHNAV), "export", str(folder / "run"), "--to", kind, "-o", str(target)]
                 done = subprocess.run(command, check=True, capture_output=True, text=True)
                 good, numbers = check(recording, target)
                 passed &= good
@@ -91,7 +91,7 @@ def _mcap(recording: Recording, target: Path) -> tuple[bool, str]:
 def _rrd(_recording: Recording, target: Path) -> tuple[bool, str]:
     """Let Rerun verify its file."""
     environment = {**os.environ, "CI": "true", "NO_COLOR": "1"}
-    command = [_SCRIPTS / "rerun", "rrd", "verify", target]
+    command = [str(_SCRIPTS / "rerun"), "rrd", "verify", str(target)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     said = (done.stdout + done.stderr).strip().splitlines()
     return done.returncode == 0, f"rerun rrd verify: {said[-1] if said else 'nothing said'}"
@@ -151,7 +151,7 @@ def _exported(recording: Recording) -> dict[str, type]:
     return {name: lcm_class for name, lcm_class in recording.channels.items() if name != ABOUT and lcm_class}
 
 
-def _as_type(cell: Any, like: object) -> Any:
+def _as_type(cell: Any, like: Scalar) -> Any:
     """Return a cell as the type of ``like``: a CSV has strings only."""
     if not isinstance(cell, str) or isinstance(like, str):
         return cell

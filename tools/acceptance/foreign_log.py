@@ -81,7 +81,7 @@ def _played(log: Path, url: str) -> int:
     heard: list[str] = []
     for name in _CHANNELS:
         ear.subscribe(name, lambda channel, _: heard.append(channel)).set_queue_capacity(0)
-    command = [GRAPHNAV, "play", log, "--url", url]
+    command = [str(GRAPHNAV), "play", str(log), "--url", url]
     with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as player:
         while player.poll() is None:
             ear.handle_timeout(100)

@@ -29,8 +29,9 @@ def their_spy_line(folder: Path, log: Path, url: str) -> tuple[bool, str]:
     if missing or find_jdk().lacks:
         return True, f"lcm-spy: not tried, {find_jdk().lacks or f'{missing[0]} is not installed'}"
     table, fields = folder / "lcm-spy-table.png", folder / "lcm-spy-fields.png"
-    silent = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    player = subprocess.Popen([GRAPHNAV, "play", log, "--url", url, "--loop"], **silent)
+    nothing = subprocess.DEVNULL
+    command = [str(GRAPHNAV), "play", str(log), "--url", url, "--loop"]
+    player = subprocess.Popen(command, stdin=nothing, stdout=nothing, stderr=nothing)
     try:
         with _display() as display, _spy(folder / "lcm-spy.txt", display, url) as found:
             time.sleep(_SHOWN_S)

@@ -1,0 +1,28 @@
+"""Open the tap of a run: what ``graphnav run`` and `graphnav.run` share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+from graphnav.errors import GraphnavError
+from graphnav.lcm_url import tap_url
+from graphnav.tap import Tap
+
+TapMode = Literal["thin", "full", "none"]
+
+
+def open_tap(
+    mode: TapMode, run_id: str, *, tell: Callable[[str], None], notice: Callable[[str], None] | None = None
+) -> Tap | None:
+    """Return the tap, or None where it is off or there is no multicast.
+
+    ``tell`` is told why there is none; ``notice``, by default the same, is told of other runs on its group.
+    """
+    if mode == "none":
+        return None
+    try:
+        return Tap(mode, run_id, tap_url(), notice or tell)
+    except GraphnavError as error:
+        tell(f"no tap: {error}")
+        return None
