@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+import shutil
 import subprocess
 import sysconfig
 import tempfile
@@ -20,6 +21,7 @@ import pyarrow.parquet as pq
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
+from acceptance.display import display
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
 from graphnav.export.leaves import Scalar, leaves_of
@@ -29,11 +31,13 @@ from graphnav.record import ABOUT, LOG
 _UNTIL_S = 60
 _SLOW = "control.max_speed_mps=0.2"
 """The drive of the graph as it ships is over before 60 s."""
+_VIEWER_PX = (1400, 900)
 _SCRIPTS = Path(sysconfig.get_path("scripts"))
 
 
 def exports_item(seeds: Sequence[int], _jobs: int) -> bool:
     """Export a drive to every format, read each back, print what is there of what was recorded."""
+    shown = Path(tempfile.mkdtemp(prefix="graphnav-exports-")) / "rerun.png"
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         words = ["run", "corridor_ccw", "--seed", str(seeds[0]), "--until", str(_UNTIL_S), "--set", _SLOW, "--no-tap"]
@@ -50,6 +54,8 @@ def exports_item(seeds: Sequence[int], _jobs: int) -> bool:
                 good, numbers = check(recording, target)
                 passed &= good
                 say(f"{'ok  ' if good else 'MISS'} {done.stdout.strip().removeprefix(f'{folder}/')}: {numbers}")
+        if _opened_by_rerun(folder / "run.rrd", shown):
+            say(f"     Rerun's viewer opens it: look at {shown}")
     return passed
 
 
@@ -95,6 +101,18 @@ def _rrd(_recording: Recording, target: Path) -> tuple[bool, str]:
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     said = (done.stdout + done.stderr).strip().splitlines()
     return done.returncode == 0, f"rerun rrd verify: {said[-1] if said else 'nothing said'}"
+
+
+def _opened_by_rerun(recording: Path, target: Path) -> bool:
+    """Let Rerun's viewer draw what it shows of a recording; return whether it did."""
+    if shutil.which("Xvfb") is None:
+        return False
+    with display(_VIEWER_PX) as screen:
+        environment = {**os.environ, "CI": "true", "DISPLAY": screen, "HOME": str(target.parent)}
+        size = "x".join(map(str, _VIEWER_PX))
+        command = [str(_SCRIPTS / "rerun"), str(recording), "--window-size", size, "--screenshot-to", str(target)]
+        subprocess.run(command, env=environment, capture_output=True, check=False, timeout=180)
+    return target.exists()
 
 
 def _mp4(recording: Recording, target: Path) -> tuple[bool, str]:

@@ -12,7 +12,7 @@ from rich.console import Console
 from graphnav.spy.screen.screen_image import cells_image
 
 _PICTURE_LETTERS = "▀.:-=+*#%@"
-_MIN_PICTURE_CELLS = 250
+_MIN_PICTURE_CELLS = 50
 
 
 def shown_rates(shown: str) -> dict[str, float | None]:

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from acceptance.display import display
 from acceptance.drives import GRAPHNAV
 from acceptance.processes import await_file, end
 from graphnav.jdk import find_jdk
@@ -33,13 +34,13 @@ def their_spy_line(folder: Path, log: Path, url: str) -> tuple[bool, str]:
     command = [str(GRAPHNAV), "play", str(log), "--url", url, "--loop"]
     player = subprocess.Popen(command, stdin=nothing, stdout=nothing, stderr=nothing)
     try:
-        with _display() as display, _spy(folder / "lcm-spy.txt", display, url) as found:
+        with display() as screen, _spy(folder / "lcm-spy.txt", screen, url) as found:
             time.sleep(_SHOWN_S)
-            _screenshot(display, table)
+            _screenshot(screen, table)
             x, y = map(str, _FIRST_ROW_PX)
-            _x(display, "xdotool", "mousemove", x, y, "click", "--repeat", "2", "--delay", "120", "1")
+            _x(screen, "xdotool", "mousemove", x, y, "click", "--repeat", "2", "--delay", "120", "1")
             time.sleep(_SHOWN_S)
-            _screenshot(display, fields)
+            _screenshot(screen, fields)
     finally:
         end(player)
     n_definitions = len([*(Path(__file__).resolve().parents[2] / "lcmtypes").glob("*.lcm")])
@@ -47,25 +48,10 @@ def their_spy_line(folder: Path, log: Path, url: str) -> tuple[bool, str]:
 
 
 @contextmanager
-def _display() -> Iterator[str]:
-    """Start an X server without a screen; give its name."""
-    read_end, write_end = os.pipe()
-    command = ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "1000x700x24", "-nolisten", "tcp"]
-    server = subprocess.Popen(command, pass_fds=[write_end], stderr=subprocess.DEVNULL)
-    os.close(write_end)
-    try:
-        with os.fdopen(read_end) as number:
-            yield f":{number.readline().strip()}"
-    finally:
-        server.terminate()
-        server.wait()
-
-
-@contextmanager
-def _spy(said: Path, display: str, url: str) -> Iterator[int]:
+def _spy(said: Path, screen: str, url: str) -> Iterator[int]:
     """Start lcm-spy, which is Java in a shell; give how many types it found."""
     with said.open("wb") as file:
-        command = ["env", f"DISPLAY={display}", str(GRAPHNAV), "lcm-spy", url]
+        command = ["env", f"DISPLAY={screen}", str(GRAPHNAV), "lcm-spy", url]
         process = subprocess.Popen(command, stdout=file, stderr=subprocess.STDOUT, start_new_session=True)
     try:
         await_file(said)
@@ -78,9 +64,9 @@ def _spy(said: Path, display: str, url: str) -> Iterator[int]:
         process.wait()
 
 
-def _screenshot(display: str, target: Path) -> None:
-    _x(display, "import", "-window", "root", str(target))
+def _screenshot(screen: str, target: Path) -> None:
+    _x(screen, "import", "-window", "root", str(target))
 
 
-def _x(display: str, *command: str) -> None:
-    subprocess.run(command, env={**os.environ, "DISPLAY": display}, check=True, capture_output=True)
+def _x(screen: str, *command: str) -> None:
+    subprocess.run(command, env={**os.environ, "DISPLAY": screen}, check=True, capture_output=True)
