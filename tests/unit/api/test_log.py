@@ -272,7 +272,7 @@ def test_a_log_of_another_program_is_timed_by_its_events(tmp_path: Path) -> None
         assert log.at("COMMAND", 1.2).v_mps == 2.0
         other = log.channels["OTHER"]
         assert (other.type_name, other.message, other.n_messages, other.rate_hz) == ("", None, 5, 2.0)
-        assert "<td>\\x1b[31mred&lt;b&gt;</td>" in log._repr_html_()
+        assert ">\\x1b[31mred&lt;b&gt;</td>" in log._repr_html_()
         with pytest.raises(UserError, match=r"has no channel '\\x1b'\n  it has COMMAND, \\x1b\[31mred<b>, OTHER$"):
             log.at("\x1b", 1)
         with pytest.raises(UserError, match=r"^the type of channel 'OTHER' is not installed\n  install the package"):
