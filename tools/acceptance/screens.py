@@ -25,8 +25,9 @@ from graphnav.record import LOG
 
 _FIRST_S, _SECOND_S = 40, 20
 """How long the two runs last."""
-_WATCHED_S = 13.0
+_WINDOW_S = 10.0
 """The spy's rates are those of the last 10 s."""
+_WATCHED_S = 13.0
 _MAX_ERROR = 0.02
 _PICTURES = ("robot.image", "flow.flow", "plane.plane")
 _PLOTTED, _FIELDS = "control.twist", ("v_mps", "omega_radps")
@@ -126,16 +127,17 @@ class _Watched:
         await_file(self._folder / name / LOG)
 
     def _rates_when_steady(self, name: str) -> dict[str, tuple[float | None, float | None]]:
-        """Return, for each channel, the rate on the screen and the one that lcm-logger heard in the same 10 s."""
+        """Return, for each channel, the rate on the screen and that of the stamps that lcm-logger heard in 10 s."""
         self._spy.wait_for(lambda shown: bool(shown_rates(shown).get(_PLOTTED)))
         time.sleep(_WATCHED_S)
-        now_s = time.time()
+        begin_us = (time.time() - _WINDOW_S) * 1e6
         shown = shown_rates(self._keep(name))
+        heard: dict[str, list[int]] = {}
         with Recording(self._heard) as recording:
-            heard: dict[str, list[float]] = {}
-            for event in recording.events():
-                heard.setdefault(event.channel, []).append(event.utime * 1e-6)
-        return {channel: (rate, _rate_of(heard.get(channel, []), now_s)) for channel, rate in shown.items()}
+            for head in recording.heads():
+                if head.logged_us >= begin_us:
+                    heard.setdefault(head.channel, []).append(head.utime)
+        return {channel: (rate, _rate(heard.get(channel, []))) for channel, rate in shown.items()}
 
     def _open(self, channel: str) -> None:
         """Filter for a channel and open it, at a person's pace."""
@@ -177,9 +179,9 @@ class _Watched:
             good &= not missing and max((*by_log, *by_ear.values()), default=1.0) <= _MAX_ERROR
             worst = max(by_ear, key=lambda channel: by_ear[channel], default="none")
             said.append(
-                f"{name} run: {len(logged) - len(missing)} of {len(logged)} channels of its log shown; rates differ by "
+                f"the {name} run: {len(logged) - len(missing)} of {len(logged)} channels of its log shown; rates differ by "
                 f"{max(by_log, default=1.0):.2%} at most from the log's stamps ({len(by_log)} channels), by "
-                f"{max(by_ear.values(), default=1.0):.2%} from lcm-logger's arrivals ({len(by_ear)} channels; {worst})"
+                f"{max(by_ear.values(), default=1.0):.2%} from what lcm-logger heard ({len(by_ear)} channels; {worst})"
             )
         return good, "; ".join(said)
 
@@ -187,11 +189,6 @@ class _Watched:
 def _rate(utimes: Sequence[int]) -> float | None:
     """Return the rate of stamps in microseconds; None of a single one."""
     return 1e6 / fmean(later - earlier for earlier, later in pairwise(utimes)) if len(utimes) > 1 else None
-
-
-def _rate_of(times_s: Sequence[float], now_s: float) -> float | None:
-    """Return the rate of arrivals in the last 10 s."""
-    return _rate([round(at_s * 1e6) for at_s in times_s if now_s - 10.0 <= at_s <= now_s])
 
 
 def _error(shown: float | None, real: float | None) -> float:
