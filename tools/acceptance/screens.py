@@ -179,8 +179,8 @@ class _Watched:
             good &= not missing and max((*by_log, *by_ear.values()), default=1.0) <= _MAX_ERROR
             worst = max(by_ear, key=lambda channel: by_ear[channel], default="none")
             said.append(
-                f"the {name} run: {len(logged) - len(missing)} of {len(logged)} channels of its log shown; rates differ by "
-                f"{max(by_log, default=1.0):.2%} at most from the log's stamps ({len(by_log)} channels), by "
+                f"the {name} run: {len(logged) - len(missing)} of {len(logged)} channels are shown; rates differ "
+                f"by {max(by_log, default=1.0):.2%} at most from the log's stamps ({len(by_log)} channels), by "
                 f"{max(by_ear.values(), default=1.0):.2%} from what lcm-logger heard ({len(by_ear)} channels; {worst})"
             )
         return good, "; ".join(said)
