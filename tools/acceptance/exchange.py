@@ -16,8 +16,8 @@ from pathlib import Path
 import lcm
 
 from acceptance.drives import GRAPHNAV, say
-from acceptance.foreign_log import foreign_lines
 from acceptance.foreign_listeners import Sums, c_listener, java_listener, played
+from acceptance.foreign_log import foreign_lines
 from acceptance.processes import await_file, end, group_url
 from acceptance.their_spy import their_spy_line
 from graphnav import Recording

@@ -9,7 +9,7 @@ from rich.ansi import AnsiDecoder
 from rich.cells import cell_len
 from rich.console import Console
 
-from graphnav.spy.screen.screen_image import cells_image
+from graphnav.spy.screen.screen_image import blank_screen, draw_cells
 
 _PICTURE_LETTERS = "▀.:-=+*#%@"
 _MIN_PICTURE_CELLS = 50
@@ -35,4 +35,6 @@ def screen_picture(coloured: str, size: tuple[int, int]) -> Image.Image:
         for segment in line.render(console):
             cells.append((x, y, segment))
             x += cell_len(segment.text)
-    return cells_image(size, cells)
+    image = blank_screen(size)
+    draw_cells(image, cells)
+    return image

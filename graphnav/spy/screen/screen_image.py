@@ -34,22 +34,26 @@ Rgb = tuple[int, int, int]
 
 def screen_image(screen: Screen[Any]) -> Image.Image:
     """Return what a screen shows."""
-    return cells_image(screen.size, cells_of(screen))
-
-
-def cells_image(size: tuple[int, int], cells: Iterable[tuple[int, int, Segment]]) -> Image.Image:
-    """Return what stands on a screen of some columns and rows, as `cells_of` tells it."""
-    width, height = size
-    cols_px, rows_px = _CELL_PX
-    image = Image.new("RGB", (width * cols_px, height * rows_px), tuple(MONOKAI.background_color))
-    draw = ImageDraw.Draw(image)
-    font = ImageFont.truetype(str(_FONT), _FONT_PX)
-    for x, y, segment in cells:
-        _draw_segment(draw, font, x * cols_px, y * rows_px, segment)
+    image = blank_screen(screen.size)
+    draw_cells(image, cells_of(screen))
     for view in screen.query(PictureView):
         if view.is_raw and view.display:
             _paste_picture(image, view)
     return image
+
+
+def blank_screen(size: tuple[int, int]) -> Image.Image:
+    """Return an empty screen of some columns and rows."""
+    return Image.new("RGB", (size[0] * _CELL_PX[0], size[1] * _CELL_PX[1]), tuple(MONOKAI.background_color))
+
+
+def draw_cells(image: Image.Image, cells: Iterable[tuple[int, int, Segment]]) -> None:
+    """Draw what stands on a screen, as `cells_of` tells it."""
+    cols_px, rows_px = _CELL_PX
+    draw = ImageDraw.Draw(image)
+    font = ImageFont.truetype(str(_FONT), _FONT_PX)
+    for x, y, segment in cells:
+        _draw_segment(draw, font, x * cols_px, y * rows_px, segment)
 
 
 def cells_of(screen: Screen[Any]) -> Iterator[tuple[int, int, Segment]]:
