@@ -80,6 +80,9 @@ class Drawing:
     def __rich_console__(self, _console: object, _options: object) -> Iterator[Text]:
         yield from self.lines()
 
+    def _repr_html_(self) -> str:
+        return self.svg  # in the page itself it shrinks to the page's width, and tells a wire's channel and type
+
     def _repr_svg_(self) -> str:
         return self.svg
 

@@ -76,7 +76,7 @@ def test_a_drawing_is_what_the_command_prints(graph: Path, capsys: pytest.Captur
 
 def test_a_drawing_shows_itself(graph: Path, capsys: pytest.CaptureFixture[str]) -> None:
     drawing = graphnav.draw(graphnav.load(graph))
-    assert drawing._repr_svg_() == drawing.svg
+    assert drawing._repr_svg_() == drawing._repr_html_() == drawing.svg
     assert str(drawing) == drawing.text == f"{drawing!r}\n"
     Console(soft_wrap=True, width=40).print(drawing)
     assert capsys.readouterr().out == drawing.text
