@@ -10,9 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
-from statistics import fmean
 
 import lcm
 
@@ -187,8 +185,9 @@ class _Watched:
 
 
 def _rate(utimes: Sequence[int]) -> float | None:
-    """Return the rate of stamps in microseconds; None of a single one."""
-    return 1e6 / fmean(later - earlier for earlier, later in pairwise(utimes)) if len(utimes) > 1 else None
+    """Return the rate of stamps in microseconds; None where there is but one, repeated or not."""
+    span_us = utimes[-1] - utimes[0] if utimes else 0
+    return 1e6 * (len(utimes) - 1) / span_us if span_us > 0 else None
 
 
 def _error(shown: float | None, real: float | None) -> float:
