@@ -18,8 +18,8 @@ from acceptance.live_late import late_item
 from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
-from acceptance.replaying import replay_item
 from acceptance.notebook import notebook_item
+from acceptance.replaying import replay_item
 from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
