@@ -8,14 +8,14 @@ from pathlib import Path
 
 import joblib
 
-from graphnav.ablation.command_line import study_of_command
-from graphnav.ablation.execute import execute, missing
-from graphnav.ablation.folder import StudyFolder
-from graphnav.ablation.gallery import draw_failures, undrawn, worst_failures
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import read_records
-from graphnav.ablation.tasks import Tasks
-from graphnav.ablation.workers import Workers, cluster_workers, local_workers
+from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.execution.execute_jobs import execute, missing
+from graphnav.ablation.execution.study_folder import StudyFolder
+from graphnav.ablation.execution.failure_pictures import draw_failures, undrawn, worst_failures
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import read_records
+from graphnav.ablation.execution.task_factory import Tasks
+from graphnav.ablation.execution.workers import Workers, cluster_workers, local_workers
 from graphnav.api.arguments import PathLike, path_of, paths_of, set_texts, texts_of, wrong_type
 from graphnav.api.finished_study import Study
 from graphnav.api.kept_folder import KeptFolder, temporary_folder

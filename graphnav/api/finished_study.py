@@ -9,11 +9,11 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.ablation.comparison import Comparison, Row
-from graphnav.ablation.csv_files import figure_columns
-from graphnav.ablation.legend import shown_figures
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import Record, in_plan_order
+from graphnav.ablation.results.compare_variants import Comparison, Row
+from graphnav.ablation.report.csv_files import figure_columns
+from graphnav.ablation.report.legend import shown_figures
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record, in_plan_order
 from graphnav.api.extras import import_pandas
 from graphnav.api.kept_folder import KeptFolder
 from graphnav.api.study_files import StudyFiles
@@ -92,7 +92,7 @@ class Study:
     def __str__(self) -> str:
         from rich.console import Console  # noqa: PLC0415 - only where it is printed
 
-        from graphnav.ablation.table import print_comparison  # noqa: PLC0415
+        from graphnav.ablation.report.terminal import print_comparison  # noqa: PLC0415
 
         text = io.StringIO()
         console = Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False)

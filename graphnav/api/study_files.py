@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.ablation.comparison import Comparison, compare
-from graphnav.ablation.csv_files import RESULTS, TIMING, write_results, write_timing
-from graphnav.ablation.markdown import TABLE, table_markdown
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import Record, read_records
+from graphnav.ablation.results.compare_variants import Comparison, compare
+from graphnav.ablation.report.csv_files import RESULTS, TIMING, write_results, write_timing
+from graphnav.ablation.report.markdown import TABLE, table_markdown
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record, read_records
 from graphnav.ablation.report import write_report
-from graphnav.ablation.whole_file import write_whole
+from graphnav.ablation.report.atomic_write import write_whole
 from graphnav.catalog import Catalog
 
 

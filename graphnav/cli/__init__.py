@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from graphnav.ablation.threads import ONE_THREAD
+from graphnav.single_thread import ONE_THREAD
 from graphnav.cli.lasting_output import lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
 

@@ -6,14 +6,14 @@ from pathlib import Path
 
 from rich.console import Console
 
-from graphnav.ablation.csv_files import RESULTS, TIMING, figure_columns
-from graphnav.ablation.folder import read_plan
-from graphnav.ablation.markdown import TABLE
-from graphnav.ablation.pair_studies import pair_studies
-from graphnav.ablation.pairing_markdown import pairing_markdown
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import read_records
-from graphnav.ablation.table import print_comparison, print_pairing
+from graphnav.ablation.report.csv_files import RESULTS, TIMING, figure_columns
+from graphnav.ablation.execution.study_folder import read_plan
+from graphnav.ablation.report.markdown import TABLE
+from graphnav.ablation.results.compare_studies import pair_studies
+from graphnav.ablation.report.paired_markdown import pairing_markdown
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import read_records
+from graphnav.ablation.report.terminal import print_comparison, print_pairing
 from graphnav.api.study_files import write_study_files
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError, did_you_mean

@@ -9,13 +9,13 @@ from contextlib import contextmanager
 
 from rich.console import Console
 
-from graphnav.ablation.execute import execute, missing
-from graphnav.ablation.folder import StudyFolder
-from graphnav.ablation.gallery import draw_failures, undrawn, worst_failures
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import read_records
-from graphnav.ablation.tasks import Tasks
-from graphnav.ablation.workers import Workers
+from graphnav.ablation.execution.execute_jobs import execute, missing
+from graphnav.ablation.execution.study_folder import StudyFolder
+from graphnav.ablation.execution.failure_pictures import draw_failures, undrawn, worst_failures
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import read_records
+from graphnav.ablation.execution.task_factory import Tasks
+from graphnav.ablation.execution.workers import Workers
 from graphnav.api.ablating import study_workers
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError

@@ -1,5 +1,1 @@
-"""The report of a study: one HTML file that needs nothing else."""
-
-from graphnav.ablation.report.page import write_report
-
-__all__ = ["write_report"]
+"""The tables and the report of a study."""

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import pytest
 
-from graphnav.ablation.plan import Better, Case, Plan
-from graphnav.ablation.records import Record, StageTime
+from graphnav.ablation.plan.plan import Better, Case, Plan
+from graphnav.ablation.results.records import Record, StageTime
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.command_line import study_of_command
-from graphnav.ablation.study import Choice, Study
-from graphnav.ablation.vary_option import split_values
+from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.study.study import Choice, Study
+from graphnav.ablation.study.vary_option import split_values
 from graphnav.errors import UserError
 
 FILE = """\

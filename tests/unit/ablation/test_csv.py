@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.csv_files import figure_columns, write_results, write_timing
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import Record
+from graphnav.ablation.report.csv_files import figure_columns, write_results, write_timing
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from graphnav.ablation.expand import MAX_CASES, count_variants, expand
-from graphnav.ablation.study import Axis, Choice, Study
+from graphnav.ablation.plan.variants import MAX_CASES, count_variants, expand
+from graphnav.ablation.study.study import Axis, Choice, Study
 from graphnav.errors import UserError
 
 

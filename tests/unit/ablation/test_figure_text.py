@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graphnav.ablation.figure_text import FigureText
+from graphnav.ablation.study.metric_expression import FigureText
 from graphnav.errors import UserError
 
 FIGURES = {"a.auroc": 0.9, "b.auroc": 0.6, "b.nothing": 0.0}

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from graphnav.ablation.folder_names import folder_names
+from graphnav.ablation.plan.folder_names import folder_names
 
 HARD = (
     "plane.ica + planar.motion",

@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 import pytest
 from rich.console import Console
 
-from graphnav.ablation.comparison import compare
-from graphnav.ablation.pair_studies import pair_studies
-from graphnav.ablation.pairing_markdown import pairing_markdown
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import Record
-from graphnav.ablation.table import print_pairing
+from graphnav.ablation.results.compare_variants import compare
+from graphnav.ablation.results.compare_studies import pair_studies
+from graphnav.ablation.report.paired_markdown import pairing_markdown
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record
+from graphnav.ablation.report.terminal import print_pairing
 from graphnav.errors import UserError
 
 MakePlan = Callable[..., Plan]

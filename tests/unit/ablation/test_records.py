@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import Record, in_plan_order, read_records
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record, in_plan_order, read_records
 from graphnav.errors import UserError
 from graphnav.runner.summary import StageFigures, Summary
 

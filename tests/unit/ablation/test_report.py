@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import Record
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph, resolved_yaml
 from graphnav.stage import Role

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.gallery import failure_folder
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import read_records
+from graphnav.ablation.execution.failure_pictures import failure_folder
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import read_records
 from graphnav.catalog import Catalog
 from graphnav.cli import main
 from graphnav.pictures import DRAWING_FAMILY

@@ -2,7 +2,7 @@
 
 import pytest
 
-from graphnav.ablation.seeds import MAX_SEEDS, parse_seeds
+from graphnav.ablation.study.seeds import MAX_SEEDS, parse_seeds
 from graphnav.errors import Place, UserError
 
 

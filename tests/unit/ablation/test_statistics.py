@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from graphnav.ablation.statistics import (
+from graphnav.ablation.results.intervals import (
     DRAWS,
     NORMAL_FROM,
     bonett_price,

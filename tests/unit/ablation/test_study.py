@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.find_study import classify, find, shipped_studies
-from graphnav.ablation.study import Axis
-from graphnav.ablation.study_file import load_study
+from graphnav.ablation.study.find_study import classify, find, shipped_studies
+from graphnav.ablation.study.study import Axis
+from graphnav.ablation.study.study_file import load_study
 from graphnav.errors import Place, UserError
 from graphnav.graph import shipped_folder, shipped_graphs
 

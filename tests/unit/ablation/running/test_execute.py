@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from graphnav import Recording
-from graphnav.ablation.dead import DIED
+from graphnav.ablation.execution.crashed_run import DIED
 from graphnav.record import LOG
 
 FINE = 2

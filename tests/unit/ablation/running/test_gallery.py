@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from graphnav.ablation.folder import StudyFolder, read_plan
-from graphnav.ablation.gallery import failure_folder, undrawn, worst_failures
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.records import Record, read_records
+from graphnav.ablation.execution.study_folder import StudyFolder, read_plan
+from graphnav.ablation.execution.failure_pictures import failure_folder, undrawn, worst_failures
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record, read_records
 
 FAILURES = ["failures/toy/robot.odd=contact/0", "failures/toy/robot.odd=contact/1"]
 

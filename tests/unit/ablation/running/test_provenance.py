@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.provenance import difference, difference_here, provenance
-from graphnav.ablation.work import Task, perform
+from graphnav.ablation.plan.code_versions import difference, difference_here, provenance
+from graphnav.ablation.worker.perform_task import Task, perform
 
 
 def test_packages_and_files_are_known_by_what_they_hold(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from graphnav.ablation.folder import read_plan
+from graphnav.ablation.execution.study_folder import read_plan
 from graphnav.cli import main
 
 Wait = Callable[[Callable[[], object]], None]

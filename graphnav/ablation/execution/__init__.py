@@ -1,0 +1,1 @@
+"""Make the runs of a plan in parallel and keep them in the folder of the study."""

@@ -1,0 +1,37 @@
+"""What is kept of a run whose process died and left nothing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from graphnav.ablation.worker.perform_task import Task
+from graphnav.runner import Outcome
+from graphnav.runner.recorded import SUMMARY
+from graphnav.runner.saved_graph import GRAPH
+from graphnav.runner.summary import Summary, versions
+
+DIED = "its process died, twice: it takes more memory than there is, or a stage crashes it"
+
+
+def files_of_the_dead(task: Task) -> Mapping[str, bytes]:
+    """Return the run folder of a task that killed its process: the graph, and a summary that says so."""
+    summary = Summary(
+        outcome=Outcome.FAILED,
+        failure=DIED,
+        graph=Path(task.graph_path).stem,
+        seed=task.seed,
+        until_s=None,
+        frames=0,
+        sim_s=0.0,
+        wall_s=0.0,
+        stages={},
+        scores={},
+        notices=list(task.notices),
+        tap_dropped=0,
+        run_id="",
+        versions=versions(),
+    )
+    text = json.dumps(summary.as_json(), indent=1) + "\n"
+    return {GRAPH: task.graph_yaml.encode(), SUMMARY: text.encode()}

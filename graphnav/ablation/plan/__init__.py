@@ -1,0 +1,1 @@
+"""A checked study: every graph with every variant, loaded before anything runs."""

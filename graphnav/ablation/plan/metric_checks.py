@@ -1,0 +1,51 @@
+"""The figures that a study asks for, checked against the stages that say them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from graphnav.ablation.study.metric_expression import FigureText
+from graphnav.ablation.plan.plan import Better
+from graphnav.ablation.study.study import Study
+from graphnav.errors import Place, Problem, UserError, did_you_mean
+from graphnav.stage import Stage
+
+Classes = Mapping[str, Sequence[type[Stage]]]
+"""What the stages of all cases are, by their names in the graphs."""
+
+
+def plan_figures(study: Study, classes: Classes, problems: list[Problem]) -> dict[str, Better]:
+    """Return the columns of a study's table and which values are better; what is wrong is added to ``problems``.
+
+    Whether a stage says a figure of that name is known only after a run.
+    """
+    figures: dict[str, Better] = {}
+    for text in study.figures:
+        place = study.places.get(text)
+        try:
+            figure = FigureText.parse(text)
+        except UserError as error:
+            problems += [Problem(place, problem.what, problem.hint) for problem in error.problems]
+            continue
+        wrong = list(_unknown(figure, place, classes))
+        problems += wrong
+        if not wrong:
+            figures[figure.text] = "less" if figure.operands[0] in less_is_better(classes) else "more"
+    return figures
+
+
+def less_is_better(classes: Classes) -> tuple[str, ...]:
+    """Return every ``stage.figure`` of which less is better."""
+    found = ((name, figure) for name, each in classes.items() for cls in each for figure in sorted(cls.less_is_better))
+    return tuple(dict.fromkeys(f"{name}.{figure}" for name, figure in found))
+
+
+def _unknown(figure: FigureText, place: Place | None, classes: Classes) -> Iterator[Problem]:
+    scored = [name for name, found in classes.items() if any(cls.summary is not Stage.summary for cls in found)]
+    known = f"stages that say figures are {', '.join(scored)}" if scored else "no stage says any: add a score"
+    for operand in figure.operands:
+        stage = operand.partition(".")[0]
+        if stage not in classes:
+            yield Problem(place, f"'{operand}': no graph has a stage '{stage}'", did_you_mean(stage, scored) or known)
+        elif stage not in scored:
+            yield Problem(place, f"'{operand}': stage '{stage}' says no figures", known)

@@ -1,0 +1,81 @@
+"""The tables for other programs: ``results.csv``, what every run came to, and ``timing.csv``, what it took."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from graphnav.ablation.study.metric_expression import FigureText
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.report.atomic_write import write_whole
+
+RESULTS = "results.csv"
+TIMING = "timing.csv"
+
+
+def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
+    """Write a line a run and a column a figure; the same runs give the same bytes, in whatever order they were made.
+
+    Nothing that a wall clock measured is in it. Numbers are written so that reading them gives the same number back; a
+    figure that a run does not have is empty.
+    """
+    ordered = in_plan_order(plan, records)
+    figures = figure_columns(plan, ordered)
+    cases = {(case.graph, case.variant): case for case in plan.cases}
+    header = ["graph", "variant", *plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *figures]
+    rows = (
+        [
+            (case := cases[record.graph, record.variant]).source,
+            record.variant,
+            *(case.labels.get(axis, "") for axis in plan.axes),
+            record.seed,
+            record.outcome,
+            record.failure,
+            record.frames,
+            repr(record.sim_s),
+            *(repr(record.figures[name]) if name in record.figures else "" for name in figures),
+        ]
+        for record in ordered
+    )
+    _write(path, header, rows)
+
+
+def write_timing(plan: Plan, records: Iterable[Record], path: Path) -> None:
+    """Write a line for every stage of every run: what it was, how often it stepped, how long that took."""
+    cases = {(case.graph, case.variant): case for case in plan.cases}
+    header = ["graph", "variant", *plan.axes, "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"]
+    rows = (
+        [
+            (case := cases[record.graph, record.variant]).source,
+            record.variant,
+            *(case.labels.get(axis, "") for axis in plan.axes),
+            record.seed,
+            repr(record.wall_s),
+            stage,
+            case.uses.get(stage, ""),
+            time.steps,
+            repr(time.p50_ms),
+            repr(time.p99_ms),
+        ]
+        for record in in_plan_order(plan, records)
+        for stage, time in record.times.items()
+    )
+    _write(path, header, rows)
+
+
+def figure_columns(plan: Plan, records: Iterable[Record]) -> tuple[str, ...]:
+    """Return every ``stage.figure`` that a record has: the plan's own first, then as they appear in the records."""
+    found = dict.fromkeys(name for record in records for name in record.figures)
+    wanted = (name for text in plan.figures for name in FigureText.parse(text).operands)
+    return tuple(dict.fromkeys([*(name for name in wanted if name in found), *found]))
+
+
+def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    write_whole(path, text.getvalue())

@@ -1,0 +1,88 @@
+"""Axes of charts: which range, where the ticks are, where a value is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from graphnav.ablation.report.html.number_text import number
+
+_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
+_FLAT = 1e-9
+"""A range that is no larger, of the values or of 1, is none."""
+_WIDE = 100.0
+"""From a ratio of the greatest to the least value on, an axis is logarithmic."""
+_NOISE = 1e-4
+"""By how much of a step a value may pass a tick that stands for it; intervals are rounded to single precision."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A linear or logarithmic axis from ``low`` to ``high``, drawn from ``start`` to ``stop`` in pixels."""
+
+    low: float
+    high: float
+    ticks: tuple[float, ...]
+    decimals: int
+    start: float
+    stop: float
+    is_log: bool = False
+
+    def at(self, value: float) -> float:
+        """Return where a value is; what is outside is at the end."""
+        ends = [self.low, min(max(value, self.low), self.high), self.high]
+        low, inside, high = map(math.log10, ends) if self.is_log else ends
+        share = (inside - low) / (high - low)
+        return self.start + share * (self.stop - self.start)
+
+    def said(self, tick: float) -> str:
+        """Return the number that stands at a tick; at the lower end of a logarithmic axis, that all below is there."""
+        if self.is_log:
+            return f"≤{tick:g}" if tick == self.low else f"{tick:g}"
+        return number(tick, f".{self.decimals}f")
+
+    def between(self, start: float, stop: float) -> Scale:
+        """Return the same axis drawn elsewhere."""
+        return replace(self, start=start, stop=stop)
+
+
+def scale_of(values: Iterable[float], most_ticks: int = 5) -> Scale:
+    """Return an axis with round ticks that shows all finite values; between 0 and 1 where shares fill half of that."""
+    finite = [value for value in values if math.isfinite(value)] or [0.0, 1.0]
+    low, high = min(finite), max(finite)
+    if low >= -_NOISE and 0.5 <= high <= 1.0 and high - low >= 0.4:
+        low, high = 0.0, 1.0
+    size = max(abs(low), abs(high))
+    if high - low <= _FLAT * max(size, 1.0):
+        half = 0.5 * size if size > _FLAT else 0.5
+        low, high = low - half, high + half
+    step = _step((high - low) / most_ticks)
+    first, last = math.floor(low / step + _NOISE), math.ceil(high / step - _NOISE)
+    ticks = tuple(round(number * step, 12) for number in range(first, last + 1))
+    decimals = max(len(f"{tick:.10f}".rstrip("0").partition(".")[2]) for tick in ticks)
+    return Scale(ticks[0], ticks[-1], ticks, decimals, 0.0, 1.0)
+
+
+def wide_scale_of(values: Iterable[float]) -> Scale:
+    """Return the axis of `scale_of`, or a logarithmic one where that would hide all but the greatest values.
+
+    Zeros have no place on a logarithmic axis; they are drawn at its lower end. What never exceeds 1 is taken for a
+    share, of which small values are small.
+    """
+    finite = [value for value in values if math.isfinite(value)]
+    positive = [value for value in finite if value > 0]
+    if not positive or min(finite) < 0 or max(positive) < max(1.0, _WIDE * min(positive)):
+        return scale_of(finite)
+    powers = range(math.floor(math.log10(min(positive))), math.ceil(math.log10(max(positive))) + 1)
+    marks = [mark * 10.0**power for power in powers for mark in (1.0, 3.0)]
+    low = max(mark for mark in marks if mark <= min(positive) * (1 + 1e-9))
+    high = min(mark for mark in marks if mark >= max(positive) * (1 - 1e-9))
+    ticks = tuple(mark for mark in marks if low <= mark <= high)
+    return Scale(low, high, ticks, 0, 0.0, 1.0, is_log=True)
+
+
+def _step(least: float) -> float:
+    """Return the round number that is at least so large."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(power * step for step in _STEPS if power * step >= least * (1 - 1e-9))

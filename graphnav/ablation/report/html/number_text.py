@@ -1,0 +1,38 @@
+"""Numbers as the report writes them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from graphnav.ablation.report import number_format as digits
+
+MINUS = "\N{MINUS SIGN}"
+
+
+def number(value: float, form: str, sign: str = "") -> str:
+    """Return a number in a format, with ``sign`` where it is above zero; zero has none."""
+    return digits.number(value, form, sign).replace("-", MINUS)
+
+
+def estimated(mean: float, low: float, high: float, *, signed: bool = False) -> str:
+    """Return ``0.94 [0.84, 0.98]``; without an interval the mean alone."""
+    form = digits.format_of(mean, low, high)
+    text = number(mean, form, "+" if signed else "")
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return text
+    return f"{text} [{number(low, form)}, {number(high, form)}]"
+
+
+def counted(n: int, one: str, many: str = "") -> str:
+    """Return ``1 world``, ``2 worlds``."""
+    return f"{n} {one if n == 1 else many or one + 's'}"
+
+
+def means_text(means: Sequence[float], *, signed: bool = False) -> str:
+    """Return the least and the greatest of some means: ``0.86 to 0.98``."""
+    ends = (min(means), max(means))
+    most = max(map(abs, ends))
+    places = max(2, -math.floor(math.log10(most))) if most else 2
+    form = f".{places}f" if places <= digits.MOST_DECIMALS else digits.TINY
+    return " to ".join(dict.fromkeys(("+" if signed and end > 0 else "") + number(end, form) for end in ends))

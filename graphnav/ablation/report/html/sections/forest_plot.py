@@ -1,0 +1,121 @@
+"""One figure of all variants on all graphs, as dot-and-whisker charts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from graphnav.ablation.results.compare_variants import Row
+from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.variant_style import badge_of
+from graphnav.ablation.report.html.study_results import Material
+from graphnav.ablation.report.html.number_text import estimated
+from graphnav.ablation.report.html.verdict import WORDS, verdict_of
+from graphnav.ablation.report.html.charts.whiskers import PANELS, Mark, Panel, whisker_chart
+
+MOST_ROWS = 24
+
+
+def forest(material: Material, figure: str, *, with_worlds: bool = False) -> Html:
+    """Return charts of a figure; ``with_worlds``: a small dot for every world, coloured by how its run ended."""
+    shown = shown_variants(material, figure)
+    labels = {variant: _badge(material, variant) for variant in shown}
+    graphs = material.plan.graphs
+    x_label = f"{figure}, {material.plan.better(figure)} is better"
+    charts = []
+    columns = math.ceil(len(graphs) / math.ceil(len(graphs) / PANELS))
+    for begin in range(0, len(graphs), columns):
+        some = graphs[begin : begin + columns]
+        panels = [_panel(material, graph, figure, with_worlds=with_worlds) for graph in some]
+        charts.append(whisker_chart(labels, panels, x_label, f"{figure} of every variant", columns))
+    left_out = len(material.own_variants) - len(shown)
+    if left_out:
+        charts.append(
+            tag(
+                "p",
+                f"Shown are the base, controls, oracles and the best; {left_out} more are in the tables.",
+                class_="note",
+            )
+        )
+    return "".join(charts)
+
+
+def shown_variants(material: Material, figure: str) -> Sequence[str]:
+    """Return the variants with runs of their own; of very many the base, controls, oracles and the best."""
+    every = material.own_variants
+    if len(every) <= MOST_ROWS:
+        return every
+    plan = material.plan
+    special = {case.variant for case in plan.cases if case.is_base or case.role != "method"}
+    kept = [variant for variant in every if variant in special][: MOST_ROWS // 2]
+    sign = -1.0 if plan.better(figure) == "more" else 1.0
+
+    def rank(variant: str) -> float:
+        means = [found.mean for graph in plan.graphs if (found := material.estimate(graph, variant, figure))]
+        return sign * sum(means) / len(means) if means else float("inf")
+
+    best = sorted((variant for variant in every if variant not in special), key=rank)[: MOST_ROWS - len(kept)]
+    return [variant for variant in every if variant in {*kept, *best}]
+
+
+def _badge(material: Material, variant: str) -> str:
+    return next(badge_of(row) for row in material.comparison.rows if row.case.variant == variant)
+
+
+def _panel(material: Material, graph: str, figure: str, *, with_worlds: bool) -> Panel:
+    rows = material.own_rows(graph)
+    marks: dict[str, Mark | str] = {
+        row.case.variant: f"the same graph as {row.case.same_as}"
+        for row in material.comparison.of_graph(graph)
+        if row.case.same_as
+    }
+    marks |= {row.case.variant: _mark(material, row, figure, with_worlds=with_worlds) for row in rows}
+    base = material.estimate(graph, material.plan.base, figure)
+    return Panel(graph, marks, base.mean if base else None)
+
+
+def _mark(material: Material, row: Row, figure: str, *, with_worlds: bool) -> Mark | str:
+    found = row.estimates.get(figure)
+    if found is None:
+        return absence(row)
+    verdict = verdict_of(row, figure, material.plan.better(figure))
+    title = (
+        f"{row.case.variant}: {estimated(found.mean, found.low, found.high)} over {found.n} worlds, {WORDS[verdict]}"
+    )
+    points: list[tuple[float, str]] = []
+    if with_worlds:
+        case = row.case
+        values = material.values(case.graph, case.variant, figure)
+        outcomes = {run.seed: run.outcome for run in material.runs.get((case.graph, case.variant), ())}
+        points = [(value, outcomes[seed]) for seed, value in values.items()]
+    look = f"mark {verdict} {row.case.role}"
+    return Mark(found.mean, found.low, found.high, look, title, points)
+
+
+def absence(row: Row) -> str:
+    """Return why a row has no value."""
+    failed = row.outcomes.get("failed", 0)
+    if failed and failed == row.runs:
+        return f"failed in all of {row.runs} worlds"
+    return "not said by any run" if row.runs else "no run yet"
+
+
+def key(*, with_worlds: bool = False) -> Html:
+    """Return what the marks mean."""
+    kinds = [
+        ("base method", "the base"), ("better method", "better than the base"), ("worse method", "worse"),
+        ("unclear method", "no difference that these worlds can tell"), ("unclear control", "control"),
+        ("unclear oracle", "oracle"),
+    ]  # fmt: skip
+    drawn = []
+    for look, words in kinds:
+        shape = (
+            '<path class="dot" d="M8,2.5l5.5,5.5l-5.5,5.5l-5.5,-5.5z"/>'
+            if "oracle" in look
+            else '<circle class="dot" cx="8" cy="8" r="4.5"/>'
+        )
+        svg = f'<svg class="chart" width="16" height="16"><g class="mark {look}">{shape}</g></svg>'
+        drawn.append(tag("span", svg, esc(words), class_="chip"))
+    rest = "Whiskers: 95 % intervals. Dashed: the base."
+    rest += " Small dots: worlds, red where the robot touched something." if with_worlds else ""
+    return tag("p", *drawn, tag("span", esc(rest), class_="chip"), class_="chips key")

@@ -1,0 +1,114 @@
+"""The answer in a sentence, derived from the intervals and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from graphnav.ablation.results.compare_variants import Row
+from graphnav.ablation.report.html.sections.forest_plot import absence
+from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.study_results import Material
+from graphnav.ablation.report.html.number_text import counted, estimated, means_text
+from graphnav.ablation.report.html.verdict import Verdict, verdict_of
+from graphnav.stage import Role
+
+Found = Mapping[tuple[str, str], tuple[Verdict, Row]]
+"""What the worlds say, by variant and graph."""
+
+_MOST_NAMES = 3
+
+
+def verdicts(material: Material, figure: str, role: Role = "method") -> Found:
+    """Return what a figure says of everything of a role that has runs of its own, but the base."""
+    better = material.plan.better(figure)
+    return {
+        (row.case.variant, graph): (verdict_of(row, figure, better), row)
+        for graph in material.plan.graphs
+        for row in material.own_rows(graph)
+        if row.case.role == role and not row.case.is_base
+    }
+
+
+def lead(material: Material, figure: str, found: Found) -> Html:
+    """Return what the base does and whether anything does better."""
+    rivals = list(dict.fromkeys(variant for variant, _ in found))
+    if len(rivals) == 1:
+        return " ".join(_paired(material, figure, verdict, row) for verdict, row in found.values())
+    sides = {side: [v for v in rivals if _side(found, v) == side] for side in ("better", "mixed", "worse")}
+    clauses = []
+    if sides["better"]:
+        clauses.append(f"{_names(sides['better'])} better")
+    if sides["mixed"]:
+        clauses.append(f"{_names(sides['mixed'])} better on some {_places(material)} and worse on others")
+    if rivals and not clauses:
+        clauses.append(f"None of the {len(rivals)} others is better")
+    if sides["worse"]:
+        n = len(sides["worse"])
+        clauses.append(
+            f"{_names(sides['worse'])} worse"
+            if n <= _MOST_NAMES
+            else f"{n} of {len(rivals)} are worse"
+            if n < len(rivals)
+            else "all are worse"
+        )
+    said = f" {'; '.join(clauses)}." if clauses else ""
+    return f"{name(material.plan.base)} has {tag('b', esc(figure))} {_everywhere(material, figure)}.{said}"
+
+
+def _side(found: Found, variant: str) -> str:
+    """Return what a variant is over all graphs: better or worse somewhere, both ("mixed"), or neither."""
+    sides = {verdict for (called, _), (verdict, _) in found.items() if called == variant}
+    if {"better", "worse"} <= sides:
+        return "mixed"
+    return next((side for side in ("better", "worse") if side in sides), "neither")
+
+
+def _paired(material: Material, figure: str, verdict: Verdict, row: Row) -> Html:
+    """Return what one rival does, and how that differs from the base."""
+    where = f" on {esc(row.case.graph)}" if len(material.plan.graphs) > 1 else ""
+    estimate, difference = row.estimates.get(figure), row.differences.get(figure)
+    if estimate is None or difference is None:
+        return f"{name(row.case.variant)}{where}: {esc(absence(row))}."
+    value = estimated(estimate.mean, estimate.low, estimate.high)
+    change = estimated(difference.mean, difference.low, difference.high, signed=True)
+    words = {
+        "better": "better than the base",
+        "worse": "worse than the base",
+        "unclear": f"no difference that {counted(difference.n, 'world')} can tell",
+    }.get(verdict, f"{counted(difference.n, 'world')} cannot tell")
+    said = f"{tag('b', esc(figure))} {value}, {change} against {name(material.plan.base)}"
+    return f"{name(row.case.variant)}{where}: {said} \N{EM DASH} {words}."
+
+
+def _everywhere(material: Material, figure: str) -> Html:
+    """Return what the base has on each graph, on many the least and the greatest."""
+    graphs, base = material.plan.graphs, material.plan.base
+    found = {graph: of for graph in graphs if (of := material.estimate(graph, base, figure)) is not None}
+    if len(found) > _MOST_NAMES:
+        return f"{means_text([of.mean for of in found.values()])} on {len(found)} {_places(material)}"
+    said = [
+        estimated(of.mean, of.low, of.high) + (f" on {esc(graph)}" if len(graphs) > 1 else "")
+        for graph, of in found.items()
+    ]
+    return ", ".join(said) or "in no run yet"
+
+
+def _places(material: Material) -> str:
+    """Return what tells the tables of a study apart."""
+    plan = material.plan
+    return "graphs" if not plan.within else "conditions" if len(plan.sources) == 1 else "graphs and conditions"
+
+
+def name(variant: str) -> Html:
+    """Return a variant's name as sentences show it."""
+    return tag("span", esc(variant), class_="variant")
+
+
+def _names(variants: Sequence[str]) -> Html:
+    """Return names with the verb that they take."""
+    if len(variants) == 1:
+        return f"{name(variants[0])} is"
+    shown = [name(variant) for variant in variants[:_MOST_NAMES]]
+    if len(variants) > _MOST_NAMES:
+        return f"{', '.join(shown)} and {len(variants) - _MOST_NAMES} more are"
+    return f"{', '.join(shown[:-1])} and {shown[-1]} are"

@@ -1,0 +1,130 @@
+"""Figures against the axes whose choices are numbers: where a thing breaks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from graphnav.ablation.plan.plan import Case, Plan
+from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.charts.lines import HALF, WHOLE, Point, Series, line_chart
+from graphnav.ablation.report.html.variant_style import BASE, METHODS
+from graphnav.ablation.report.html.study_results import Material
+
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+_MOST_LINES = 10
+_MOST_CHARTS = 8
+"""Of one axis on one graph."""
+_MOST_FIRST = 4
+
+
+@dataclass(frozen=True)
+class Chart:
+    """What a line chart shows."""
+
+    title: str
+    axis: str
+    series: Sequence[Series]
+
+
+def deciding_sweeps(material: Material) -> Html:
+    """Return line charts of the figure that decides, with those of the same name; nothing without numeric axes."""
+    kin = _family(material.deciding or "")
+    figures = [figure for figure in material.figures if _family(figure) == kin]
+    charts = [chart for _, of in _by_axis(material, figures) for chart in of]
+    return _grid(charts[:_MOST_FIRST])
+
+
+def sweeps(material: Material) -> Html:
+    """Return line charts of all other figures."""
+    kin = _family(material.deciding or "")
+    figures = [figure for figure in material.figures if _family(figure) != kin]
+    return "".join(tag("h3", esc(title)) + _grid(of[:_MOST_CHARTS]) for title, of in _by_axis(material, figures))
+
+
+def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
+    """Return the one number of each label, None unless there are three different ones and one in every label."""
+    found = {label: _NUMBER.findall(label.rpartition("=")[2]) for label in labels}
+    numbers = {label: float(of[0]) for label, of in found.items() if len(of) == 1}
+    return numbers if len(numbers) == len(labels) and len({*numbers.values()}) >= 3 else None
+
+
+def _grid(charts: Sequence[Chart]) -> Html:
+    if not charts:
+        return ""
+    width = WHOLE if len(charts) == 1 else HALF
+    drawn = [line_chart(chart.title, chart.axis, chart.series, width) for chart in charts]
+    return tag("div", *drawn, class_="grid" if len(drawn) > 1 else "scroll")
+
+
+def _by_axis(material: Material, figures: Sequence[str]) -> Iterator[tuple[str, list[Chart]]]:
+    """Yield the charts of every axis that is one of numbers, graph by graph."""
+    for axis, labels in material.plan.axes.items():
+        places = axis_numbers(labels)
+        if places is None:
+            continue
+        by_graph = _by_graph(material.plan, axis)
+        for graph, cases in by_graph.items():
+            lines = _lines(material.plan, cases, axis)
+            where = f" on {graph}" if len(by_graph) > 1 else ""
+            if charts := list(_charts(material, lines, axis, places, figures, where)):
+                yield f"{axis} on {graph}", charts
+
+
+def _by_graph(plan: Plan, axis: str) -> dict[str, list[Case]]:
+    """Return the cases among which an axis varies and no condition else, by graph and those conditions."""
+    found: dict[str, list[Case]] = {}
+    for case in plan.cases:
+        others = [case.labels[name] for name in plan.within if name != axis]
+        found.setdefault(", ".join([case.source, *others]), []).append(case)
+    return found
+
+
+def _charts(
+    material: Material,
+    lines: Mapping[str, Sequence[Case]],
+    axis: str,
+    places: Mapping[str, float],
+    figures: Sequence[str],
+    where: str,
+) -> Iterator[Chart]:
+    """Yield a chart for every name of a figure: a line for each stage that has it and each choice of other axes."""
+    families: dict[str, list[str]] = {}
+    for figure in figures:
+        families.setdefault(_family(figure), []).append(figure)
+    for name, kin in families.items():
+        series: list[Series] = []
+        for figure, (others, cases) in list(product(kin, lines.items()))[:_MOST_LINES]:
+            points = sorted(_points(material, figure, axis, cases, places), key=lambda point: point.x)
+            words = [figure.rpartition(".")[0]] * (len(kin) > 1) + [others] * (len(lines) > 1)
+            special = any(case.role != "method" for case in cases)
+            if points:
+                colour = (BASE, *METHODS)[len(series) % (1 + len(METHODS))]
+                series.append(Series(", ".join(words), points, colour, is_dashed=special))
+        if series:
+            yield Chart((kin[0] if len(kin) == 1 else name) + where, axis, series)
+
+
+def _lines(plan: Plan, cases: Sequence[Case], axis: str) -> dict[str, list[Case]]:
+    """Return the cases of each choice of the other axes, where there are enough for a line."""
+    found: dict[str, list[Case]] = {}
+    for case in cases:
+        others = ", ".join(label for name, label in case.labels.items() if name not in {axis, *plan.within})
+        found.setdefault(others, []).append(case)
+    return {others: cases for others, cases in found.items() if len({case.labels[axis] for case in cases}) >= 3}
+
+
+def _family(figure: str) -> str:
+    """Return what figures of several stages have in common: the name behind the stage's."""
+    return figure if " " in figure else figure.rpartition(".")[2]
+
+
+def _points(
+    material: Material, figure: str, axis: str, cases: Sequence[Case], places: Mapping[str, float]
+) -> Iterator[Point]:
+    for case in cases:
+        found = material.estimate(case.graph, case.variant, figure)
+        if found is not None:
+            yield Point(places[case.labels[axis]], found.mean, found.low, found.high)

@@ -1,0 +1,99 @@
+"""Who is better than the base, who cannot be told from it, who is worse."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from graphnav.ablation.results.compare_variants import Row
+from graphnav.ablation.report.html.sections.forest_plot import absence
+from graphnav.ablation.report.html.sections.headline import Found, name, verdicts
+from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.study_results import Material
+from graphnav.ablation.report.html.number_text import counted, estimated, means_text
+from graphnav.ablation.report.html.verdict import Verdict
+
+_MOST_NAMED = 6
+_MOST_CHECKS = 3
+_MOST_INTERVALS = 8
+"""Of more differences the means stand alone; the chart and the tables have the intervals."""
+
+
+def sides(material: Material, figure: str, found: Found) -> Html:
+    """Return three lists of methods, each with its difference from the base on the graphs where that holds."""
+    titles: dict[Verdict, str] = {
+        "better": "Better than the base",
+        "unclear": f"No difference that {counted(material.n_seeds, 'world')} can tell",
+        "worse": "Worse than the base",
+        "unknown": "Not known",
+    }
+    is_brief = len(found) > _MOST_INTERVALS
+    rows = []
+    for verdict, title in titles.items():
+        entries = list(_entries(material, figure, found, verdict, is_brief=is_brief))
+        if not entries and verdict == "unknown":
+            continue
+        said = _some(entries) if entries else tag("span", "none", class_="quiet")
+        rows.append(tag("dt", tag("span", class_=f"sign {verdict}"), esc(title)) + tag("dd", said))
+    rows = [*rows, *_unbeaten(material, figure)] if found else list(_unbeaten(material, figure))
+    return tag("dl", *rows, class_="sides") if rows else ""
+
+
+def _unbeaten(material: Material, figure: str) -> Iterator[Html]:
+    """Yield the controls that the base does not clearly beat: what they lack may not be needed."""
+    found = verdicts(material, figure, "control")
+    kept: Found = {key: ("unclear", row) for key, (verdict, row) in found.items() if verdict in {"better", "unclear"}}
+    entries = list(_entries(material, figure, kept, "unclear", is_brief=len(kept) > _MOST_INTERVALS))
+    if entries:
+        title = tag("dt", tag("span", class_="sign control"), "Controls that the base does not beat")
+        yield title + tag("dd", _some(entries))
+
+
+def _some(entries: Sequence[Html]) -> Html:
+    more = f" and {len(entries) - _MOST_NAMED} more" if len(entries) > _MOST_NAMED else ""
+    return "; ".join(entries[:_MOST_NAMED]) + more
+
+
+def _entries(material: Material, figure: str, found: Found, verdict: Verdict, *, is_brief: bool) -> Iterator[Html]:
+    graphs = material.plan.graphs
+    for variant in dict.fromkeys(variant for variant, _ in found):
+        here = {g: found[variant, g][1] for g in graphs if (variant, g) in found and found[variant, g][0] == verdict}
+        if not here:
+            continue
+        if is_brief:
+            said = _brief(here.values(), figure) + ("" if len(here) == len(graphs) else f" on {esc(', '.join(here))}")
+        else:
+            said = ", ".join(
+                _change(row, figure) + (f" on {esc(graph)}" if len(graphs) > 1 else "") for graph, row in here.items()
+            )
+        yield f"{name(variant)} {tag('span', said, class_='quiet')}"
+
+
+def _change(row: Row, figure: str) -> Html:
+    found = row.differences.get(figure)
+    if found is None:
+        return esc(absence(row)) if figure not in row.estimates else "no common world"
+    return estimated(found.mean, found.low, found.high, signed=True)
+
+
+def _brief(rows: Iterable[Row], figure: str) -> Html:
+    found = [row.differences[figure].mean for row in rows if figure in row.differences]
+    return means_text(found, signed=True) if found else "no common world"
+
+
+def checks(material: Material, figure: str) -> Html:
+    """Return what controls and oracles came to: they say whether worlds and scores can be trusted."""
+    said = []
+    for role in ("control", "oracle"):
+        cases = [case for case in material.plan.cases if case.role == role and not case.same_as]
+        variants = list(dict.fromkeys(case.variant for case in cases))
+        if len(variants) > _MOST_CHECKS:
+            said.append(f"{len(variants)} {role}s {_range(material, variants, figure)}")
+        else:
+            said += [f"{role} {name(variant)} {_range(material, [variant], figure)}" for variant in variants]
+    return tag("p", f"For scale, {esc(figure)} over all graphs: ", "; ".join(said), ".", class_="note") if said else ""
+
+
+def _range(material: Material, variants: Sequence[str], figure: str) -> Html:
+    """Return the least and the greatest mean of variants over all graphs."""
+    every = [found.mean for g in material.plan.graphs for v in variants if (found := material.estimate(g, v, figure))]
+    return means_text(every) if every else "not known"

@@ -1,0 +1,78 @@
+"""What a report is made of, and the views of it that several of its parts take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from graphnav.ablation.results.compare_variants import Comparison, Estimate, Row, Values, table_figures, values_of
+from graphnav.ablation.study.metric_expression import FigureText
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.records import Record
+from graphnav.catalog import Catalog
+
+
+@dataclass(frozen=True)
+class Material:
+    """A study with its results."""
+
+    plan: Plan
+    comparison: Comparison
+    records: Sequence[Record]
+    folder: Path
+    catalog: Catalog
+
+    @cached_property
+    def figures(self) -> tuple[str, ...]:
+        """The columns of the tables that some run has, or all columns while no run is there."""
+        every = [figure.text for figure in table_figures(self.plan, self.records)]
+        found = [name for name in every if self.comparison.says(name)]
+        return tuple(found or every)
+
+    @property
+    def deciding(self) -> str | None:
+        """The figure that decides: the first; None where there is none at all."""
+        return self.figures[0] if self.figures else None
+
+    @property
+    def n_seeds(self) -> int:
+        """The number of worlds."""
+        return len(self.plan.seeds)
+
+    @cached_property
+    def n_runs(self) -> int:
+        """How many runs are there, shared ones counted once."""
+        return sum(row.runs for row in self.comparison.rows if not row.case.same_as)
+
+    def own_rows(self, graph: str) -> tuple[Row, ...]:
+        """Return the rows of a graph that have runs of their own."""
+        return tuple(row for row in self.comparison.of_graph(graph) if not row.case.same_as)
+
+    @cached_property
+    def own_variants(self) -> tuple[str, ...]:
+        """Variants that have runs of their own on some graph, the base first."""
+        return tuple(dict.fromkeys(case.variant for case in self.plan.cases if not case.same_as))
+
+    @cached_property
+    def rows(self) -> Mapping[tuple[str, str], Row]:
+        """All rows by graph and variant."""
+        return {(row.case.graph, row.case.variant): row for row in self.comparison.rows}
+
+    def estimate(self, graph: str, variant: str, figure: str) -> Estimate | None:
+        """Return a mean, None where no run has the figure."""
+        row = self.rows.get((graph, variant))
+        return row.estimates.get(figure) if row else None
+
+    def values(self, graph: str, variant: str, figure: str) -> Values:
+        """Return a figure of every run of a case, by seed."""
+        return values_of(FigureText.parse(figure), self.runs.get((graph, variant), ()))
+
+    @cached_property
+    def runs(self) -> Mapping[tuple[str, str], Sequence[Record]]:
+        """All records by graph and variant."""
+        found: dict[tuple[str, str], list[Record]] = {}
+        for record in self.records:
+            found.setdefault((record.graph, record.variant), []).append(record)
+        return found

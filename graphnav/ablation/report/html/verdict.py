@@ -1,0 +1,34 @@
+"""Whether a variant is better than the base, as far as the worlds can tell."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from graphnav.ablation.results.compare_variants import Row
+from graphnav.ablation.plan.plan import Better
+
+Verdict = Literal["base", "better", "worse", "unclear", "unknown"]
+
+WORDS: dict[Verdict, str] = {
+    "base": "the base",
+    "better": "better than the base",
+    "worse": "worse than the base",
+    "unclear": "no difference that these worlds can tell",
+    "unknown": "too few worlds to say",
+}
+
+
+def verdict_of(row: Row, figure: str, better: Better) -> Verdict:
+    """Return what the paired difference says: a side where it is clear.
+
+    "unknown" where it has no interval: no common worlds with the base, or a single one.
+    """
+    if row.case.is_base:
+        return "base"
+    difference = row.differences.get(figure)
+    if difference is None or not (math.isfinite(difference.low) and math.isfinite(difference.high)):
+        return "unknown"
+    if not difference.is_clear:
+        return "unclear"
+    return "better" if (difference.mean > 0) == (better == "more") else "worse"

@@ -1,0 +1,93 @@
+"""What has to stand below a table for it to be understood, checked and made again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from graphnav.ablation.results.compare_variants import LEAST_WORLDS, Comparison, Row
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.intervals import DRAWS, SEED
+
+INTERVALS = (
+    f"Intervals are 95 %, over worlds: the percentile bootstrap ({DRAWS} resamples, seed {SEED}). For figures that are "
+    "0 or 1 in every run they are Wilson's score interval for the mean and Bonett and Price's adjusted Wald interval "
+    "for the difference, which have a width also where all worlds agree. Each holds for itself: where nothing differs, "
+    "one comparison in twenty still leaves out 0."
+)
+COUNTING = (
+    "A run that failed (a stage broke down) counts as no success, with spl and barn 0; its other figures do not count. "
+    "A world in which a figure is not defined does not count for it; n says how many did where not all have."
+)
+
+
+def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
+    """Return the sentences below a study's table, plain text."""
+    where = f", under the same {' and '.join(plan.within)}" if plan.within else ""
+    reading = (
+        "Each cell is the mean over worlds with its interval; ↑ more is better, ↓ less. Differences are from the base, "
+        f"{plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was better–worse. "
+        f"Differences whose interval leaves out 0, over {LEAST_WORLDS} worlds or more, are bold."
+    )
+    sentences = [reading, INTERVALS, COUNTING]
+    roles = {row.case.role for row in comparison.rows}
+    if "control" in roles:
+        sentences.append("A control is what every method has to beat; where it does well, the worlds test nothing.")
+    if "oracle" in roles:
+        sentences.append("An oracle sees the truth: it bounds what the methods can reach.")
+    return tuple(sentences)
+
+
+def origin(plan: Plan) -> tuple[tuple[str, str], ...]:
+    """Return what makes the table again: name and value."""
+    versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
+    facts = [("command", plan.command), ("seeds", seeds_text(plan.seeds)), ("versions", versions)]
+    return tuple((name, value) for name, value in facts if value)
+
+
+def marks(row: Row) -> tuple[str, ...]:
+    """Return what is to be said of a case beside its name."""
+    found = ["base"] if row.case.is_base else []
+    if row.case.role != "method":
+        found.append(row.case.role)
+    return tuple(found)
+
+
+def same_graphs(rows: Iterable[Row]) -> Iterator[str]:
+    """Yield which variants are the same graph, of which the tables show the first."""
+    others: dict[str, list[str]] = {}
+    for row in rows:
+        if row.case.same_as:
+            others.setdefault(row.case.same_as, []).append(row.case.variant)
+    for first, variants in others.items():
+        yield f"{first} is the same graph as {', '.join(variants)}"
+
+
+def outcome_counts(outcomes: Mapping[str, int]) -> str:
+    """Return how often runs ended in which way, the most frequent first."""
+    ordered = sorted(outcomes.items(), key=lambda item: (-item[1], item[0]))
+    return ", ".join(f"{outcome} {times}" for outcome, times in ordered)
+
+
+def worlds_text(row: Row, plan: Plan) -> str:
+    """Return how many runs there are, and of how many where the study is not finished."""
+    return str(row.runs) if row.runs == len(plan.seeds) else f"{row.runs} of {len(plan.seeds)}"
+
+
+def seeds_text(seeds: Sequence[int]) -> str:
+    """Return seeds in short: ``1000 to 1049 (50)``; those that stand apart by commas."""
+    runs: list[list[int]] = []
+    for seed in sorted(seeds):
+        if runs and seed == runs[-1][1] + 1:
+            runs[-1][1] = seed
+        else:
+            runs.append([seed, seed])
+    texts = (
+        f"{first} to {last}" if last > first + 1 else ", ".join(map(str, range(first, last + 1)))
+        for first, last in runs
+    )
+    return f"{', '.join(texts)} ({len(seeds)})"
+
+
+def shown_figures(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
+    """Return the columns of a table: the plan's figures, else all that any case has."""
+    return tuple(dict.fromkeys(plan.figures or (figure for row in comparison.rows for figure in row.estimates)))

@@ -1,0 +1,83 @@
+"""``table.md``: the table of a study, to read and to paste."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from graphnav.ablation.results.compare_variants import Comparison, Difference, Row
+from graphnav.ablation.report.number_format import difference_text, estimate_text
+from graphnav.ablation.report.legend import legend, marks, origin, outcome_counts, same_graphs, shown_figures, worlds_text
+from graphnav.ablation.plan.plan import Better, Plan
+
+TABLE = "table.md"
+FIGURES_A_TABLE = 3
+"""As many as are read without scrolling; more go into further tables."""
+ARROWS: dict[Better, str] = {"more": "↑", "less": "↓"}
+
+_ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
+
+
+def table_markdown(plan: Plan, comparison: Comparison) -> str:
+    """Return the table of a study, graph by graph, with what it takes to understand it and to make it again."""
+    parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else [])]
+    for graph in plan.graphs:
+        parts += [f"## {graph}", *_graph(plan, comparison, comparison.of_graph(graph))]
+    parts += ["## How to read and repeat this", bullets(map(escaped, legend(plan, comparison)))]
+    parts.append(bullets(f"{name}: {code(value)}" for name, value in origin(plan)))
+    return "\n\n".join(parts) + "\n"
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def bullets(lines: Iterable[str]) -> str:
+    """Return a Markdown list."""
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def escaped(text: str) -> str:
+    """Return a text that Markdown shows as it is, in a table too."""
+    return text.translate(_ESCAPED)
+
+
+def code(text: str) -> str:
+    """Return a text as code."""
+    return f"`{text}`" if "`" not in text else escaped(text)
+
+
+def difference_cell(found: Difference | None) -> str:
+    """Return a difference, bold where it is clear."""
+    if found is None:
+        return ""
+    text = difference_text(found)
+    return f"**{text}**" if found.is_clear else text
+
+
+def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[str]:
+    figures = shown_figures(plan, comparison)
+    own = [row for row in rows if not row.case.same_as]
+    for first in range(0, max(len(figures), 1), FIGURES_A_TABLE):
+        some = figures[first : first + FIGURES_A_TABLE]
+        header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
+        for figure in some:
+            header += [f"{escaped(figure)} {ARROWS[plan.better(figure)]}", "difference"]
+        yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in own))
+    if alike := list(same_graphs(rows)):
+        yield bullets(map(escaped, alike))
+    failed = [(row, reason, times) for row in own for reason, times in row.failures.items()]
+    if failed:
+        yield "Failed runs:"
+        yield bullets(f"{escaped(row.case.variant)}, {times}: {escaped(reason)}" for row, reason, times in failed)
+
+
+def _cells(plan: Plan, row: Row, figures: Sequence[str], *, with_runs: bool) -> list[str]:
+    cells = [" ".join([escaped(row.case.variant), *(f"({escaped(mark)})" for mark in marks(row))])]
+    if with_runs:
+        cells += [worlds_text(row, plan), outcome_counts(row.outcomes)]
+    for figure in figures:
+        found = row.estimates.get(figure)
+        cells += ["" if found is None else estimate_text(found, row.runs), difference_cell(row.differences.get(figure))]
+    return cells

@@ -1,0 +1,56 @@
+"""Numbers of tables, with as many digits as their intervals allow."""
+
+from __future__ import annotations
+
+import math
+
+from graphnav.ablation.results.compare_variants import Difference, Estimate
+
+MOST_DECIMALS = 4
+TINY = ".1e"
+"""The format of numbers of which so many decimals show nothing."""
+
+
+def format_of(mean: float, low: float, high: float) -> str:
+    """Return the format that shows two digits of half the interval's width; of the mean, four, where it has none.
+
+    It has at most four decimals, unless they would show nothing: a mean reads as zero only where its interval holds
+    zero, and beside a bound that does not read so.
+    """
+    half = (high - low) / 2
+    size, digits = (half, 2) if math.isfinite(half) and half > 0 else (abs(mean), 4)
+    if size == 0:
+        return ".2f"
+    fewest = min(max(digits - 1 - math.floor(math.log10(size)), 0), MOST_DECIMALS)
+    told = (mean, low, high) if low <= 0 <= high else (mean,)
+    for places in range(fewest, MOST_DECIMALS + 1):
+        if any(abs(value) >= 10.0**-places for value in told):
+            return f".{places}f"
+    return TINY
+
+
+def number(value: float, form: str, sign: str = "") -> str:
+    """Return a number in a format, with ``sign`` where it is above zero; zero has none."""
+    text = f"{value:{sign}{form}}"
+    return text if float(text) else f"{0:{form}}".removesuffix("e+00")
+
+
+def estimate_text(found: Estimate, worlds: int) -> str:
+    """Return ``mean [low, high]``, and how many worlds had the figure where not all of ``worlds`` have."""
+    form = format_of(found.mean, found.low, found.high)
+    text = " ".join([number(found.mean, form), *_interval(found.low, found.high, form)])
+    return text if found.n == worlds else f"{text} (n {found.n})"
+
+
+def difference_text(found: Difference) -> str:
+    """Return ``+mean [low, high], won-lost``."""
+    form = format_of(found.mean, found.low, found.high)
+    numbers = [number(found.mean, form, sign="+"), *_interval(found.low, found.high, form, sign="+")]
+    return f"{' '.join(numbers)}, {found.won}–{found.lost}"
+
+
+def _interval(low: float, high: float, form: str, sign: str = "") -> list[str]:
+    """Return the interval, or nothing where it is not known."""
+    if math.isnan(low):
+        return []
+    return [f"[{number(low, form, sign)}, {number(high, form, sign)}]"]

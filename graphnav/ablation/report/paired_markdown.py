@@ -1,0 +1,70 @@
+"""Two studies side by side, to read and to paste."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from graphnav.ablation.results.compare_variants import LEAST_WORLDS
+from graphnav.ablation.report.number_format import estimate_text
+from graphnav.ablation.report.legend import COUNTING, INTERVALS, origin, outcome_counts, seeds_text
+from graphnav.ablation.report.markdown import ARROWS, FIGURES_A_TABLE, bullets, code, difference_cell, escaped, table
+from graphnav.ablation.results.paired_studies import Pairing, PairRow
+
+READING = (
+    "A is the first study, B the second. Each cell is the mean over the worlds that both have, with its interval; ↑ "
+    "more is better, ↓ less. B - A is the mean difference in the same worlds with its interval, then in how many of "
+    "them B was better–worse. "
+    f"Differences whose interval leaves out 0, over {LEAST_WORLDS} worlds or more, are bold."
+)
+
+
+def pairing_markdown(pairing: Pairing) -> str:
+    """Return what two studies have in common as tables, graph by graph, and what only one of them has."""
+    parts = [f"# {escaped(pairing.plan_a.name)} (A) and {escaped(pairing.plan_b.name)} (B)"]
+    for graph in pairing.graphs:
+        parts += [f"## {graph}", *_graph(pairing, [row for row in pairing.rows if row.graph == graph])]
+    if alone := list(only_in_one(pairing)):
+        parts += ["## Only in one of them", bullets(map(escaped, alone))]
+    parts += ["## How to read and repeat this", bullets(map(escaped, (READING, INTERVALS, COUNTING)))]
+    sides = (("A", pairing.plan_a), ("B", pairing.plan_b))
+    facts = [f"{side}, {name}: {code(value)}" for side, plan in sides for name, value in origin(plan)]
+    parts.append(bullets([*facts, *map(escaped, different_versions(pairing))]))
+    return "\n\n".join(parts) + "\n"
+
+
+def only_in_one(pairing: Pairing) -> Iterator[str]:
+    """Yield what has no partner, in plain text."""
+    for side, cases in (("A", pairing.only_a), ("B", pairing.only_b)):
+        for graph, variant in cases:
+            yield f"{graph}, {variant}: only {side} has runs of it"
+    for row in pairing.rows:
+        for side, seeds in (("A", row.only_a), ("B", row.only_b)):
+            if seeds:
+                yield f"{row.graph}, {row.variant}: only {side} has the seeds {seeds_text(seeds)}"
+
+
+def different_versions(pairing: Pairing) -> Iterator[str]:
+    """Yield which versions differ, in plain text."""
+    for name, (a, b) in pairing.different_versions.items():
+        yield f"{name}: {a or 'unknown'} in A, {b or 'unknown'} in B"
+
+
+def _graph(pairing: Pairing, rows: Sequence[PairRow]) -> Iterator[str]:
+    figures = tuple(pairing.figures)
+    for first in range(0, max(len(figures), 1), FIGURES_A_TABLE):
+        some = figures[first : first + FIGURES_A_TABLE]
+        header = ["variant", *(["worlds", "outcomes of A", "outcomes of B"] if first == 0 else [])]
+        for figure in some:
+            header += [f"{escaped(figure)} {ARROWS[pairing.figures[figure]]} A", "B", "B - A"]
+        yield table(header, (_cells(row, some, with_runs=first == 0) for row in rows))
+
+
+def _cells(row: PairRow, figures: Sequence[str], *, with_runs: bool) -> list[str]:
+    cells = [escaped(row.variant)]
+    if with_runs:
+        cells += [str(len(row.seeds)), outcome_counts(row.outcomes_a), outcome_counts(row.outcomes_b)]
+    for figure in figures:
+        sides = (row.estimates_a, row.estimates_b)
+        cells += [estimate_text(side[figure], len(row.seeds)) if figure in side else "" for side in sides]
+        cells.append(difference_cell(row.differences.get(figure)))
+    return cells

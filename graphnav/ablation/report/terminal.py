@@ -1,0 +1,103 @@
+"""The tables of studies in short, for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
+
+from graphnav.ablation.results.compare_variants import Comparison, Difference, Row
+from graphnav.ablation.report.number_format import difference_text, estimate_text
+from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, shown_figures, worlds_text
+from graphnav.ablation.report.markdown import ARROWS
+from graphnav.ablation.results.paired_studies import Pairing, PairRow
+from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
+from graphnav.ablation.plan.plan import Better, Plan
+
+DECIDING = 2
+"""Figures that the terminal shows; `table.md` has them all."""
+_MOST_COLS = 1000
+"""Tables are as wide as they need: a narrow terminal wraps them, for a figure that is cut would be a wrong one."""
+
+
+def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> None:
+    """Print, graph by graph, how the runs of each variant ended and the figures that decide."""
+    figures = shown_figures(plan, comparison)[:DECIDING]
+    for graph in plan.graphs:
+        rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
+        table = new_table(graph, ["variant", "worlds", "outcomes"])
+        for figure in figures:
+            table.add_column(Text(f"{figure} {ARROWS[plan.better(figure)]}"))
+            table.add_column("difference")
+        for row in rows:
+            table.add_row(*_cells(row, figures, plan))
+        print_wide(console, table)
+        for line in same_graphs(comparison.of_graph(graph)):
+            console.print(Text(line, style="dim"), soft_wrap=True)
+        for row in rows:
+            for reason, times in row.failures.items():
+                line = " ".join(f"{row.case.variant}: {times} failed: {reason}".split())
+                console.print(Text(line, style="red"), soft_wrap=True)
+
+
+def print_pairing(console: Console, pairing: Pairing) -> None:
+    """Print what became of each variant from the first study to the second, and what cannot be compared."""
+    figures = tuple(pairing.figures)[:DECIDING]
+    for graph in pairing.graphs:
+        table = new_table(graph, ["variant", "worlds"])
+        for figure in figures:
+            for name in (f"{figure} {ARROWS[pairing.figures[figure]]} A", "B", "B - A"):
+                table.add_column(Text(name))
+        for row in pairing.rows:
+            if row.graph == graph:
+                table.add_row(*_pair_cells(row, figures, pairing))
+        print_wide(console, table)
+    for line in (*only_in_one(pairing), *different_versions(pairing)):
+        console.print(Text(line, style="yellow"), soft_wrap=True)
+
+
+def new_table(title: str, columns: Sequence[str]) -> Table:
+    """Return an empty table."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=Text(title, style="bold"), title_justify="left")
+    for name in columns:
+        table.add_column(name)
+    return table
+
+
+def print_wide(console: Console, table: Table) -> None:
+    """Print a table as wide as it needs."""
+    table.width = Measurement.get(console, console.options.update(width=_MOST_COLS), table).maximum
+    console.print(table, soft_wrap=True)
+
+
+def difference_cell(found: Difference | None, better: Better) -> Text:
+    """Return a difference, green or red where it is clear."""
+    if found is None:
+        return Text()
+    if not found.is_clear:
+        return Text(difference_text(found))
+    return Text(difference_text(found), style="green" if (found.low > 0) == (better == "more") else "red")
+
+
+def _cells(row: Row, figures: Sequence[str], plan: Plan) -> list[Text]:
+    name = Text(row.case.variant, style="bold" if row.case.is_base else "")
+    name.append("".join(f" ({mark})" for mark in marks(row)), style="dim not bold")
+    cells = [name, Text(worlds_text(row, plan)), Text(outcome_counts(row.outcomes))]
+    for figure in figures:
+        found = row.estimates.get(figure)
+        cells.append(Text("" if found is None else estimate_text(found, row.runs)))
+        cells.append(difference_cell(row.differences.get(figure), plan.better(figure)))
+    return cells
+
+
+def _pair_cells(row: PairRow, figures: Sequence[str], pairing: Pairing) -> list[Text]:
+    cells = [Text(row.variant), Text(str(len(row.seeds)))]
+    for figure in figures:
+        sides = (row.estimates_a, row.estimates_b)
+        cells += [Text(estimate_text(side[figure], len(row.seeds)) if figure in side else "") for side in sides]
+        cells.append(difference_cell(row.differences.get(figure), pairing.figures[figure]))
+    return cells

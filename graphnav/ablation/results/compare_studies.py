@@ -1,0 +1,108 @@
+"""Pair the runs of two studies by graph, variant and seed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from graphnav.ablation.results.compare_variants import Values, difference, estimate, is_binary, table_figures, values_of
+from graphnav.ablation.study.metric_expression import FigureText
+from graphnav.ablation.results.paired_studies import Pairing, PairRow
+from graphnav.ablation.plan.plan import Better, Plan
+from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.errors import UserError
+
+_Case = tuple[str, str]
+"""Graph and variant."""
+_Cases = Mapping[_Case, Mapping[int, Record]]
+"""The records of a study, by case and seed."""
+
+
+def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, records_b: Iterable[Record]) -> Pairing:
+    """Pair the runs of two studies by graph, variant and seed.
+
+    Cases that are the same graph as another one in both studies are told once.
+
+    Raises
+    ------
+    UserError
+        The studies have no run in common.
+    """
+    again = _shared(plan_a) & _shared(plan_b)
+    all_a, all_b = (
+        [record for record in in_plan_order(plan, records) if (record.graph, record.variant) not in again]
+        for plan, records in ((plan_a, records_a), (plan_b, records_b))
+    )
+    cases_a, cases_b = _by_case(all_a), _by_case(all_b)
+    matched = [case for case, runs in cases_a.items() if runs.keys() & cases_b.get(case, {}).keys()]
+    if not matched:
+        raise UserError.of(
+            "the studies have no run in common: no graph, variant and seed is in both",
+            "compare studies of the same graphs, variants and seeds",
+        )
+    columns = dict.fromkeys([*table_figures(plan_a, all_a), *table_figures(plan_b, all_b)])
+    figures = {
+        figure.text: (plan_b if figure.text in plan_b.figures else plan_a).better(figure.text) for figure in columns
+    }
+    rows = tuple(_rows(matched, cases_a, cases_b, tuple(columns), figures))
+    return Pairing(
+        plan_a=plan_a,
+        plan_b=plan_b,
+        figures={name: better for name, better in figures.items() if any(name in row.differences for row in rows)},
+        rows=rows,
+        only_a=tuple(case for case in cases_a if case not in matched),
+        only_b=tuple(case for case in cases_b if case not in matched),
+    )
+
+
+def _rows(
+    matched: Sequence[_Case],
+    cases_a: _Cases,
+    cases_b: _Cases,
+    columns: Sequence[FigureText],
+    figures: Mapping[str, Better],
+) -> Iterator[PairRow]:
+    values_a, values_b = (
+        {case: {c.text: values_of(c, runs.values()) for c in columns} for case, runs in cases.items()}
+        for cases in (cases_a, cases_b)
+    )
+    everything = [*values_a.values(), *values_b.values()]
+    binary = {column.text for column in columns if is_binary(column, (found[column.text] for found in everything))}
+    for case in matched:
+        runs_a, runs_b = cases_a[case], cases_b[case]
+        of_a, of_b = values_a[case], values_b[case]
+        seeds = tuple(seed for seed in runs_a if seed in runs_b)
+        common = {text: (_also_in(of_b[text], of_a[text]), _also_in(of_a[text], of_b[text])) for text in figures}
+        known = {text: pair for text, pair in common.items() if pair[0]}
+        differences = {
+            text: difference(b, a, figures[text], is_binary=text in binary) for text, (a, b) in known.items()
+        }
+        yield PairRow(
+            graph=case[0],
+            variant=case[1],
+            seeds=seeds,
+            only_a=tuple(seed for seed in runs_a if seed not in runs_b),
+            only_b=tuple(seed for seed in runs_b if seed not in runs_a),
+            outcomes_a=Counter(runs_a[seed].outcome for seed in seeds),
+            outcomes_b=Counter(runs_b[seed].outcome for seed in seeds),
+            estimates_a={text: estimate(a, is_binary=text in binary) for text, (a, _) in known.items()},
+            estimates_b={text: estimate(b, is_binary=text in binary) for text, (_, b) in known.items()},
+            differences={text: found for text, found in differences.items() if found is not None},
+        )
+
+
+def _shared(plan: Plan) -> set[_Case]:
+    """Return the cases whose runs are those of another case."""
+    return {(case.graph, case.variant) for case in plan.cases if case.same_as}
+
+
+def _also_in(others: Values, values: Values) -> Values:
+    """Return the values of the worlds that the others have, too."""
+    return {seed: value for seed, value in values.items() if seed in others}
+
+
+def _by_case(records: Iterable[Record]) -> _Cases:
+    cases: dict[_Case, dict[int, Record]] = {}
+    for record in records:
+        cases.setdefault((record.graph, record.variant), {})[record.seed] = record
+    return cases

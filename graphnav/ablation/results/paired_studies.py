@@ -1,0 +1,56 @@
+"""What two studies have in common, run by run: what a change of the code did."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from graphnav.ablation.results.compare_variants import Difference, Estimate
+from graphnav.ablation.plan.plan import Better, Plan
+
+
+@dataclass(frozen=True)
+class PairRow:
+    """One case in both studies; everything but the seeds is of the worlds that both have."""
+
+    graph: str
+    variant: str
+    seeds: tuple[int, ...]
+    only_a: tuple[int, ...]
+    """Seeds that only the first study has."""
+    only_b: tuple[int, ...]
+    outcomes_a: Mapping[str, int]
+    outcomes_b: Mapping[str, int]
+    estimates_a: Mapping[str, Estimate]
+    """By figure, over the worlds in which both have it."""
+    estimates_b: Mapping[str, Estimate]
+    differences: Mapping[str, Difference]
+    """The second minus the first; ``won``: in how many worlds the second was better."""
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """What two studies have in common, and what only one of them has."""
+
+    plan_a: Plan
+    plan_b: Plan
+    figures: Mapping[str, Better]
+    rows: tuple[PairRow, ...]
+    only_a: tuple[tuple[str, str], ...]
+    """Graph and variant of cases without a partner."""
+    only_b: tuple[tuple[str, str], ...]
+
+    @property
+    def graphs(self) -> tuple[str, ...]:
+        """The graphs of the rows, in their order."""
+        return tuple(dict.fromkeys(row.graph for row in self.rows))
+
+    @property
+    def different_versions(self) -> Mapping[str, tuple[str, str]]:
+        """What the studies ran with where it differs: name, of the first, of the second; empty where unknown."""
+        a, b = self.plan_a.versions, self.plan_b.versions
+        return {
+            name: (a.get(name, ""), b.get(name, ""))
+            for name in dict.fromkeys([*a, *b])
+            if a.get(name, "") != b.get(name, "")
+        }

@@ -1,0 +1,134 @@
+"""The results of a study: one record a run, read from the summaries."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from graphnav.ablation.plan.plan import Case, Plan
+from graphnav.errors import Problem, UserError, shown_path
+from graphnav.runner import Outcome
+from graphnav.runner.recorded import SUMMARY
+
+ZERO_IF_FAILED = frozenset({"success", "spl", "barn"})
+"""Figures that a run which broke down has earned nothing of: success, and what success multiplies."""
+
+
+@dataclass(frozen=True)
+class StageTime:
+    """How long a stage's steps took in one run."""
+
+    steps: int
+    p50_ms: float
+    p99_ms: float
+
+
+@dataclass(frozen=True)
+class Record:
+    """What one run came to."""
+
+    graph: str
+    variant: str
+    seed: int
+    outcome: str
+    failure: str
+    frames: int
+    sim_s: float
+    figures: Mapping[str, float]
+    """By ``stage.figure``; one that a run could not say is missing."""
+    wall_s: float
+    times: Mapping[str, StageTime]
+    """By stage."""
+    folder: str
+    """Of the run, below the study's folder."""
+
+    def counted(self, name: str) -> float | None:
+        """Return what the run counts for in a comparison, None where it says nothing about ``stage.figure``.
+
+        Nobody gains by breaking down: a failed run has `ZERO_IF_FAILED`, and its other figures, which speak of the
+        part before the failure only, do not count.
+        """
+        if self.outcome != Outcome.FAILED:
+            return self.figures.get(name)
+        stage, _, figure = name.partition(".")
+        is_defined = name in self.figures or not any(other.startswith(f"{stage}.") for other in self.figures)
+        return 0.0 if figure in ZERO_IF_FAILED and is_defined else None
+
+
+def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
+    """Read the runs of a plan that are there, in the plan's order: graph, variant, seed.
+
+    A case that shares its runs with another has a record of each under its own name. Runs that were stopped by hand
+    are not there: they say nothing.
+
+    Raises
+    ------
+    UserError
+        Summaries that are cut or hold something else; all of them are named.
+    """
+    records, problems = [], dict[Path, Problem]()
+    for case in plan.cases:
+        for seed in plan.seeds:
+            path = folder / case.folder / str(seed) / SUMMARY
+            try:
+                record = read_record(case, seed, path)
+            except FileNotFoundError:
+                continue
+            except (OSError, ValueError, KeyError, TypeError, AttributeError):
+                hint = "remove it and run the study again: it makes what is missing"
+                problems[path] = Problem(None, f"{shown_path(path)} is not the whole summary of a run", hint)
+                continue
+            if record.outcome != Outcome.STOPPED:
+                records.append(record)
+    if problems:
+        raise UserError(problems.values())
+    return tuple(records)
+
+
+def read_record(case: Case, seed: int, path: Path) -> Record:
+    """Read one run from its ``summary.json``; a figure that was not finite (null) is missing.
+
+    Raises
+    ------
+    OSError
+        There is none, or it cannot be read.
+    ValueError, KeyError, TypeError, AttributeError
+        It is cut, or something else.
+    """
+    summary = json.loads(path.read_text(encoding="utf-8"))
+    return Record(
+        graph=case.graph,
+        variant=case.variant,
+        seed=seed,
+        outcome=str(Outcome(summary["outcome"])),
+        failure=str(summary["failure"]),
+        frames=int(summary["frames"]),
+        sim_s=float(summary["sim_s"]),
+        figures=_figures(summary["scores"]),
+        wall_s=float(summary["wall_s"]),
+        times={
+            stage: StageTime(int(did["steps"]), float(did["p50_ms"]), float(did["p99_ms"]))
+            for stage, did in summary["stages"].items()
+        },
+        folder=f"{case.folder}/{seed}",
+    )
+
+
+def in_plan_order(plan: Plan, records: Iterable[Record]) -> list[Record]:
+    """Return records in the order of the plan, whatever order they were made or found in."""
+    cases = {(case.graph, case.variant): place for place, case in enumerate(plan.cases)}
+    seeds = {seed: place for place, seed in enumerate(plan.seeds)}
+    return sorted(records, key=lambda record: (cases[record.graph, record.variant], seeds[record.seed]))
+
+
+def _figures(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+    return {
+        f"{stage}.{figure}": float(value)
+        for stage, figures in scores.items()
+        for figure, value in figures.items()
+        if value is not None and math.isfinite(value)
+    }

@@ -1,0 +1,1 @@
+"""What a study asks: its file or command line, axes, seeds, metrics."""

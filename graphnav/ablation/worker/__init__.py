@@ -1,0 +1,1 @@
+"""One run of a study, made in a process of its own."""

@@ -1,0 +1,126 @@
+"""One run of a study, made anywhere: what is to be done, what came of it."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+from graphnav.ablation.plan.code_versions import difference_here
+from graphnav.catalog import Catalog
+from graphnav.errors import DrawingError, GraphnavError, LogError, StageError, UserError
+from graphnav.graph import Graph, graph_of
+from graphnav.pictures import drawing
+from graphnav.record import LOG, Recording
+from graphnav.report.pictures import draw_pictures
+from graphnav.runner import Outcome
+from graphnav.runner.recorded import run_recorded
+
+ENDING = "end.png"
+"""The picture of how a run ended: the map, and the panels of the last frame."""
+NOT_DRAWN = "not_drawn.txt"
+"""Why pictures are missing, in one line; only where some are."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A run that is to be made; it needs no file but those that the graph and the plugins name."""
+
+    folder: str
+    """Where its files will be, below the study's folder."""
+    graph_yaml: str
+    """The resolved graph, its paths absolute."""
+    graph_path: str
+    """Its file, which names the run; it is not read."""
+    notices: tuple[str, ...]
+    seed: int
+    plugins: tuple[str, ...]
+    versions: Mapping[str, str]
+    """What the study is made with: a machine that has anything else must not take part."""
+    record: Literal["small", "all"] = "small"
+    draws: bool = False
+    """Whether its pictures are drawn."""
+    keeps_log: bool = True
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of a task: its files, or why there are none."""
+
+    task: Task
+    files: Mapping[str, bytes]
+    """The content of the run folder, by path in it."""
+    outcome: str = ""
+    trouble: str = ""
+    """What has nothing to do with the stages and ends the study: a full disk, another version."""
+    died: bool = False
+    """Whether the process that made it died."""
+
+
+def perform(task: Task, scratch: Path) -> Result:
+    """Make a run in the empty folder ``scratch`` and return its files; a failing stage is a result like any other."""
+    try:
+        return _perform(task, scratch)
+    except LogError as error:
+        cause = error.__cause__
+        said = f"cannot write into {scratch.parent}: {cause.strerror}" if isinstance(cause, OSError) else str(error)
+        return Result(task, {}, trouble=said)
+    except (GraphnavError, OSError) as error:
+        return Result(task, {}, trouble=str(error))
+
+
+def _perform(task: Task, scratch: Path) -> Result:
+    catalog = _catalog(task.plugins, tuple(task.versions.items()))
+    errors: list[GraphnavError] = []
+    graph = _graph(task, catalog)
+    summary = run_recorded(graph, graph.make_stages(), scratch, on_failure=errors.append)
+    for error in errors:
+        if not isinstance(error, StageError):
+            raise error
+    if summary.outcome == Outcome.STOPPED:
+        return Result(task, {}, trouble=f"a process on {platform.node()} was told to stop")
+    if task.draws and summary.frames:
+        _draw(catalog, scratch)
+    if not task.keeps_log:
+        (scratch / LOG).unlink()
+    made = [path for path in sorted(scratch.rglob("*")) if path.is_file()]
+    files = {path.relative_to(scratch).as_posix(): path.read_bytes() for path in made}
+    return Result(task, files, outcome=summary.outcome)
+
+
+def _draw(catalog: Catalog, scratch: Path) -> None:
+    """Draw a run and its end; a picture that a plugin cannot draw costs no other."""
+    errors = []
+    try:
+        draw_pictures(catalog, scratch / LOG, scratch, video=False)
+    except DrawingError as error:
+        errors.append(str(error))
+    try:
+        with Recording(scratch / LOG) as recording, drawing():
+            catalog.hook.graphnav_draw_end(recording=recording, file=scratch / ENDING)
+    except DrawingError as error:
+        errors.append(str(error))
+    if errors:
+        (scratch / NOT_DRAWN).write_text("; ".join(dict.fromkeys(errors)), encoding="utf-8")
+
+
+def _graph(task: Task, catalog: Catalog) -> Graph:
+    graph = graph_of(task.graph_yaml.encode(), Path(task.graph_path), catalog)
+    return replace(graph, notices=task.notices, run=replace(graph.run, seed=task.seed, record=task.record))
+
+
+@lru_cache(maxsize=1)
+def _catalog(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> Catalog:
+    """Return the catalog of a study; raises UserError where this process is not what the study is made with."""
+    if other := difference_here(wanted, plugins):
+        raise UserError.of(
+            f"{platform.node()} does not have what the study began with, but {other}",
+            "the runs would not compare: let all machines, from beginning to end, have the same",
+        )
+    catalog = Catalog()
+    for plugin in plugins:
+        catalog.add_file(Path(plugin))
+    return catalog
