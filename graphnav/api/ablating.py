@@ -8,14 +8,20 @@ from pathlib import Path
 
 import joblib
 
-from graphnav.ablation.study.command_line import study_of_command
-from graphnav.ablation.execution.execute_jobs import execute, missing
-from graphnav.ablation.execution.study_folder import StudyFolder
-from graphnav.ablation.execution.failure_pictures import draw_failures, undrawn, worst_failures
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import read_records
-from graphnav.ablation.execution.task_factory import Tasks
-from graphnav.ablation.execution.workers import Workers, cluster_workers, local_workers
+from graphnav.ablation.execution import (
+    StudyFolder,
+    TaskFactory,
+    Workers,
+    cluster_workers,
+    draw_failures,
+    execute,
+    local_workers,
+    pending_drawings,
+    pending_jobs,
+)
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.results import read_records, worst_failures
+from graphnav.ablation.study import study_of_command
 from graphnav.api.arguments import PathLike, path_of, paths_of, set_texts, texts_of, wrong_type
 from graphnav.api.finished_study import Study
 from graphnav.api.kept_folder import KeptFolder, temporary_folder
@@ -151,11 +157,11 @@ def _make(
     """Make the pending runs of a study and draw its failures."""
     with StudyFolder(path) as folder:
         folder.begin(plan)
-        tasks = Tasks(plan, catalog)
+        tasks = TaskFactory(plan, catalog)
         with study_workers(cluster, jobs, folder.scratch) as workers:
-            execute(missing(plan, folder), tasks, folder, workers)
+            execute(pending_jobs(plan, folder), tasks, folder, workers)
             chosen = worst_failures(plan, read_records(plan, folder.path), gallery)
-            pending = undrawn(chosen, folder, keep_logs=keep_logs)
+            pending = pending_drawings(chosen, folder, keep_logs=keep_logs)
             for line in draw_failures(pending, tasks, folder, workers, keep_logs=keep_logs):
                 tell(line)
 

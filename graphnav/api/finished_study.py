@@ -9,11 +9,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.ablation.results.compare_variants import Comparison, Row
-from graphnav.ablation.report.csv_files import figure_columns
-from graphnav.ablation.report.legend import shown_figures
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.results import Comparison, Record, Row, in_plan_order, metric_columns, shown_metrics
 from graphnav.api.extras import import_pandas
 from graphnav.api.kept_folder import KeptFolder
 from graphnav.api.study_files import StudyFiles
@@ -52,7 +49,7 @@ class Study:
         What ``results.csv`` holds; a metric that a run does not have is NaN. Raises UserError without pandas.
         """
         pandas = import_pandas("Study.runs")
-        metrics = figure_columns(self.plan, self.records)
+        metrics = metric_columns(self.plan, self.records)
         columns = ["graph", "variant", *self.plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *metrics]
         rows = [self._run(record) for record in in_plan_order(self.plan, self.records)]
         return pandas.DataFrame(rows, columns=columns)
@@ -80,7 +77,7 @@ class Study:
 
     def _comparisons(self) -> Iterator[tuple[tuple[str, str, str], dict[str, Any]]]:
         for graph in self.plan.graphs:
-            for metric in shown_figures(self.plan, self.comparison):
+            for metric in shown_metrics(self.plan, self.comparison):
                 for row in self.comparison.of_graph(graph):
                     if metric in row.estimates:
                         yield (graph, metric, row.case.variant), _cells(row, metric)
@@ -92,7 +89,7 @@ class Study:
     def __str__(self) -> str:
         from rich.console import Console  # noqa: PLC0415 - only where it is printed
 
-        from graphnav.ablation.report.terminal import print_comparison  # noqa: PLC0415
+        from graphnav.ablation.report import print_comparison  # noqa: PLC0415
 
         text = io.StringIO()
         console = Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False)

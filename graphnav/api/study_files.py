@@ -5,13 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.ablation.results.compare_variants import Comparison, compare
-from graphnav.ablation.report.csv_files import RESULTS, TIMING, write_results, write_timing
-from graphnav.ablation.report.markdown import TABLE, table_markdown
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import Record, read_records
-from graphnav.ablation.report import write_report
-from graphnav.ablation.report.atomic_write import write_whole
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.report import (
+    RESULTS,
+    TABLE,
+    TIMING,
+    table_markdown,
+    write_atomically,
+    write_report,
+    write_results,
+    write_timing,
+)
+from graphnav.ablation.results import Comparison, Record, compare, read_records
 from graphnav.catalog import Catalog
 
 
@@ -38,5 +43,5 @@ def write_study_files(plan: Plan, folder: Path, catalog: Catalog) -> StudyFiles:
     comparison = compare(plan, records)
     write_results(plan, records, folder / RESULTS)
     write_timing(plan, records, folder / TIMING)
-    write_whole(folder / TABLE, table_markdown(plan, comparison))
+    write_atomically(folder / TABLE, table_markdown(plan, comparison))
     return StudyFiles(records, comparison, write_report(plan, comparison, records, folder, catalog))

@@ -7,10 +7,8 @@ import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from graphnav.ablation.execution.execute_jobs import with_versions
-from graphnav.ablation.plan.build_plan import make_plan
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.study.study import Study
+from graphnav.ablation.plan import Plan, make_plan, with_versions
+from graphnav.ablation.study import Study
 from graphnav.api.arguments import path_of, value_text, wrong_type
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError

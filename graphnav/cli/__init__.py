@@ -10,9 +10,9 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from graphnav.single_thread import ONE_THREAD
 from graphnav.cli.lasting_output import lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
+from graphnav.single_thread import ONE_THREAD
 
 COMMANDS = {
     "run": "run a graph and leave a run folder: log, summary, pictures",

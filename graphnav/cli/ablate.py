@@ -16,7 +16,7 @@ from graphnav.errors import CatalogError, GraphnavError, UserError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from graphnav.ablation.plan.plan import Plan
+    from graphnav.ablation.plan import Plan
     from graphnav.catalog import Catalog
 
 _ABOUT = """\
@@ -105,7 +105,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console  # noqa: PLC0415
 
-    from graphnav.ablation.execution.study_folder import read_plan  # noqa: PLC0415
+    from graphnav.ablation.execution import read_plan  # noqa: PLC0415
     from graphnav.cli.study_output import write_outputs, write_pairing  # noqa: PLC0415
 
     _refuse_mixtures(args)
@@ -139,7 +139,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
 
 def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
     """Return the checked plan of the study that the command line says."""
-    from graphnav.ablation.study.command_line import study_of_command  # noqa: PLC0415
+    from graphnav.ablation.study import study_of_command  # noqa: PLC0415
     from graphnav.api.study_plan import checked_plan  # noqa: PLC0415
 
     study = study_of_command(
@@ -155,29 +155,29 @@ def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
 
 
 def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
-    """Make what is missing of a study, draw its failures, write its report."""
-    from graphnav.ablation.execution.execute_jobs import missing  # noqa: PLC0415
-    from graphnav.ablation.execution.study_folder import StudyFolder  # noqa: PLC0415
-    from graphnav.ablation.execution.task_factory import Tasks  # noqa: PLC0415
+    """Make the pending runs of a study, draw its failures, write its report."""
+    from graphnav.ablation.execution import StudyFolder, TaskFactory, pending_jobs  # noqa: PLC0415
     from graphnav.cli.study_output import write_outputs  # noqa: PLC0415
     from graphnav.cli.study_run import draw_worst, make_missing, workers_of  # noqa: PLC0415
 
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
             folder.begin(plan)
-            tasks = Tasks(plan, catalog)
+            tasks = TaskFactory(plan, catalog)
             with workers_of(args.cluster, args.jobs, folder) as workers:
                 if not make_missing(plan, tasks, folder, workers, console, is_sure=args.yes):
                     return OK
                 draw_worst(plan, tasks, folder, workers, console, each=args.gallery, keep_logs=args.keep_logs)
             write_outputs(plan, folder.path, catalog, console)
         except KeyboardInterrupt:
-            print(f"stopped: {_state(plan, len(missing(plan, folder)))}; the same command goes on", file=sys.stderr)
+            print(
+                f"stopped: {_state(plan, len(pending_jobs(plan, folder)))}; the same command goes on", file=sys.stderr
+            )
             return INTERRUPTED
         except UserError:
             raise
         except GraphnavError as error:
-            state = _state(plan, len(missing(plan, folder)))
+            state = _state(plan, len(pending_jobs(plan, folder)))
             raise GraphnavError(f"{error}\n  {state}; mend this, and the same command goes on") from error
     return OK
 

@@ -6,14 +6,17 @@ from pathlib import Path
 
 from rich.console import Console
 
-from graphnav.ablation.report.csv_files import RESULTS, TIMING, figure_columns
-from graphnav.ablation.execution.study_folder import read_plan
-from graphnav.ablation.report.markdown import TABLE
-from graphnav.ablation.results.compare_studies import pair_studies
-from graphnav.ablation.report.paired_markdown import pairing_markdown
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import read_records
-from graphnav.ablation.report.terminal import print_comparison, print_pairing
+from graphnav.ablation.execution import read_plan
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.report import (
+    RESULTS,
+    TABLE,
+    TIMING,
+    paired_studies_markdown,
+    print_comparison,
+    print_paired_studies,
+)
+from graphnav.ablation.results import metric_columns, pair_studies, read_records
 from graphnav.api.study_files import write_study_files
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError, did_you_mean
@@ -33,8 +36,8 @@ def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) 
     comparison = files.comparison
     print_comparison(console, comparison, plan)
     for figure in plan.figures if files.records else ():
-        if not comparison.says(figure):
-            hint = did_you_mean(figure, figure_columns(plan, files.records)) or f"{RESULTS} has them all"
+        if not comparison.has_metric(figure):
+            hint = did_you_mean(figure, metric_columns(plan, files.records)) or f"{RESULTS} has them all"
             console.print(f"no run says the figure '{figure}'\n  {hint}", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
@@ -51,10 +54,10 @@ def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Co
     """
     plan_a, plan_b = map(read_plan, (folder_a, folder_b))
     pairing = pair_studies(plan_a, read_records(plan_a, folder_a), plan_b, read_records(plan_b, folder_b))
-    print_pairing(console, pairing)
+    print_paired_studies(console, pairing)
     if file is not None:
         try:
-            file.write_text(pairing_markdown(pairing), encoding="utf-8")
+            file.write_text(paired_studies_markdown(pairing), encoding="utf-8")
         except OSError as error:
             raise UserError.of(f"cannot write {file}: {error.strerror}", "choose another file with -o") from error
         console.print(str(file), markup=False)

@@ -9,13 +9,17 @@ from contextlib import contextmanager
 
 from rich.console import Console
 
-from graphnav.ablation.execution.execute_jobs import execute, missing
-from graphnav.ablation.execution.study_folder import StudyFolder
-from graphnav.ablation.execution.failure_pictures import draw_failures, undrawn, worst_failures
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import read_records
-from graphnav.ablation.execution.task_factory import Tasks
-from graphnav.ablation.execution.workers import Workers
+from graphnav.ablation.execution import (
+    StudyFolder,
+    TaskFactory,
+    Workers,
+    draw_failures,
+    execute,
+    pending_drawings,
+    pending_jobs,
+)
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.results import read_records, worst_failures
 from graphnav.api.ablating import study_workers
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
@@ -36,7 +40,7 @@ def workers_of(cluster: str | None, jobs: int | None, folder: StudyFolder) -> It
 
 
 def make_missing(
-    plan: Plan, tasks: Tasks, folder: StudyFolder, workers: Workers, console: Console, *, is_sure: bool
+    plan: Plan, tasks: TaskFactory, folder: StudyFolder, workers: Workers, console: Console, *, is_sure: bool
 ) -> bool:
     """Make the runs that are not there; return whether all are there then, False where the user does not want them.
 
@@ -45,7 +49,7 @@ def make_missing(
     UserError
         They are many, and there is nobody to ask.
     """
-    jobs = missing(plan, folder)
+    jobs = pending_jobs(plan, folder)
     if len(jobs) < plan.n_jobs:
         console.print(f"{plan.n_jobs - len(jobs)} of {plan.n_jobs} runs are there already", markup=False)
     if len(jobs) > MANY_RUNS and not is_sure:
@@ -65,11 +69,18 @@ def make_missing(
 
 
 def draw_worst(
-    plan: Plan, tasks: Tasks, folder: StudyFolder, workers: Workers, console: Console, *, each: int, keep_logs: bool
+    plan: Plan,
+    tasks: TaskFactory,
+    folder: StudyFolder,
+    workers: Workers,
+    console: Console,
+    *,
+    each: int,
+    keep_logs: bool,
 ) -> None:
     """Draw the worst failures that are not drawn, and say so where one does not happen again or cannot be drawn."""
     chosen = worst_failures(plan, read_records(plan, folder.path), each)
-    jobs = undrawn(chosen, folder, keep_logs=keep_logs)
+    jobs = pending_drawings(chosen, folder, keep_logs=keep_logs)
     with study_bar(Console(stderr=True), "failures", len(chosen) - len(jobs), len(chosen)) as on_made:
         for line in draw_failures(jobs, tasks, folder, workers, on_made, keep_logs=keep_logs):
             console.print(line, markup=False)

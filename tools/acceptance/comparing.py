@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from acceptance.drives import GRAPHNAV, say
-from graphnav.ablation.results.intervals import bootstrap, wilson
+from graphnav.ablation.results import bootstrap, wilson
 
 Run = dict[str, str]
 

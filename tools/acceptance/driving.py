@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from acceptance.drives import Drives, drive_all, say
-from graphnav.ablation.results.intervals import wilson
+from graphnav.ablation.results import wilson
 
 DRAWS = 10_000
 LEAST_SHARE = 0.95

@@ -1,1 +1,20 @@
 """Make the runs of a plan in parallel and keep them in the folder of the study."""
+
+from graphnav.ablation.execution.execute_jobs import execute, pending_jobs
+from graphnav.ablation.execution.failure_pictures import draw_failures, pending_drawings
+from graphnav.ablation.execution.study_folder import StudyFolder, read_plan
+from graphnav.ablation.execution.task_factory import TaskFactory
+from graphnav.ablation.execution.workers import Workers, cluster_workers, local_workers
+
+__all__ = [
+    "StudyFolder",
+    "TaskFactory",
+    "Workers",
+    "cluster_workers",
+    "draw_failures",
+    "execute",
+    "local_workers",
+    "pending_drawings",
+    "pending_jobs",
+    "read_plan",
+]

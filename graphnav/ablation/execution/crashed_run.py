@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from graphnav.ablation.worker.perform_task import Task
+from graphnav.ablation.worker import Task
 from graphnav.runner import Outcome
 from graphnav.runner.recorded import SUMMARY
 from graphnav.runner.saved_graph import GRAPH
@@ -15,7 +15,7 @@ from graphnav.runner.summary import Summary, versions
 DIED = "its process died, twice: it takes more memory than there is, or a stage crashes it"
 
 
-def files_of_the_dead(task: Task) -> Mapping[str, bytes]:
+def crashed_run_files(task: Task) -> Mapping[str, bytes]:
     """Return the run folder of a task that killed its process: the graph, and a summary that says so."""
     summary = Summary(
         outcome=Outcome.FAILED,

@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 
-from graphnav.ablation.execution.crashed_run import files_of_the_dead
+from graphnav.ablation.execution.crashed_run import crashed_run_files
 from graphnav.ablation.execution.study_folder import StudyFolder
-from graphnav.ablation.plan.plan import Job, Plan
-from graphnav.ablation.plan.code_versions import provenance
-from graphnav.ablation.execution.task_factory import Tasks
-from graphnav.ablation.worker.perform_task import Result, Task
+from graphnav.ablation.execution.task_factory import TaskFactory
 from graphnav.ablation.execution.workers import Workers
+from graphnav.ablation.plan import Job, Plan
+from graphnav.ablation.worker import Result, Task
 from graphnav.errors import GraphnavError
 from graphnav.runner import Outcome
 
 
-def with_versions(plan: Plan) -> Plan:
-    """Return the plan with all that its runs depend on: versions, and the code of its stages."""
-    families = {use.partition(".")[0] for case in plan.cases for use in case.uses.values()}
-    return replace(plan, versions=provenance(families, plan.plugins))
-
-
-def missing(plan: Plan, folder: StudyFolder) -> list[Job]:
+def pending_jobs(plan: Plan, folder: StudyFolder) -> list[Job]:
     """Return the runs of a plan that are still to be made."""
     return [job for job in plan.jobs if not folder.holds(job.folder)]
 
 
 def execute(
     jobs: Iterable[Job],
-    tasks: Tasks,
+    tasks: TaskFactory,
     folder: StudyFolder,
     workers: Workers,
     on_made: Callable[[str], None] = lambda _: None,
@@ -46,7 +38,7 @@ def execute(
     """
     for result in perform_all(map(tasks.task, jobs), workers):
         if result.died:
-            folder.keep(result.task.folder, files_of_the_dead(result.task))
+            folder.keep(result.task.folder, crashed_run_files(result.task))
         else:
             folder.keep(result.task.folder, result.files)
         on_made(Outcome.FAILED if result.died else result.outcome)
@@ -59,11 +51,11 @@ def perform_all(tasks: Iterable[Task], workers: Workers) -> Iterator[Result]:
         if result.died:
             died.append(result.task)
         else:
-            yield _untroubled(result)
-    yield from map(_untroubled, workers.perform_all(died, one_at_a_time=True))
+            yield _without_error(result)
+    yield from map(_without_error, workers.perform_all(died, one_at_a_time=True))
 
 
-def _untroubled(result: Result) -> Result:
-    if result.trouble:
-        raise GraphnavError(result.trouble)
+def _without_error(result: Result) -> Result:
+    if result.error:
+        raise GraphnavError(result.error)
     return result

@@ -6,18 +6,18 @@ import tempfile
 import threading
 from pathlib import Path
 
-from graphnav.ablation.execution.worker_process import Child
-from graphnav.ablation.worker.perform_task import Result, Task
+from graphnav.ablation.execution.worker_process import WorkerProcess
+from graphnav.ablation.worker import Result, Task
 
 
-class Crew:
+class ProcessPool:
     """Makes runs, as many at once as threads ask for one; each is made in a folder of its own below ``scratch``."""
 
     def __init__(self, scratch: Path | None = None) -> None:
         self._scratch = scratch
         self._lock = threading.Lock()
-        self._idle: list[Child] = []
-        self._busy: set[Child] = set()
+        self._idle: list[WorkerProcess] = []
+        self._busy: set[WorkerProcess] = set()
         self._is_closed = False
 
     def perform(self, task: Task) -> Result:
@@ -26,7 +26,7 @@ class Crew:
             with tempfile.TemporaryDirectory(dir=self._scratch, ignore_cleanup_errors=True) as scratch:
                 return self._perform(task, scratch)
         except OSError as error:
-            return Result(task, {}, trouble=f"cannot work in {self._scratch or tempfile.gettempdir()}: {error}")
+            return Result(task, {}, error=f"cannot work in {self._scratch or tempfile.gettempdir()}: {error}")
 
     def close(self) -> None:
         """End all processes at once; what they were doing has died."""
@@ -50,10 +50,10 @@ class Crew:
                 self._idle.append(child)
         return result
 
-    def _take(self) -> Child:
+    def _take(self) -> WorkerProcess:
         while self._idle:
             child = self._idle.pop()
             if child.is_fresh:
                 return child
             child.kill()
-        return Child()
+        return WorkerProcess()

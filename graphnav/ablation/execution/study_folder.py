@@ -11,8 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from graphnav.ablation.plan.plan import RUNS, Plan
-from graphnav.ablation.plan.compatibility import check_same
+from graphnav.ablation.plan import RUNS, Plan, check_compatible
 from graphnav.errors import GraphnavError, UserError
 from graphnav.runner.recorded import SUMMARY
 
@@ -72,7 +71,7 @@ class StudyFolder:
         if written.exists():
             old = read_plan(self.path)
             if (self.path / RUNS).exists():
-                check_same(old, plan, self.path)
+                check_compatible(old, plan, self.path)
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir()
         unfinished = self.scratch / PLAN

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from graphnav.ablation.plan.plan import Case, Job, Plan
-from graphnav.ablation.worker.perform_task import Task
+from graphnav.ablation.plan import Case, Job, Plan
+from graphnav.ablation.worker import Task
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph, load_graph, resolved_yaml
 
 
-class Tasks:
+class TaskFactory:
     """Turns the jobs of a plan into tasks."""
 
     def __init__(self, plan: Plan, catalog: Catalog) -> None:

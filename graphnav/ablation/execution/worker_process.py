@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import select
 import signal
 import subprocess
 import sys
-import threading
 import time
-import traceback
-from multiprocessing.connection import Connection, Pipe
-from pathlib import Path
+from multiprocessing.connection import Pipe
 
+from graphnav.ablation import worker
+from graphnav.ablation.worker import IDLE_S, Result, Task
 from graphnav.single_thread import ONE_THREAD
-from graphnav.ablation.worker.perform_task import Result, Task, perform
-
-IDLE_S = 60.0
-"""After so long without work a process ends itself: on a cluster nobody else tells it that the study is over."""
 
 
-class Child:
+class WorkerProcess:
     """The process as its parent sees it. It ends when told, when idle, and with its parent, however that ends."""
 
     def __init__(self) -> None:
         self._connection, theirs = Pipe()
-        command = [sys.executable, "-P", "-m", __name__, str(theirs.fileno())]
+        command = [sys.executable, "-P", "-m", worker.__name__, str(theirs.fileno())]
         old = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is the parent's to answer
         try:
             self._process = subprocess.Popen(  # noqa: S603 - it is this program
@@ -56,32 +49,3 @@ class Child:
         """End it at once."""
         self._process.kill()
         self._process.wait()
-
-
-def main() -> None:
-    """Make the runs that the parent asks for."""
-    connection = Connection(int(sys.argv[1]))
-    threading.Thread(target=_end_with_parent, args=(connection.fileno(),), daemon=True).start()
-    with contextlib.suppress(EOFError, OSError):
-        while connection.poll(IDLE_S):
-            task, scratch = connection.recv()
-            connection.send(_perform(task, Path(scratch)))
-
-
-def _perform(task: Task, scratch: Path) -> Result:
-    try:
-        return perform(task, scratch)
-    except Exception as error:  # noqa: BLE001 - the parent must hear of it, and its user see where
-        traceback.print_exc()
-        return Result(task, {}, trouble=f"{type(error).__name__}: {error}")
-
-
-def _end_with_parent(fd: int) -> None:
-    poll = select.poll()
-    poll.register(fd, 0)  # no event but that the other end is closed
-    poll.poll()
-    os._exit(1)
-
-
-if __name__ == "__main__":
-    main()

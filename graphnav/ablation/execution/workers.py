@@ -15,8 +15,8 @@ from urllib.parse import urlsplit
 
 from joblib import Parallel, delayed, parallel_config
 
-from graphnav.ablation.execution.process_pool import Crew
-from graphnav.ablation.worker.perform_task import Result, Task
+from graphnav.ablation.execution.process_pool import ProcessPool
+from graphnav.ablation.worker import Result, Task
 from graphnav.errors import GraphnavError, UserError
 
 _PATIENCE_S = 5
@@ -37,15 +37,15 @@ class Workers(Protocol):
 class LocalWorkers:
     """Processes of this machine, each in the hands of one of joblib's threads."""
 
-    def __init__(self, crew: Crew, jobs: int) -> None:
-        self._crew = crew
+    def __init__(self, pool: ProcessPool, jobs: int) -> None:
+        self._pool = pool
         self.at_once = jobs
 
     def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
         """Yield what comes of the tasks, in the order in which they are finished."""
         jobs = 1 if one_at_a_time else self.at_once
         parallel = Parallel(jobs, "threading", return_as="generator_unordered", batch_size=1, pre_dispatch=jobs)
-        yield from parallel(delayed(self._crew.perform)(task) for task in tasks)
+        yield from parallel(delayed(self._pool.perform)(task) for task in tasks)
 
 
 class ClusterWorkers:
@@ -78,13 +78,13 @@ class ClusterWorkers:
 @contextmanager
 def local_workers(jobs: int, scratch: Path) -> Iterator[Workers]:
     """Make up to ``jobs`` runs at once here; on leaving all processes are ended."""
-    crew = Crew(scratch)
+    pool = ProcessPool(scratch)
     try:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "[0-9]+ tasks ", UserWarning)  # joblib on being left early, as by Ctrl-C
-            yield LocalWorkers(crew, jobs)
+            yield LocalWorkers(pool, jobs)
     finally:
-        crew.close()
+        pool.close()
 
 
 @contextmanager
@@ -122,10 +122,10 @@ def _knock(address: str) -> None:
 
 
 def _perform_here(task: Task) -> Result:
-    return _crew().perform(task)
+    return _pool().perform(task)
 
 
 @lru_cache(maxsize=1)
-def _crew() -> Crew:
+def _pool() -> ProcessPool:
     """Return the processes that belong to this worker of a cluster; they end with it, or when idle."""
-    return Crew()
+    return ProcessPool()

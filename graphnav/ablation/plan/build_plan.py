@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from graphnav.ablation.plan.case_problems import CaseProblems
 from graphnav.ablation.plan.checked_cases import Checked, check_cases, stage_classes
-from graphnav.ablation.plan.study_problems import conflicts
-from graphnav.ablation.plan.variants import Variant, expand
-from graphnav.ablation.plan.case_problems import Findings
 from graphnav.ablation.plan.folder_names import folder_names
+from graphnav.ablation.plan.metric_checks import checked_metrics, less_is_better
 from graphnav.ablation.plan.plan import RUNS, Case, Plan
-from graphnav.ablation.plan.metric_checks import less_is_better, plan_figures
-from graphnav.ablation.study.study import Study
+from graphnav.ablation.plan.study_problems import study_problems
+from graphnav.ablation.plan.variants import Variant, expand
+from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import resolved_yaml
@@ -31,14 +31,14 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
         Everything that is wrong with the study and its graphs, each said once.
     """
     variants = expand(study)
-    if problems := list(conflicts(study, variants)):
+    if problems := list(study_problems(study, variants)):
         raise UserError(problems)
-    findings = Findings(study.axes)
-    checked = check_cases(study, variants, catalog, findings)
-    if problems := findings.problems():
+    found = CaseProblems(study.axes)
+    checked = check_cases(study, variants, catalog, found)
+    if problems := found.problems():
         raise UserError(dict.fromkeys(problems))
     classes = stage_classes(checked)
-    figures = plan_figures(study, classes, problems)
+    figures = checked_metrics(study, classes, problems)
     if problems:
         raise UserError(dict.fromkeys(problems))
     cases = tuple(_cases(study, variants, checked))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from graphnav.ablation.plan.variants import Variant
-from graphnav.ablation.study.study import Axis
+from graphnav.ablation.study import Axis
 from graphnav.errors import Place, Problem, UserError
 from graphnav.graph.settings import SET
 
@@ -21,20 +21,20 @@ class Origin:
     choice: str = ""
 
 
-_Finding = tuple[Origin | None, Problem]
+_CaseProblem = tuple[Origin | None, Problem]
 """What is wrong; without an origin, the graph itself says it."""
 
 
-class Findings:
+class CaseProblems:
     """Collects the errors of cases."""
 
     def __init__(self, axes: Iterable[Axis]) -> None:
         self._axes = {axis.name: axis for axis in axes}
-        self._found: dict[_Finding, dict[str, list[Variant]]] = {}
+        self._found: dict[_CaseProblem, dict[str, list[Variant]]] = {}
         self._seen: Counter[str] = Counter()
 
-    def saw(self, graph: str) -> None:
-        """Note that a case of a graph was looked at."""
+    def count_case(self, graph: str) -> None:
+        """Count a case of a graph as checked."""
         self._seen[graph] += 1
 
     def add(self, graph: str, variant: Variant, error: UserError, origins: Mapping[str, Origin]) -> None:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from graphnav.ablation.plan.resolve_paths import found_beside
+from graphnav.ablation.plan.case_problems import CaseProblems, Origin
+from graphnav.ablation.plan.resolve_paths import resolve_paths
 from graphnav.ablation.plan.variants import Variant
-from graphnav.ablation.plan.case_problems import Findings, Origin
-from graphnav.ablation.study.study import Study
-from graphnav.ablation.study.override_targets import swaps_of
+from graphnav.ablation.study import Study, swaps_of
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import Graph, Node, load_graph
@@ -55,14 +54,14 @@ class Checked:
         return tuple(notice for notice in self.graph.notices if notice not in idle)
 
 
-def check_cases(study: Study, variants: tuple[Variant, ...], catalog: Catalog, findings: Findings) -> list[Checked]:
-    """Return every graph with every variant, in this order; what is wrong with some is added to ``findings``."""
+def check_cases(study: Study, variants: tuple[Variant, ...], catalog: Catalog, problems: CaseProblems) -> list[Checked]:
+    """Return every graph with every variant, in this order; what is wrong with some is added to ``problems``."""
     fine: set[object] = set()
     checked = []
     for name in study.graphs:
         for variant in variants:
             origins = _origins(study, variant)
-            findings.saw(name)
+            problems.count_case(name)
             try:
                 case = _load(study, name, variant, origins, catalog)
                 new = {part: node for node in case.graph.nodes if (part := _made_of(node.use, node.params)) not in fine}
@@ -70,7 +69,7 @@ def check_cases(study: Study, variants: tuple[Variant, ...], catalog: Catalog, f
                 fine |= new.keys()
                 checked.append(case)
             except UserError as error:
-                findings.add(name, variant, error, origins)
+                problems.add(name, variant, error, origins)
     return checked
 
 
@@ -79,7 +78,7 @@ def _load(study: Study, name: str, variant: Variant, origins: dict[str, Origin],
     graph = load_graph(name, catalog, sets)
     if study.folder is not None:
         moved = {
-            text: found_beside(graph, text, study.folder)
+            text: resolve_paths(graph, text, study.folder)
             for text, origin in origins.items()
             if origin.place is not None and not origin.place.file.startswith(_FROM_COMMAND)
         }

@@ -6,11 +6,11 @@ import difflib
 from pathlib import Path
 
 from graphnav.ablation.plan.plan import Case, Plan
-from graphnav.ablation.plan.code_versions import difference
+from graphnav.ablation.plan.provenance import difference
 from graphnav.errors import UserError
 
 
-def check_same(old: Plan, new: Plan, folder: Path) -> None:
+def check_compatible(old: Plan, new: Plan, folder: Path) -> None:
     """Let seeds and figures grow and shrink, and variants be added; refuse everything that changes what a run is.
 
     Raises

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from graphnav.ablation.study.metric_expression import FigureText
 from graphnav.ablation.plan.plan import Better
-from graphnav.ablation.study.study import Study
+from graphnav.ablation.study import MetricExpression, Study
 from graphnav.errors import Place, Problem, UserError, did_you_mean
 from graphnav.stage import Stage
 
@@ -14,7 +13,7 @@ Classes = Mapping[str, Sequence[type[Stage]]]
 """What the stages of all cases are, by their names in the graphs."""
 
 
-def plan_figures(study: Study, classes: Classes, problems: list[Problem]) -> dict[str, Better]:
+def checked_metrics(study: Study, classes: Classes, problems: list[Problem]) -> dict[str, Better]:
     """Return the columns of a study's table and which values are better; what is wrong is added to ``problems``.
 
     Whether a stage says a figure of that name is known only after a run.
@@ -23,7 +22,7 @@ def plan_figures(study: Study, classes: Classes, problems: list[Problem]) -> dic
     for text in study.figures:
         place = study.places.get(text)
         try:
-            figure = FigureText.parse(text)
+            figure = MetricExpression.parse(text)
         except UserError as error:
             problems += [Problem(place, problem.what, problem.hint) for problem in error.problems]
             continue
@@ -40,7 +39,7 @@ def less_is_better(classes: Classes) -> tuple[str, ...]:
     return tuple(dict.fromkeys(f"{name}.{figure}" for name, figure in found))
 
 
-def _unknown(figure: FigureText, place: Place | None, classes: Classes) -> Iterator[Problem]:
+def _unknown(figure: MetricExpression, place: Place | None, classes: Classes) -> Iterator[Problem]:
     scored = [name for name, found in classes.items() if any(cls.summary is not Stage.summary for cls in found)]
     known = f"stages that say figures are {', '.join(scored)}" if scored else "no stage says any: add a score"
     for operand in figure.operands:

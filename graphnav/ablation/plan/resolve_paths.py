@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from graphnav.ablation.study.override_targets import targets_of
+from graphnav.ablation.study import targets_of
 from graphnav.errors import Place, UserError
 from graphnav.graph import Graph
 from graphnav.graph.assignment import Assignment
@@ -14,7 +14,7 @@ from graphnav.spec import write_value
 from graphnav.stage import params_of
 
 
-def found_beside(graph: Graph, text: str, folder: Path) -> str:
+def resolve_paths(graph: Graph, text: str, folder: Path) -> str:
     """Return a ``--set`` text whose paths are absolute where they are in ``folder``, the study's; else as it is."""
     nodes = {node.name: node for node in graph.nodes}
     may_be_path = any(

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from graphnav.ablation.plan.variants import Variant
-from graphnav.ablation.study.study import Study
-from graphnav.ablation.study.override_targets import Target, targets_of
+from graphnav.ablation.study import Study, Target, targets_of
 from graphnav.errors import Place, Problem, did_you_mean
 
 _OWN = {
@@ -16,16 +15,16 @@ _OWN = {
 """Options of ``run:`` that a study decides itself."""
 
 
-def conflicts(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+def study_problems(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
     """Yield what is wrong with a study and its variants, each thing once, where it is said first."""
     said = set()
-    for problem in _conflicts(study, variants):
+    for problem in _all_problems(study, variants):
         if problem.what not in said:
             said.add(problem.what)
             yield problem
 
 
-def _conflicts(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+def _all_problems(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
     if not study.graphs:
         yield Problem(None, f"the study '{study.name}' has no graphs", "name one: graphnav ablate corridor_ccw ...")
     if not study.seeds:

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from graphnav.ablation.study.study import Axis, Choice, Study
+from graphnav.ablation.study import Axis, Choice, Study
 from graphnav.errors import UserError
 
 MAX_CASES = 2000

@@ -8,7 +8,7 @@ from pathlib import Path
 from graphnav.errors import GraphnavError
 
 
-def write_whole(path: Path, text: str) -> None:
+def write_atomically(path: Path, text: str) -> None:
     """Write a file beside the one that may be there, then put it in its place.
 
     Raises

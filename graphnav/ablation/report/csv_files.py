@@ -7,10 +7,9 @@ import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from graphnav.ablation.study.metric_expression import FigureText
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import Record, in_plan_order
-from graphnav.ablation.report.atomic_write import write_whole
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.report.atomic_write import write_atomically
+from graphnav.ablation.results import Record, in_plan_order, metric_columns
 
 RESULTS = "results.csv"
 TIMING = "timing.csv"
@@ -23,7 +22,7 @@ def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
     figure that a run does not have is empty.
     """
     ordered = in_plan_order(plan, records)
-    figures = figure_columns(plan, ordered)
+    figures = metric_columns(plan, ordered)
     cases = {(case.graph, case.variant): case for case in plan.cases}
     header = ["graph", "variant", *plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *figures]
     rows = (
@@ -66,16 +65,9 @@ def write_timing(plan: Plan, records: Iterable[Record], path: Path) -> None:
     _write(path, header, rows)
 
 
-def figure_columns(plan: Plan, records: Iterable[Record]) -> tuple[str, ...]:
-    """Return every ``stage.figure`` that a record has: the plan's own first, then as they appear in the records."""
-    found = dict.fromkeys(name for record in records for name in record.figures)
-    wanted = (name for text in plan.figures for name in FigureText.parse(text).operands)
-    return tuple(dict.fromkeys([*(name for name in wanted if name in found), *found]))
-
-
 def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(rows)
-    write_whole(path, text.getvalue())
+    write_atomically(path, text.getvalue())

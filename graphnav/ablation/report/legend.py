@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from graphnav.ablation.results.compare_variants import LEAST_WORLDS, Comparison, Row
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.intervals import DRAWS, SEED
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.results import DRAWS, MIN_WORLDS, SEED, Comparison, Row
 
 INTERVALS = (
     f"Intervals are 95 %, over worlds: the percentile bootstrap ({DRAWS} resamples, seed {SEED}). For figures that are "
@@ -26,7 +25,7 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     reading = (
         "Each cell is the mean over worlds with its interval; ↑ more is better, ↓ less. Differences are from the base, "
         f"{plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was better–worse. "
-        f"Differences whose interval leaves out 0, over {LEAST_WORLDS} worlds or more, are bold."
+        f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
     )
     sentences = [reading, INTERVALS, COUNTING]
     roles = {row.case.role for row in comparison.rows}
@@ -86,8 +85,3 @@ def seeds_text(seeds: Sequence[int]) -> str:
         for first, last in runs
     )
     return f"{', '.join(texts)} ({len(seeds)})"
-
-
-def shown_figures(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
-    """Return the columns of a table: the plan's figures, else all that any case has."""
-    return tuple(dict.fromkeys(plan.figures or (figure for row in comparison.rows for figure in row.estimates)))

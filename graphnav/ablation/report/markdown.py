@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from graphnav.ablation.results.compare_variants import Comparison, Difference, Row
+from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.report.legend import legend, marks, origin, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.number_format import difference_text, estimate_text
-from graphnav.ablation.report.legend import legend, marks, origin, outcome_counts, same_graphs, shown_figures, worlds_text
-from graphnav.ablation.plan.plan import Better, Plan
+from graphnav.ablation.results import Comparison, Difference, Row, shown_metrics
 
 TABLE = "table.md"
 FIGURES_A_TABLE = 3
@@ -57,7 +57,7 @@ def difference_cell(found: Difference | None) -> str:
 
 
 def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[str]:
-    figures = shown_figures(plan, comparison)
+    figures = shown_metrics(plan, comparison)
     own = [row for row in rows if not row.case.same_as]
     for first in range(0, max(len(figures), 1), FIGURES_A_TABLE):
         some = figures[first : first + FIGURES_A_TABLE]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from graphnav.ablation.results.compare_variants import Difference, Estimate
+from graphnav.ablation.results import Difference, Estimate
 
-MOST_DECIMALS = 4
+MAX_DECIMALS = 4
 TINY = ".1e"
 """The format of numbers of which so many decimals show nothing."""
 
@@ -21,9 +21,9 @@ def format_of(mean: float, low: float, high: float) -> str:
     size, digits = (half, 2) if math.isfinite(half) and half > 0 else (abs(mean), 4)
     if size == 0:
         return ".2f"
-    fewest = min(max(digits - 1 - math.floor(math.log10(size)), 0), MOST_DECIMALS)
+    fewest = min(max(digits - 1 - math.floor(math.log10(size)), 0), MAX_DECIMALS)
     told = (mean, low, high) if low <= 0 <= high else (mean,)
-    for places in range(fewest, MOST_DECIMALS + 1):
+    for places in range(fewest, MAX_DECIMALS + 1):
         if any(abs(value) >= 10.0**-places for value in told):
             return f".{places}f"
     return TINY

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from graphnav.ablation.results.compare_variants import LEAST_WORLDS
-from graphnav.ablation.report.number_format import estimate_text
 from graphnav.ablation.report.legend import COUNTING, INTERVALS, origin, outcome_counts, seeds_text
 from graphnav.ablation.report.markdown import ARROWS, FIGURES_A_TABLE, bullets, code, difference_cell, escaped, table
-from graphnav.ablation.results.paired_studies import Pairing, PairRow
+from graphnav.ablation.report.number_format import estimate_text
+from graphnav.ablation.results import MIN_WORLDS, PairedRow, PairedStudies
 
 READING = (
     "A is the first study, B the second. Each cell is the mean over the worlds that both have, with its interval; ↑ "
     "more is better, ↓ less. B - A is the mean difference in the same worlds with its interval, then in how many of "
     "them B was better–worse. "
-    f"Differences whose interval leaves out 0, over {LEAST_WORLDS} worlds or more, are bold."
+    f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
 )
 
 
-def pairing_markdown(pairing: Pairing) -> str:
+def paired_studies_markdown(pairing: PairedStudies) -> str:
     """Return what two studies have in common as tables, graph by graph, and what only one of them has."""
     parts = [f"# {escaped(pairing.plan_a.name)} (A) and {escaped(pairing.plan_b.name)} (B)"]
     for graph in pairing.graphs:
@@ -32,7 +31,7 @@ def pairing_markdown(pairing: Pairing) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def only_in_one(pairing: Pairing) -> Iterator[str]:
+def only_in_one(pairing: PairedStudies) -> Iterator[str]:
     """Yield what has no partner, in plain text."""
     for side, cases in (("A", pairing.only_a), ("B", pairing.only_b)):
         for graph, variant in cases:
@@ -43,13 +42,13 @@ def only_in_one(pairing: Pairing) -> Iterator[str]:
                 yield f"{row.graph}, {row.variant}: only {side} has the seeds {seeds_text(seeds)}"
 
 
-def different_versions(pairing: Pairing) -> Iterator[str]:
+def different_versions(pairing: PairedStudies) -> Iterator[str]:
     """Yield which versions differ, in plain text."""
     for name, (a, b) in pairing.different_versions.items():
         yield f"{name}: {a or 'unknown'} in A, {b or 'unknown'} in B"
 
 
-def _graph(pairing: Pairing, rows: Sequence[PairRow]) -> Iterator[str]:
+def _graph(pairing: PairedStudies, rows: Sequence[PairedRow]) -> Iterator[str]:
     figures = tuple(pairing.figures)
     for first in range(0, max(len(figures), 1), FIGURES_A_TABLE):
         some = figures[first : first + FIGURES_A_TABLE]
@@ -59,7 +58,7 @@ def _graph(pairing: Pairing, rows: Sequence[PairRow]) -> Iterator[str]:
         yield table(header, (_cells(row, some, with_runs=first == 0) for row in rows))
 
 
-def _cells(row: PairRow, figures: Sequence[str], *, with_runs: bool) -> list[str]:
+def _cells(row: PairedRow, figures: Sequence[str], *, with_runs: bool) -> list[str]:
     cells = [escaped(row.variant)]
     if with_runs:
         cells += [str(len(row.seeds)), outcome_counts(row.outcomes_a), outcome_counts(row.outcomes_b)]

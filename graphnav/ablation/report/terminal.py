@@ -10,23 +10,22 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from graphnav.ablation.results.compare_variants import Comparison, Difference, Row
-from graphnav.ablation.report.number_format import difference_text, estimate_text
-from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, shown_figures, worlds_text
+from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.markdown import ARROWS
-from graphnav.ablation.results.paired_studies import Pairing, PairRow
+from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
-from graphnav.ablation.plan.plan import Better, Plan
+from graphnav.ablation.results import Comparison, Difference, PairedRow, PairedStudies, Row, shown_metrics
 
 DECIDING = 2
 """Figures that the terminal shows; `table.md` has them all."""
-_MOST_COLS = 1000
+_MAX_COLS = 1000
 """Tables are as wide as they need: a narrow terminal wraps them, for a figure that is cut would be a wrong one."""
 
 
 def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> None:
     """Print, graph by graph, how the runs of each variant ended and the figures that decide."""
-    figures = shown_figures(plan, comparison)[:DECIDING]
+    figures = shown_metrics(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
         rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
         table = new_table(graph, ["variant", "worlds", "outcomes"])
@@ -44,7 +43,7 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
                 console.print(Text(line, style="red"), soft_wrap=True)
 
 
-def print_pairing(console: Console, pairing: Pairing) -> None:
+def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
     """Print what became of each variant from the first study to the second, and what cannot be compared."""
     figures = tuple(pairing.figures)[:DECIDING]
     for graph in pairing.graphs:
@@ -70,7 +69,7 @@ def new_table(title: str, columns: Sequence[str]) -> Table:
 
 def print_wide(console: Console, table: Table) -> None:
     """Print a table as wide as it needs."""
-    table.width = Measurement.get(console, console.options.update(width=_MOST_COLS), table).maximum
+    table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
     console.print(table, soft_wrap=True)
 
 
@@ -94,7 +93,7 @@ def _cells(row: Row, figures: Sequence[str], plan: Plan) -> list[Text]:
     return cells
 
 
-def _pair_cells(row: PairRow, figures: Sequence[str], pairing: Pairing) -> list[Text]:
+def _pair_cells(row: PairedRow, figures: Sequence[str], pairing: PairedStudies) -> list[Text]:
     cells = [Text(row.variant), Text(str(len(row.seeds)))]
     for figure in figures:
         sides = (row.estimates_a, row.estimates_b)

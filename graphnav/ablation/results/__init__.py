@@ -1,1 +1,38 @@
 """The results of a study: records, intervals, comparisons."""
+
+from graphnav.ablation.results.compare_studies import pair_studies
+from graphnav.ablation.results.compare_variants import compare
+from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
+from graphnav.ablation.results.failures import failure_folder, is_failure, worst_failures
+from graphnav.ablation.results.intervals import DRAWS, SEED, bootstrap, wilson
+from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
+from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
+from graphnav.ablation.results.records import Record, in_plan_order, read_record, read_records
+
+__all__ = [
+    "DRAWS",
+    "MIN_WORLDS",
+    "SEED",
+    "Comparison",
+    "Difference",
+    "Estimate",
+    "PairedRow",
+    "PairedStudies",
+    "Record",
+    "Row",
+    "Values",
+    "bootstrap",
+    "compare",
+    "failure_folder",
+    "in_plan_order",
+    "is_failure",
+    "metric_columns",
+    "pair_studies",
+    "read_record",
+    "read_records",
+    "shown_metrics",
+    "table_metrics",
+    "values_of",
+    "wilson",
+    "worst_failures",
+]

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from graphnav.ablation.results.compare_variants import Values, difference, estimate, is_binary, table_figures, values_of
-from graphnav.ablation.study.metric_expression import FigureText
-from graphnav.ablation.results.paired_studies import Pairing, PairRow
-from graphnav.ablation.plan.plan import Better, Plan
+from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.results.compare_variants import difference, estimate
+from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
+from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
 from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.study import MetricExpression
 from graphnav.errors import UserError
 
 _Case = tuple[str, str]
@@ -18,7 +19,7 @@ _Cases = Mapping[_Case, Mapping[int, Record]]
 """The records of a study, by case and seed."""
 
 
-def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, records_b: Iterable[Record]) -> Pairing:
+def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, records_b: Iterable[Record]) -> PairedStudies:
     """Pair the runs of two studies by graph, variant and seed.
 
     Cases that are the same graph as another one in both studies are told once.
@@ -40,12 +41,12 @@ def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, record
             "the studies have no run in common: no graph, variant and seed is in both",
             "compare studies of the same graphs, variants and seeds",
         )
-    columns = dict.fromkeys([*table_figures(plan_a, all_a), *table_figures(plan_b, all_b)])
+    columns = dict.fromkeys([*table_metrics(plan_a, all_a), *table_metrics(plan_b, all_b)])
     figures = {
         figure.text: (plan_b if figure.text in plan_b.figures else plan_a).better(figure.text) for figure in columns
     }
     rows = tuple(_rows(matched, cases_a, cases_b, tuple(columns), figures))
-    return Pairing(
+    return PairedStudies(
         plan_a=plan_a,
         plan_b=plan_b,
         figures={name: better for name, better in figures.items() if any(name in row.differences for row in rows)},
@@ -59,9 +60,9 @@ def _rows(
     matched: Sequence[_Case],
     cases_a: _Cases,
     cases_b: _Cases,
-    columns: Sequence[FigureText],
+    columns: Sequence[MetricExpression],
     figures: Mapping[str, Better],
-) -> Iterator[PairRow]:
+) -> Iterator[PairedRow]:
     values_a, values_b = (
         {case: {c.text: values_of(c, runs.values()) for c in columns} for case, runs in cases.items()}
         for cases in (cases_a, cases_b)
@@ -77,7 +78,7 @@ def _rows(
         differences = {
             text: difference(b, a, figures[text], is_binary=text in binary) for text, (a, b) in known.items()
         }
-        yield PairRow(
+        yield PairedRow(
             graph=case[0],
             variant=case[1],
             seeds=seeds,

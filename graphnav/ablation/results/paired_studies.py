@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from graphnav.ablation.results.compare_variants import Difference, Estimate
-from graphnav.ablation.plan.plan import Better, Plan
+from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.results.comparison import Difference, Estimate
 
 
 @dataclass(frozen=True)
-class PairRow:
+class PairedRow:
     """One case in both studies; everything but the seeds is of the worlds that both have."""
 
     graph: str
@@ -29,13 +29,13 @@ class PairRow:
 
 
 @dataclass(frozen=True)
-class Pairing:
+class PairedStudies:
     """What two studies have in common, and what only one of them has."""
 
     plan_a: Plan
     plan_b: Plan
     figures: Mapping[str, Better]
-    rows: tuple[PairRow, ...]
+    rows: tuple[PairedRow, ...]
     only_a: tuple[tuple[str, str], ...]
     """Graph and variant of cases without a partner."""
     only_b: tuple[tuple[str, str], ...]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from graphnav.ablation.plan.plan import Case, Plan
+from graphnav.ablation.plan import Case, Plan
 from graphnav.errors import Problem, UserError, shown_path
 from graphnav.runner import Outcome
 from graphnav.runner.recorded import SUMMARY

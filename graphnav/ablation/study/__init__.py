@@ -1,1 +1,17 @@
 """What a study asks: its file or command line, axes, seeds, metrics."""
+
+from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.study.metric_expression import MetricExpression
+from graphnav.ablation.study.override_targets import Target, swaps_of, targets_of
+from graphnav.ablation.study.study import Axis, Choice, Study
+
+__all__ = [
+    "Axis",
+    "Choice",
+    "MetricExpression",
+    "Study",
+    "Target",
+    "study_of_command",
+    "swaps_of",
+    "targets_of",
+]

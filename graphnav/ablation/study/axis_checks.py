@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from graphnav.ablation.study.study import Axis, Choice
 from graphnav.ablation.study.override_targets import is_stage, meaning
+from graphnav.ablation.study.study import Axis, Choice
 from graphnav.errors import Place, Problem
 
 _COLUMNS = ("graph", "variant", "seed", "outcome", "failure", "frames", "sim_s")

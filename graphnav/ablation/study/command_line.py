@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from graphnav.ablation.study.find_study import classify
+from graphnav.ablation.study.override_targets import targets_of
 from graphnav.ablation.study.seeds import parse_seeds
 from graphnav.ablation.study.study import Study
 from graphnav.ablation.study.study_file import load_study
-from graphnav.ablation.study.override_targets import targets_of
 from graphnav.ablation.study.vary_option import varied
 from graphnav.errors import Place, Problem, UserError
 from graphnav.graph import find_graph

@@ -14,7 +14,7 @@ _TEXT = re.compile(rf"({_OPERAND})(?: ([-/]) ({_OPERAND}))?")
 
 
 @dataclass(frozen=True)
-class FigureText:
+class MetricExpression:
     """A column of a table, read: ``a.b``, ``a.b - c.d`` or ``a.b / c.d``, computed run by run.
 
     So a detector stands relative to itself on true flow: ``sight.auroc / twin_sight.auroc``.
@@ -27,7 +27,7 @@ class FigureText:
     """Empty, "-" or "/"."""
 
     @classmethod
-    def parse(cls, text: str) -> FigureText:
+    def parse(cls, text: str) -> MetricExpression:
         """Read a text.
 
         Raises

@@ -10,7 +10,7 @@ _NUMBER = re.compile(r"[^\s,\[\]{}#]+")
 _READ_AS_YAML = ("[", "{", '"', "'")
 
 
-class Written:
+class SourceText:
     """The text of a file, to look up how its values were written."""
 
     def __init__(self, data: bytes) -> None:

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.ablation.study.find_study import STUDY_KEYS, find, read
-from graphnav.ablation.study.seeds import HINT, bare_number, checked_seeds, parse_seeds
-from graphnav.ablation.study.study import Study
 from graphnav.ablation.study.read_axes import VARY, axes_of
-from graphnav.ablation.study.value_reader import Texts, Words
-from graphnav.ablation.study.source_text import Written
+from graphnav.ablation.study.seeds import HINT, bare_number, checked_seeds, parse_seeds
+from graphnav.ablation.study.source_text import SourceText
+from graphnav.ablation.study.study import Study
+from graphnav.ablation.study.value_reader import Texts, ValueReader
 from graphnav.errors import Place, Problem, UserError, did_you_mean, shown_path
 from graphnav.graph import find_graph
 from graphnav.spec import Entry, Value, parse_yaml
@@ -32,64 +32,64 @@ def load_study(name_or_path: str | Path) -> Study:
     value, problems = parse_yaml(data, shown_path(path))
     if problems:
         raise UserError(problems)
-    study = _study(value, path, Words(Written(data), problems))
+    study = _study(value, path, ValueReader(SourceText(data), problems))
     if problems:
         raise UserError(dict.fromkeys(problems))
     return study
 
 
-def _study(value: Value, path: Path, words: Words) -> Study:
+def _study(value: Value, path: Path, reader: ValueReader) -> Study:
     keys = value.data if isinstance(value.data, dict) else {}
     if isinstance(value.data, dict | None):
-        _check_keys(keys, value.place, words)
+        _check_keys(keys, value.place, reader)
     else:
-        words.problem(value.place, f"a study must be a mapping, not {value.kind}", VARY)
-    graphs = _graphs(keys, path, words)
-    sets = words.sets(keys["set"].value, "'set'") if "set" in keys else {}
-    within = words.texts(keys["within"].value, "'within'", "speed") if "within" in keys else {}
-    figures = words.texts(keys["figures"].value, "'figures'", "drive.success, drive.spl") if "figures" in keys else {}
+        reader.problem(value.place, f"a study must be a mapping, not {value.kind}", VARY)
+    graphs = _graphs(keys, path, reader)
+    sets = reader.sets(keys["set"].value, "'set'") if "set" in keys else {}
+    within = reader.texts(keys["within"].value, "'within'", "speed") if "within" in keys else {}
+    figures = reader.texts(keys["figures"].value, "'figures'", "drive.success, drive.spl") if "figures" in keys else {}
     return Study(
         name=path.stem,
-        about=_typed(keys, "about", str, "a text", words) or "",
+        about=_typed(keys, "about", str, "a text", reader) or "",
         graphs=tuple(graphs),
-        axes=axes_of(keys["vary"], words) if "vary" in keys else (),
-        seeds=_seeds(keys["seeds"].value, words) if "seeds" in keys else (),
+        axes=axes_of(keys["vary"], reader) if "vary" in keys else (),
+        seeds=_seeds(keys["seeds"].value, reader) if "seeds" in keys else (),
         sets=tuple(sets),
         figures=tuple(figures),
         within=tuple(within),
-        one_at_a_time=_typed(keys, "one_at_a_time", bool, "true or false", words) or False,
+        one_at_a_time=_typed(keys, "one_at_a_time", bool, "true or false", reader) or False,
         folder=path.resolve().parent,
         places=graphs | sets | figures | within,
     )
 
 
-def _check_keys(keys: dict[str, Entry], place: Place, words: Words) -> None:
+def _check_keys(keys: dict[str, Entry], place: Place, reader: ValueReader) -> None:
     for word, entry in keys.items():
         if word not in STUDY_KEYS:
             hint = did_you_mean(word, STUDY_KEYS) or f"keys are {', '.join(STUDY_KEYS)}"
-            words.problem(entry.place, f"a study has no key '{word}'", hint)
+            reader.problem(entry.place, f"a study has no key '{word}'", hint)
     if "graph" in keys and "graphs" in keys:
-        words.problem(keys["graphs"].place, "the study has 'graph' and 'graphs'", "keep one")
+        reader.problem(keys["graphs"].place, "the study has 'graph' and 'graphs'", "keep one")
     if "graph" not in keys and "graphs" not in keys:
-        words.problem(place, "the study has no graphs", "write graphs: [corridor_ccw, pillars]")
+        reader.problem(place, "the study has no graphs", "write graphs: [corridor_ccw, pillars]")
     if "vary" not in keys:
-        words.problem(place, "the study varies nothing", VARY)
+        reader.problem(place, "the study varies nothing", VARY)
 
 
-def _graphs(keys: dict[str, Entry], path: Path, words: Words) -> Texts:
+def _graphs(keys: dict[str, Entry], path: Path, reader: ValueReader) -> Texts:
     """Return the graphs as they are called from the working folder."""
     files: dict[Path, str] = {}
     shown: Texts = {}
-    said = [words.texts(keys[key].value, f"'{key}'", "corridor_ccw") for key in ("graph", "graphs") if key in keys]
+    said = [reader.texts(keys[key].value, f"'{key}'", "corridor_ccw") for key in ("graph", "graphs") if key in keys]
     for name, place in [item for texts in said for item in texts.items()]:
         try:
             called = _beside(name, path)
             file = find_graph(called).resolve()
         except UserError as error:
-            words.problems += [Problem(place, f"'{name}': {p.what}", p.hint) for p in error.problems]
+            reader.problems += [Problem(place, f"'{name}': {p.what}", p.hint) for p in error.problems]
             continue
         if file in files:
-            words.problem(place, f"'{name}' is the same graph as '{files[file]}'", "keep one")
+            reader.problem(place, f"'{name}' is the same graph as '{files[file]}'", "keep one")
         files.setdefault(file, name)
         shown[called] = place
     return shown
@@ -111,7 +111,7 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _seeds(value: Value, words: Words) -> tuple[int, ...]:
+def _seeds(value: Value, reader: ValueReader) -> tuple[int, ...]:
     try:
         if isinstance(value.data, str):
             return parse_seeds(value.data, value.place)
@@ -120,18 +120,18 @@ def _seeds(value: Value, words: Words) -> tuple[int, ...]:
         if type(value.data) is int:
             raise bare_number(str(value.data), value.place)
     except UserError as error:
-        words.problems += error.problems
+        reader.problems += error.problems
         return ()
     wrong = next((i for i in value.data if type(i.data) is not int), value) if isinstance(value.data, list) else value
-    words.problem(wrong.place, f"'seeds' must be FIRST:END or a list of whole numbers, but this is {wrong.kind}", HINT)
+    reader.problem(wrong.place, f"'seeds' must be FIRST:END or a list of whole numbers, but this is {wrong.kind}", HINT)
     return ()
 
 
-def _typed(keys: dict[str, Entry], key: str, kind: type, said: str, words: Words) -> Any:
+def _typed(keys: dict[str, Entry], key: str, kind: type, said: str, reader: ValueReader) -> Any:
     if key not in keys:
         return None
     value = keys[key].value
     if not isinstance(value.data, kind):
-        words.problem(value.place, f"'{key}' must be {said}, not {value.kind}")
+        reader.problem(value.place, f"'{key}' must be {said}, not {value.kind}")
         return None
     return value.data

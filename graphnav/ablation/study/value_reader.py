@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.study.source_text import Written
+from graphnav.ablation.study.source_text import SourceText
 from graphnav.errors import Place, Problem
 from graphnav.spec import Value
 
@@ -10,11 +10,11 @@ Texts = dict[str, Place]
 """Texts and where each was said."""
 
 
-class Words:
+class ValueReader:
     """Reads the words of one file; what is wrong is added to ``problems``."""
 
-    def __init__(self, written: Written, problems: list[Problem]) -> None:
-        self.written = written
+    def __init__(self, source: SourceText, problems: list[Problem]) -> None:
+        self.source = source
         self.problems = problems
 
     def problem(self, place: Place, what: str, hint: str = "") -> None:
@@ -47,5 +47,5 @@ class Words:
             given = entry.value
             if isinstance(given.data, dict):
                 self.problem(given.place, f"the value of '{target}' is a mapping", "write stage.parameter: value")
-            found[f"{target}={self.written.text(given)}"] = given.place
+            found[f"{target}={self.source.text(given)}"] = given.place
         return found

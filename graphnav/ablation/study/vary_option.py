@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from graphnav.ablation.study.axis_checks import axis_problems, plain_choice
-from graphnav.ablation.study.study import Axis, Choice
 from graphnav.ablation.study.override_targets import is_plain, is_stage, target_text
+from graphnav.ablation.study.study import Axis, Choice
 from graphnav.errors import Place, Problem, did_you_mean
 
 _HINT = "write AXIS=first,second for a new axis, AXIS+=value to add to one of the study"

@@ -1,15 +1,14 @@
-"""One run of a study, made anywhere: what is to be done, what came of it."""
+"""Make one run of a study, on whatever machine."""
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
 
-from graphnav.ablation.plan.code_versions import difference_here
+from graphnav.ablation.plan import difference_here
+from graphnav.ablation.worker.task import Result, Task
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, GraphnavError, LogError, StageError, UserError
 from graphnav.graph import Graph, graph_of
@@ -25,41 +24,6 @@ NOT_DRAWN = "not_drawn.txt"
 """Why pictures are missing, in one line; only where some are."""
 
 
-@dataclass(frozen=True)
-class Task:
-    """A run that is to be made; it needs no file but those that the graph and the plugins name."""
-
-    folder: str
-    """Where its files will be, below the study's folder."""
-    graph_yaml: str
-    """The resolved graph, its paths absolute."""
-    graph_path: str
-    """Its file, which names the run; it is not read."""
-    notices: tuple[str, ...]
-    seed: int
-    plugins: tuple[str, ...]
-    versions: Mapping[str, str]
-    """What the study is made with: a machine that has anything else must not take part."""
-    record: Literal["small", "all"] = "small"
-    draws: bool = False
-    """Whether its pictures are drawn."""
-    keeps_log: bool = True
-
-
-@dataclass(frozen=True)
-class Result:
-    """What came of a task: its files, or why there are none."""
-
-    task: Task
-    files: Mapping[str, bytes]
-    """The content of the run folder, by path in it."""
-    outcome: str = ""
-    trouble: str = ""
-    """What has nothing to do with the stages and ends the study: a full disk, another version."""
-    died: bool = False
-    """Whether the process that made it died."""
-
-
 def perform(task: Task, scratch: Path) -> Result:
     """Make a run in the empty folder ``scratch`` and return its files; a failing stage is a result like any other."""
     try:
@@ -67,9 +31,9 @@ def perform(task: Task, scratch: Path) -> Result:
     except LogError as error:
         cause = error.__cause__
         said = f"cannot write into {scratch.parent}: {cause.strerror}" if isinstance(cause, OSError) else str(error)
-        return Result(task, {}, trouble=said)
+        return Result(task, {}, error=said)
     except (GraphnavError, OSError) as error:
-        return Result(task, {}, trouble=str(error))
+        return Result(task, {}, error=str(error))
 
 
 def _perform(task: Task, scratch: Path) -> Result:
@@ -81,7 +45,7 @@ def _perform(task: Task, scratch: Path) -> Result:
         if not isinstance(error, StageError):
             raise error
     if summary.outcome == Outcome.STOPPED:
-        return Result(task, {}, trouble=f"a process on {platform.node()} was told to stop")
+        return Result(task, {}, error=f"a process on {platform.node()} was told to stop")
     if task.draws and summary.frames:
         _draw(catalog, scratch)
     if not task.keeps_log:

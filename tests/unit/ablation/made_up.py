@@ -7,10 +7,10 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
-from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.plan.plan import Case, Plan
+from graphnav.ablation.report.html.page import write_report
+from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.records import Record, StageTime
-from graphnav.ablation.report import write_report
 from graphnav.catalog import Catalog
 from graphnav.stage import Role
 

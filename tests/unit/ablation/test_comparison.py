@@ -9,10 +9,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.intervals import bonett_price, bootstrap, wilson
+from graphnav.ablation.results.records import Record
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.report.csv_files import figure_columns, write_results, write_timing
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.report.csv_files import write_results, write_timing
+from graphnav.ablation.results.metric_values import metric_columns
 from graphnav.ablation.results.records import Record
 
 MakePlan = Callable[..., Plan]
@@ -69,7 +70,7 @@ def test_a_file_that_is_there_is_replaced(make_plan: MakePlan, make_record: Make
 def test_figures_of_derived_columns_come_as_what_they_are_made_of(make_plan: MakePlan, make_record: MakeRecord) -> None:
     plan = make_plan(figures={"a.x - b.x": "more", "c.never": "more"})
     records = [make_record("ica", 0, {"z.z": 0.0, "b.x": 0.0, "a.x": 0.0})]
-    assert figure_columns(plan, records) == ("a.x", "b.x", "z.z")
+    assert metric_columns(plan, records) == ("a.x", "b.x", "z.z")
 
 
 def test_times_stand_apart(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:

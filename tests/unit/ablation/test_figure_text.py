@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graphnav.ablation.study.metric_expression import FigureText
+from graphnav.ablation.study.metric_expression import MetricExpression
 from graphnav.errors import UserError
 
 FIGURES = {"a.auroc": 0.9, "b.auroc": 0.6, "b.nothing": 0.0}
@@ -22,13 +22,13 @@ FIGURES = {"a.auroc": 0.9, "b.auroc": 0.6, "b.nothing": 0.0}
     ],
 )
 def test_values(text: str, operands: tuple[str, ...], value: float | None) -> None:
-    figure = FigureText.parse(text)
+    figure = MetricExpression.parse(text)
     assert figure.operands == operands
     assert figure.value(FIGURES.get) == (value if value is None else pytest.approx(value))
 
 
 def test_spaces_do_not_count() -> None:
-    assert FigureText.parse("  a.b   -  c.d ").text == "a.b - c.d"
+    assert MetricExpression.parse("  a.b   -  c.d ").text == "a.b - c.d"
 
 
 @pytest.mark.parametrize(
@@ -36,4 +36,4 @@ def test_spaces_do_not_count() -> None:
 )
 def test_anything_else_is_refused(text: str) -> None:
     with pytest.raises(UserError, match=r"is no figure\n  write stage.figure"):
-        FigureText.parse(text)
+        MetricExpression.parse(text)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.plan.build_plan import make_plan
+from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.seeds import parse_seeds
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError

@@ -12,14 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from graphnav.ablation.results.compare_variants import Difference, Estimate, compare
-from graphnav.ablation.report.number_format import difference_text, estimate_text
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.report.html.number_text import MINUS, estimated
 from graphnav.ablation.report.legend import seeds_text
 from graphnav.ablation.report.markdown import table_markdown
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import Record
-from graphnav.ablation.report.html.number_text import MINUS, estimated
+from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.terminal import print_comparison
+from graphnav.ablation.results.compare_variants import compare
+from graphnav.ablation.results.comparison import Difference, Estimate
+from graphnav.ablation.results.records import Record
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

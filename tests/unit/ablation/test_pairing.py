@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 import pytest
 from rich.console import Console
 
-from graphnav.ablation.results.compare_variants import compare
-from graphnav.ablation.results.compare_studies import pair_studies
-from graphnav.ablation.report.paired_markdown import pairing_markdown
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.report.paired_markdown import paired_studies_markdown
+from graphnav.ablation.report.terminal import print_paired_studies
+from graphnav.ablation.results.compare_studies import pair_studies
+from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.records import Record
-from graphnav.ablation.report.terminal import print_pairing
 from graphnav.errors import UserError
 
 MakePlan = Callable[..., Plan]
@@ -53,9 +53,9 @@ def test_the_same_worlds_are_compared(make_plan: MakePlan, runs: Runs) -> None:
     assert pairing.only_b == ()
     assert pairing.different_versions == {"graphnav": ("0.1.0", "0.2.0")}
 
-    text = pairing_markdown(pairing)
+    text = paired_studies_markdown(pairing)
     out = io.StringIO()
-    print_pairing(Console(file=out, width=30), pairing)
+    print_paired_studies(Console(file=out, width=30), pairing)
     for shown in (text, out.getvalue()):
         for part in ("35.0 [30.0, 40.0]", "28 [15, 41]", "drive.time_s ↓", "corridor, affine: only A has runs of it"):
             assert part in shown
@@ -72,7 +72,7 @@ def test_a_study_does_not_differ_from_itself(make_plan: MakePlan, runs: Runs) ->
         assert row.estimates_a == row.estimates_b == single.estimates
         assert all(found.mean == found.won == found.lost == 0 for found in row.differences.values())
     assert pairing.only_a == pairing.only_b == ()
-    assert "Only in one" not in pairing_markdown(pairing)
+    assert "Only in one" not in paired_studies_markdown(pairing)
 
 
 def test_failures_count_as_in_every_table(make_plan: MakePlan, runs: Runs) -> None:

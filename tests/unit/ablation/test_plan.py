@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.plan.build_plan import make_plan
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.study.command_line import study_of_command
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import load_graph, resolved_yaml

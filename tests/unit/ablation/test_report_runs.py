@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.execution.failure_pictures import failure_folder
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.failures import failure_folder
 from graphnav.ablation.results.records import read_records
 from graphnav.catalog import Catalog
 from graphnav.cli import main

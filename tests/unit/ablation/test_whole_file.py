@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.report.atomic_write import write_whole
+from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.errors import GraphnavError
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
@@ -19,11 +19,11 @@ DiskOf = Callable[[int], AbstractContextManager[None]]
 KILLED = """
 import resource, signal, sys
 from pathlib import Path
-from graphnav.ablation.report.atomic_write import write_whole
+from graphnav.ablation.report.atomic_write import write_atomically
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
 signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
-write_whole(Path(sys.argv[1]), 100_000 * "x")
+write_atomically(Path(sys.argv[1]), 100_000 * "x")
 """
 """The kernel kills the process when half of the file is written."""
 
@@ -32,12 +32,12 @@ write_whole(Path(sys.argv[1]), 100_000 * "x")
 def path(tmp_path: Path) -> Path:
     """Return a file that is there."""
     path = tmp_path / "table.md"
-    write_whole(path, "former\n")
+    write_atomically(path, "former\n")
     return path
 
 
 def test_the_new_one_takes_the_place_of_the_former(path: Path) -> None:
-    write_whole(path, "größer\r\n" * 1000)
+    write_atomically(path, "größer\r\n" * 1000)
     assert path.read_bytes() == ("größer\r\n" * 1000).encode()
     assert list(path.parent.iterdir()) == [path]
 
@@ -45,7 +45,7 @@ def test_the_new_one_takes_the_place_of_the_former(path: Path) -> None:
 @pytest.mark.parametrize("n_bytes", [0, 1, 99_999])
 def test_a_full_disk_is_said_and_leaves_the_former(disk_of: DiskOf, path: Path, n_bytes: int) -> None:
     with disk_of(n_bytes), pytest.raises(GraphnavError, match=f"^cannot write {path}: File too large$"):
-        write_whole(path, 100_000 * "x")
+        write_atomically(path, 100_000 * "x")
     assert path.read_text() == "former\n"
     assert list(path.parent.iterdir()) == [path], "and nothing of the new one"
 
@@ -58,4 +58,4 @@ def test_a_process_that_is_killed_leaves_the_former(path: Path) -> None:
 
 def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(GraphnavError, match=r"cannot write .*: No such file or directory"):
-        write_whole(tmp_path / "no" / "table.md", "")
+        write_atomically(tmp_path / "no" / "table.md", "")

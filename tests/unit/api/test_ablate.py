@@ -16,7 +16,7 @@ import pytest
 
 import graphnav
 from graphnav import UserError
-from graphnav.ablation.execution.study_folder import read_plan
+from graphnav.ablation.execution import read_plan
 from graphnav.cli import main
 
 TOYS = Path(__file__).parents[1] / "ablation" / "running" / "toys.py"

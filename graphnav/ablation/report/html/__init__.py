@@ -2,4 +2,6 @@
 
 from graphnav.ablation.report.html.page import write_report
 
-__all__ = ["write_report"]
+__all__ = [
+    "write_report",
+]

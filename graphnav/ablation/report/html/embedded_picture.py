@@ -11,8 +11,8 @@ from graphnav.ablation.report.html.markup import Html, esc, tag
 _QUALITY = 82
 
 
-def embedded(file: Path, about: Html, most_px: int) -> Html:
-    """Return the picture ``file`` as part of the page, at most ``most_px`` wide.
+def embedded(file: Path, about: Html, max_px: int) -> Html:
+    """Return the picture ``file`` as part of the page, at most ``max_px`` wide.
 
     WebP keeps the colours of small marks at a fifth of PNG's size. A text stands for a picture that cannot be read.
     """
@@ -23,8 +23,8 @@ def embedded(file: Path, about: Html, most_px: int) -> Html:
             picture = opened.convert("RGB")
     except (OSError, SyntaxError) as error:
         return tag("p", esc(f"{file.name} cannot be read: {type(error).__name__}"), class_="note warn")
-    if picture.width > most_px:
-        picture = picture.resize((most_px, round(picture.height * most_px / picture.width)), Image.Resampling.LANCZOS)
+    if picture.width > max_px:
+        picture = picture.resize((max_px, round(picture.height * max_px / picture.width)), Image.Resampling.LANCZOS)
     kind = "webp" if features.check("webp") else "png"
     data = io.BytesIO()
     picture.save(data, kind.upper(), quality=_QUALITY)

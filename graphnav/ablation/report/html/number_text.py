@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from graphnav.ablation.report import number_format as digits
+from graphnav.ablation.report import number_format
 
 MINUS = "\N{MINUS SIGN}"
 
 
 def number(value: float, form: str, sign: str = "") -> str:
     """Return a number in a format, with ``sign`` where it is above zero; zero has none."""
-    return digits.number(value, form, sign).replace("-", MINUS)
+    return number_format.number(value, form, sign).replace("-", MINUS)
 
 
 def estimated(mean: float, low: float, high: float, *, signed: bool = False) -> str:
     """Return ``0.94 [0.84, 0.98]``; without an interval the mean alone."""
-    form = digits.format_of(mean, low, high)
+    form = number_format.format_of(mean, low, high)
     text = number(mean, form, "+" if signed else "")
     if not (math.isfinite(low) and math.isfinite(high)):
         return text
@@ -34,5 +34,5 @@ def means_text(means: Sequence[float], *, signed: bool = False) -> str:
     ends = (min(means), max(means))
     most = max(map(abs, ends))
     places = max(2, -math.floor(math.log10(most))) if most else 2
-    form = f".{places}f" if places <= digits.MOST_DECIMALS else digits.TINY
+    form = f".{places}f" if places <= number_format.MAX_DECIMALS else number_format.TINY
     return " to ".join(dict.fromkeys(("+" if signed and end > 0 else "") + number(end, form) for end in ends))

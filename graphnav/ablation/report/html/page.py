@@ -6,20 +6,12 @@ from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
-from graphnav.ablation.results.compare_variants import Comparison
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import Record
-from graphnav.ablation.report.html.sections.first_screen import answer
-from graphnav.ablation.report.html.sections.graph_drawings import drawings
-from graphnav.ablation.report.html.sections.failure_gallery import gallery
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.report.html.markup import Html, esc, section, tag
-from graphnav.ablation.report.html.sections.path_maps import maps
-from graphnav.ablation.report.html.study_results import Material
-from graphnav.ablation.report.html.sections.metric_plots import plots
-from graphnav.ablation.report.html.sections.reproduction import reproduce
-from graphnav.ablation.report.html.sections.result_tables import tables
-from graphnav.ablation.report.html.sections.step_times import timing
-from graphnav.ablation.report.atomic_write import write_whole
+from graphnav.ablation.report.html.sections import drawings, gallery, maps, overview, plots, reproduce, tables, timing
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.results import Comparison, Record
 from graphnav.catalog import Catalog
 
 REPORT = "report.html"
@@ -30,22 +22,22 @@ def write_report(plan: Plan, comparison: Comparison, records: Sequence[Record], 
 
     The page needs no other file, no script and no network. The same runs and pictures give the same bytes.
     """
-    material = Material(plan, comparison, records, folder, catalog)
+    study = StudyResults(plan, comparison, records, folder, catalog)
     path = folder / REPORT
-    write_whole(path, page_of(material))
+    write_atomically(path, page_of(study))
     return path
 
 
-def page_of(material: Material) -> Html:
+def page_of(study: StudyResults) -> Html:
     """Return the whole page."""
     parts = {
-        "graph": ("What was swapped", drawings(material)),
-        "tables": ("Results", tables(material)),
-        "plots": ("Figures", plots(material)),
-        "paths": ("Paths", maps(material)),
-        "time": ("Time per stage", timing(material)),
-        "failures": ("Failures", gallery(material)),
-        "reproduce": ("Reproduce", reproduce(material)),
+        "graph": ("What was swapped", drawings(study)),
+        "tables": ("Results", tables(study)),
+        "plots": ("Figures", plots(study)),
+        "paths": ("Paths", maps(study)),
+        "time": ("Time per stage", timing(study)),
+        "failures": ("Failures", gallery(study)),
+        "reproduce": ("Reproduce", reproduce(study)),
     }
     style = resources.files(__package__).joinpath("style.css").read_text(encoding="utf-8")
     links = [tag("a", esc(title), href=f"#{name}") for name, (title, body) in parts.items() if body]
@@ -55,10 +47,10 @@ def page_of(material: Material) -> Html:
             '<!doctype html><html lang="en"><head><meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
             '<meta name="color-scheme" content="light dark">',
-            tag("title", esc(f"{material.plan.name}: {material.plan.about}")),
+            tag("title", esc(f"{study.plan.name}: {study.plan.about}")),
             f"<style>{style}</style></head><body>",
             tag("nav", *links),
-            f"<main>{answer(material)}",
+            f"<main>{overview(study)}",
             *sections,
             "</main></body></html>\n",
         ]

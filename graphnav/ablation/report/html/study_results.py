@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from graphnav.ablation.results.compare_variants import Comparison, Estimate, Row, Values, table_figures, values_of
-from graphnav.ablation.study.metric_expression import FigureText
-from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.results.records import Record
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.results import Comparison, Estimate, Record, Row, Values, table_metrics, values_of
+from graphnav.ablation.study import MetricExpression
 from graphnav.catalog import Catalog
 
 
 @dataclass(frozen=True)
-class Material:
+class StudyResults:
     """A study with its results."""
 
     plan: Plan
@@ -27,8 +26,8 @@ class Material:
     @cached_property
     def figures(self) -> tuple[str, ...]:
         """The columns of the tables that some run has, or all columns while no run is there."""
-        every = [figure.text for figure in table_figures(self.plan, self.records)]
-        found = [name for name in every if self.comparison.says(name)]
+        every = [figure.text for figure in table_metrics(self.plan, self.records)]
+        found = [name for name in every if self.comparison.has_metric(name)]
         return tuple(found or every)
 
     @property
@@ -67,7 +66,7 @@ class Material:
 
     def values(self, graph: str, variant: str, figure: str) -> Values:
         """Return a figure of every run of a case, by seed."""
-        return values_of(FigureText.parse(figure), self.runs.get((graph, variant), ()))
+        return values_of(MetricExpression.parse(figure), self.runs.get((graph, variant), ()))
 
     @cached_property
     def runs(self) -> Mapping[tuple[str, str], Sequence[Record]]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from graphnav.ablation.results.compare_variants import Row
 from graphnav.ablation.report.html.markup import Html, esc, tag
-from graphnav.ablation.report.html.study_results import Material
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.results import Row
 
 BASE = "#1f5fa8"
 METHODS = (
@@ -18,12 +18,12 @@ OUTCOMES = ("goal", "end", "timeout", "contact", "failed", "stopped")
 """In the order in which bars show them; each has a class in the style sheet."""
 
 
-def colours_of(material: Material) -> dict[str, str]:
+def colours_of(study: StudyResults) -> dict[str, str]:
     """Return ``#rrggbb`` for every variant: the base blue, controls gray, oracles black, methods in turn."""
-    roles = {case.variant: case.role for case in material.plan.cases}
-    found, used = {material.plan.base: BASE}, {"method": 0, "control": 0, "oracle": 0}
+    roles = {case.variant: case.role for case in study.plan.cases}
+    found, used = {study.plan.base: BASE}, {"method": 0, "control": 0, "oracle": 0}
     palettes = {"method": METHODS, "control": CONTROLS, "oracle": ORACLES}
-    for variant in dict.fromkeys([*material.own_variants, *material.plan.variants]):
+    for variant in dict.fromkeys([*study.own_variants, *study.plan.variants]):
         if variant not in found:
             role = roles[variant]
             found[variant] = palettes[role][used[role] % len(palettes[role])]

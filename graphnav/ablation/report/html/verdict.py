@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from graphnav.ablation.results.compare_variants import Row
-from graphnav.ablation.plan.plan import Better
+from graphnav.ablation.plan import Better
+from graphnav.ablation.results import Row
 
 Verdict = Literal["base", "better", "worse", "unclear", "unknown"]
 

@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
+from graphnav.ablation.execution.failure_pictures import pending_drawings
 from graphnav.ablation.execution.study_folder import StudyFolder, read_plan
-from graphnav.ablation.execution.failure_pictures import failure_folder, undrawn, worst_failures
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.failures import failure_folder, worst_failures
 from graphnav.ablation.results.records import Record, read_records
 
 FAILURES = ["failures/toy/robot.odd=contact/0", "failures/toy/robot.odd=contact/1"]
@@ -92,7 +93,7 @@ def test_a_control_is_shown_once(study: Any, plan: Plan) -> None:
         "failures/toy/robot.odd=contact/0",
     ]
     with StudyFolder(study.out) as folder:
-        assert undrawn(chosen, folder, keep_logs=False) == chosen
+        assert pending_drawings(chosen, folder, keep_logs=False) == chosen
 
 
 DRAWS_BADLY = """

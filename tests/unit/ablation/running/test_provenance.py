@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.plan.code_versions import difference, difference_here, provenance
-from graphnav.ablation.worker.perform_task import Task, perform
+from graphnav.ablation.plan.provenance import difference, difference_here, provenance
+from graphnav.ablation.worker.perform_task import perform
+from graphnav.ablation.worker.task import Task
 
 
 def test_packages_and_files_are_known_by_what_they_hold(tmp_path: Path) -> None:
@@ -38,5 +39,5 @@ def test_a_process_that_is_not_the_same_makes_no_run(tmp_path: Path, name: str) 
     versions = {**provenance(["plane"], []), name: "another"}
     task = Task("runs/a", "stages: {}", "a.yaml", (), 0, (), versions)
     result = perform(task, tmp_path)
-    assert f"does not have what the study began with, but another {name}: another, now " in result.trouble
+    assert f"does not have what the study began with, but another {name}: another, now " in result.error
     assert not result.files

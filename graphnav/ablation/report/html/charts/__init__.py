@@ -1,1 +1,18 @@
 """Charts as SVG."""
+
+from graphnav.ablation.report.html.charts.bars import stacked_bars
+from graphnav.ablation.report.html.charts.lines import FULL_WIDTH, HALF_WIDTH, Point, Series, line_chart
+from graphnav.ablation.report.html.charts.whiskers import PANELS, Mark, Panel, whisker_chart
+
+__all__ = [
+    "FULL_WIDTH",
+    "HALF_WIDTH",
+    "PANELS",
+    "Mark",
+    "Panel",
+    "Point",
+    "Series",
+    "line_chart",
+    "stacked_bars",
+    "whisker_chart",
+]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from graphnav.ablation.report.html.charts.horizontal_axis import x_axis
-from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.charts.scale import scale_of
+from graphnav.ablation.report.html.markup import Html, esc, tag
 
 _WIDTH, _LEFT, _RIGHT, _ROW, _BOTTOM = 1128.0, 300.0, 70.0, 24.0, 40.0
 _CHAR = 7.3

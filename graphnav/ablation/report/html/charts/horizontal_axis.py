@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.charts.scale import Scale
+from graphnav.ablation.report.html.markup import Html, esc, tag
 
 
 def x_axis(scale: Scale, top: float, bottom: float, label: str) -> list[Html]:

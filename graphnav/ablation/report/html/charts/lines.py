@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.charts.scale import Scale, scale_of, wide_scale_of
+from graphnav.ablation.report.html.markup import Html, esc, tag
 
 _HEIGHT = 300.0
-HALF, WHOLE = 556.0, 1128.0
+HALF_WIDTH, FULL_WIDTH = 556.0, 1128.0
 """Widths of charts that stand side by side, and of one that stands alone."""
 _LEFT, _TOP, _BOTTOM, _CHAR = 46.0, 34.0, 46.0, 7.8
-_MOST_NAME = 26
+_MAX_NAME = 26
 _LINE = 15.0
 
 
@@ -38,10 +38,10 @@ class Series:
     is_dashed: bool = False
 
 
-def line_chart(title: str, x_label: str, series: Sequence[Series], width: float = HALF) -> Html:
+def line_chart(title: str, x_label: str, series: Sequence[Series], width: float = HALF_WIDTH) -> Html:
     """Return SVG; each line's name stands at its right end."""
     points = [point for one in series for point in one.points]
-    names = [one.name if len(one.name) <= _MOST_NAME else one.name[: _MOST_NAME - 1] + "…" for one in series]
+    names = [one.name if len(one.name) <= _MAX_NAME else one.name[: _MAX_NAME - 1] + "…" for one in series]
     right = width - 14 - max((len(name) for name in names), default=0) * _CHAR
     ends = sorted({point.x for point in points})
     across = scale_of(ends).between(_LEFT, right)

@@ -47,7 +47,7 @@ class Scale:
         return replace(self, start=start, stop=stop)
 
 
-def scale_of(values: Iterable[float], most_ticks: int = 5) -> Scale:
+def scale_of(values: Iterable[float], max_ticks: int = 5) -> Scale:
     """Return an axis with round ticks that shows all finite values; between 0 and 1 where shares fill half of that."""
     finite = [value for value in values if math.isfinite(value)] or [0.0, 1.0]
     low, high = min(finite), max(finite)
@@ -57,7 +57,7 @@ def scale_of(values: Iterable[float], most_ticks: int = 5) -> Scale:
     if high - low <= _FLAT * max(size, 1.0):
         half = 0.5 * size if size > _FLAT else 0.5
         low, high = low - half, high + half
-    step = _step((high - low) / most_ticks)
+    step = _step((high - low) / max_ticks)
     first, last = math.floor(low / step + _NOISE), math.ceil(high / step - _NOISE)
     ticks = tuple(round(number * step, 12) for number in range(first, last + 1))
     decimals = max(len(f"{tick:.10f}".rstrip("0").partition(".")[2]) for tick in ticks)

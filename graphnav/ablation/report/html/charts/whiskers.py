@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.ablation.report.number_format import format_of
 from graphnav.ablation.report.html.charts.horizontal_axis import x_axis
+from graphnav.ablation.report.html.charts.scale import Scale, scale_of
 from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.number_text import number
-from graphnav.ablation.report.html.charts.scale import Scale, scale_of
+from graphnav.ablation.report.number_format import format_of
 
 _WIDTH, _GAP, _VALUE = 1128.0, 30.0, 58.0
-_CHAR, _LEAST_LABEL, _MOST_LABEL = 7.3, 120.0, 330.0
+_CHAR, _MIN_LABEL, _MAX_LABEL = 7.3, 120.0, 330.0
 _TOP, _BOTTOM = 30.0, 26.0
 _ROWS = (26.0, 21.0)
 _MANY_ROWS = 14
@@ -48,10 +48,10 @@ def whisker_chart(labels: Mapping[str, str], panels: Sequence[Panel], x_label: s
     """Return SVG with a row for each of ``labels`` (each with a word on what it is) and room for ``columns`` panels."""
     marks = [mark for panel in panels for mark in panel.marks.values() if isinstance(mark, Mark)]
     values = [value for mark in marks for value in (mark.mean, mark.low, mark.high, *(x for x, _ in mark.points))]
-    scale = scale_of(values, most_ticks=5 if columns < PANELS else 4)
+    scale = scale_of(values, max_ticks=5 if columns < PANELS else 4)
     row = _ROWS[len(labels) > _MANY_ROWS]
     longest = max((len(label) + len(role) + 2 for label, role in labels.items()), default=0)
-    left = min(max(longest * _CHAR, _LEAST_LABEL), _MOST_LABEL)
+    left = min(max(longest * _CHAR, _MIN_LABEL), _MAX_LABEL)
     height = _TOP + row * len(labels) + _BOTTOM + 16
     width = (_WIDTH - left) / columns - _GAP
     parts = [_labels(labels, left, row)]

@@ -1,1 +1,21 @@
 """The sections of the report."""
+
+from graphnav.ablation.report.html.sections.failure_gallery import gallery
+from graphnav.ablation.report.html.sections.first_screen import overview
+from graphnav.ablation.report.html.sections.graph_drawings import drawings
+from graphnav.ablation.report.html.sections.metric_plots import plots
+from graphnav.ablation.report.html.sections.path_maps import maps
+from graphnav.ablation.report.html.sections.reproduction import reproduce
+from graphnav.ablation.report.html.sections.result_tables import tables
+from graphnav.ablation.report.html.sections.step_times import timing
+
+__all__ = [
+    "drawings",
+    "gallery",
+    "maps",
+    "overview",
+    "plots",
+    "reproduce",
+    "tables",
+    "timing",
+]

@@ -5,51 +5,50 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from graphnav.ablation.execution.failure_pictures import failure_folder, is_failure
-from graphnav.ablation.results.records import Record
-from graphnav.ablation.report.html.markup import Html, details, esc, tag
-from graphnav.ablation.report.html.variant_style import badge
-from graphnav.ablation.report.html.study_results import Material
-from graphnav.ablation.report.html.number_text import counted
 from graphnav.ablation.report.html.embedded_picture import embedded
+from graphnav.ablation.report.html.markup import Html, details, esc, tag
+from graphnav.ablation.report.html.number_text import counted
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.report.html.variant_style import badge
+from graphnav.ablation.results import Record, failure_folder, is_failure
 
 _CAUSES = {"contact": "Contact", "timeout": "Time was up", "failed": "The run broke down"}
 _MOST = 24
-_MOST_PX = 1180
+_MAX_PX = 1180
 
 
-def gallery(material: Material) -> Html:
+def gallery(study: StudyResults) -> Html:
     """Return the pictures that the folder has of failures, the methods' first, few of each variant."""
-    failures = _failures(material)
-    found = [(run, file) for run in failures if (file := _picture(material, run)) is not None]
+    failures = _failures(study)
+    found = [(run, file) for run in failures if (file := _picture(study, run)) is not None]
     n = len(failures)
     if not found:
         said = "No run ended otherwise than it should." if not n else f"{counted(n, 'run')} failed; none is drawn."
         return tag("p", said, class_="note")
-    kept = _spread(material, found)
+    kept = _spread(study, found)
     parts = [tag("p", f"Shown are {len(kept)} of {counted(n, 'failure')}.", class_="note")]
     for cause, title in _CAUSES.items():
         of = [(run, file) for run, file in kept if run.outcome == cause]
         if of:
-            drawn = [_failure(material, run, file, is_open=place == 0) for place, (run, file) in enumerate(of)]
+            drawn = [_failure(study, run, file, is_open=place == 0) for place, (run, file) in enumerate(of)]
             parts += [tag("h3", f"{title} ({len(of)})"), *drawn]
     return "".join(parts)
 
 
-def _failures(material: Material) -> list[Record]:
-    own = {(case.graph, case.variant) for case in material.plan.cases if not case.same_as}
-    return [run for run in material.records if is_failure(run) and (run.graph, run.variant) in own]
+def _failures(study: StudyResults) -> list[Record]:
+    own = {(case.graph, case.variant) for case in study.plan.cases if not case.same_as}
+    return [run for run in study.records if is_failure(run) and (run.graph, run.variant) in own]
 
 
-def _picture(material: Material, run: Record) -> Path | None:
-    place = material.folder / failure_folder(material.plan.case(run.graph, run.variant), run.seed)
+def _picture(study: StudyResults, run: Record) -> Path | None:
+    place = study.folder / failure_folder(study.plan.case(run.graph, run.variant), run.seed)
     pictures = sorted(place.glob("*.png"), key=lambda file: (file.name != "end.png", file.name))
     return pictures[0] if pictures else None
 
 
-def _spread(material: Material, found: Sequence[tuple[Record, Path]]) -> list[tuple[Record, Path]]:
+def _spread(study: StudyResults, found: Sequence[tuple[Record, Path]]) -> list[tuple[Record, Path]]:
     """Return at most so many: round by round one of each case, methods before controls, the soonest ended first."""
-    special = {(case.graph, case.variant) for case in material.plan.cases if case.role != "method"}
+    special = {(case.graph, case.variant) for case in study.plan.cases if case.role != "method"}
     turns: dict[tuple[str, str], int] = {}
     ranked = []
     for run, file in sorted(found, key=lambda pair: (pair[0].sim_s, pair[0].seed)):
@@ -60,11 +59,11 @@ def _spread(material: Material, found: Sequence[tuple[Record, Path]]) -> list[tu
     return [(run, file) for _, _, run, file in ranked[:_MOST]]
 
 
-def _failure(material: Material, run: Record, file: Path, *, is_open: bool) -> Html:
-    case = material.plan.case(run.graph, run.variant)
+def _failure(study: StudyResults, run: Record, file: Path, *, is_open: bool) -> Html:
+    case = study.plan.case(run.graph, run.variant)
     role = "base" if case.is_base else "" if case.role == "method" else case.role
     said = f"{tag('b', esc(run.variant))} {badge(role)} on {esc(run.graph)}, seed {run.seed}: "
     said += f"{esc(run.outcome)} after {run.sim_s:.1f} s"
     said += f" {tag('span', esc(run.failure), class_='reason')}" if run.failure else ""
     about = esc(f"{run.variant} on {run.graph}, seed {run.seed}: {run.outcome}")
-    return details(said, embedded(file, about, _MOST_PX), **({"open": ""} if is_open else {}))
+    return details(said, embedded(file, about, _MAX_PX), **({"open": ""} if is_open else {}))

@@ -2,49 +2,49 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.results.compare_variants import LEAST_WORLDS
-from graphnav.ablation.report.legend import seeds_text
+from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.number_text import counted
 from graphnav.ablation.report.html.sections.forest_plot import forest, key
 from graphnav.ablation.report.html.sections.headline import lead, verdicts
-from graphnav.ablation.report.html.markup import Html, esc, tag
-from graphnav.ablation.report.html.study_results import Material
-from graphnav.ablation.report.html.number_text import counted
-from graphnav.ablation.report.html.sections.variant_lists import checks, sides
 from graphnav.ablation.report.html.sections.parameter_sweeps import deciding_sweeps
+from graphnav.ablation.report.html.sections.variant_lists import reference_values, variants_by_verdict
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.report.legend import seeds_text
+from graphnav.ablation.results import MIN_WORLDS
 
 
-def answer(material: Material) -> Html:
+def overview(study: StudyResults) -> Html:
     """Return the head of the page."""
-    plan = material.plan
+    plan = study.plan
     parts = [
-        tag("p", "Ablation study ", tag("b", esc(plan.name)), _state(material), class_="eyebrow"),
+        tag("p", "Ablation study ", tag("b", esc(plan.name)), _state(study), class_="eyebrow"),
         tag("h1", esc(plan.about or plan.name)),
-        _answer(material),
-        _facts(material),
+        _answer(study),
+        _facts(study),
     ]
-    if material.deciding is not None:
-        parts += [deciding_sweeps(material), forest(material, material.deciding), key()]
+    if study.deciding is not None:
+        parts += [deciding_sweeps(study), forest(study, study.deciding), key()]
     return tag("header", *parts)
 
 
-def _answer(material: Material) -> Html:
-    figure = material.deciding
-    if figure is None or not material.n_runs:
+def _answer(study: StudyResults) -> Html:
+    figure = study.deciding
+    if figure is None or not study.n_runs:
         return tag("p", "No run is there yet, so there is no answer.", class_="lead")
-    found = verdicts(material, figure)
-    said = tag("p", lead(material, figure, found), class_="lead")
-    return said + sides(material, figure, found) + checks(material, figure)
+    found = verdicts(study, figure)
+    said = tag("p", lead(study, figure, found), class_="lead")
+    return said + variants_by_verdict(study, figure, found) + reference_values(study, figure)
 
 
-def _state(material: Material) -> Html:
-    n, wanted = material.n_runs, material.plan.n_jobs
+def _state(study: StudyResults) -> Html:
+    n, wanted = study.n_runs, study.plan.n_jobs
     if n >= wanted:
         return tag("span", f"finished: {counted(n, 'run')}", class_="pill")
     return tag("span", f"not finished: so far {n} of {counted(wanted, 'run')}", class_="pill warn")
 
 
-def _facts(material: Material) -> Html:
-    plan = material.plan
+def _facts(study: StudyResults) -> Html:
+    plan = study.plan
     shared = sum(bool(case.same_as) for case in plan.cases)
     facts = [
         ("worlds", f"seeds {seeds_text(plan.seeds)}, the same for all variants"),
@@ -58,17 +58,17 @@ def _facts(material: Material) -> Html:
         ("base", plan.base),
         (
             "decides",
-            f"{material.deciding}, {plan.better(material.deciding)} is better" if material.deciding else "no figure",
+            f"{study.deciding}, {plan.better(study.deciding)} is better" if study.deciding else "no figure",
         ),
     ]
     drawn = [tag("div", tag("dt", esc(name)), tag("dd", esc(text))) for name, text in facts]
-    return tag("dl", *drawn, class_="facts") + _warning(material.n_seeds)
+    return tag("dl", *drawn, class_="facts") + _warning(study.n_seeds)
 
 
 def _warning(n: int) -> Html:
     if n == 1:
         return tag("p", "One world: no interval means anything, and no difference does.", class_="note warn")
-    if n < LEAST_WORLDS:
-        said = f"{n} worlds are too few to call a difference one: that takes {LEAST_WORLDS}."
+    if n < MIN_WORLDS:
+        said = f"{n} worlds are too few to call a difference one: that takes {MIN_WORLDS}."
         return tag("p", said, class_="note warn")
     return ""

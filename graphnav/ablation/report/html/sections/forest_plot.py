@@ -5,30 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from graphnav.ablation.results.compare_variants import Row
+from graphnav.ablation.report.html.charts import PANELS, Mark, Panel, whisker_chart
 from graphnav.ablation.report.html.markup import Html, esc, tag
-from graphnav.ablation.report.html.variant_style import badge_of
-from graphnav.ablation.report.html.study_results import Material
 from graphnav.ablation.report.html.number_text import estimated
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.report.html.variant_style import badge_of
 from graphnav.ablation.report.html.verdict import WORDS, verdict_of
-from graphnav.ablation.report.html.charts.whiskers import PANELS, Mark, Panel, whisker_chart
+from graphnav.ablation.results import Row
 
-MOST_ROWS = 24
+MAX_ROWS = 24
 
 
-def forest(material: Material, figure: str, *, with_worlds: bool = False) -> Html:
+def forest(study: StudyResults, figure: str, *, with_worlds: bool = False) -> Html:
     """Return charts of a figure; ``with_worlds``: a small dot for every world, coloured by how its run ended."""
-    shown = shown_variants(material, figure)
-    labels = {variant: _badge(material, variant) for variant in shown}
-    graphs = material.plan.graphs
-    x_label = f"{figure}, {material.plan.better(figure)} is better"
+    shown = shown_variants(study, figure)
+    labels = {variant: _badge(study, variant) for variant in shown}
+    graphs = study.plan.graphs
+    x_label = f"{figure}, {study.plan.better(figure)} is better"
     charts = []
     columns = math.ceil(len(graphs) / math.ceil(len(graphs) / PANELS))
     for begin in range(0, len(graphs), columns):
         some = graphs[begin : begin + columns]
-        panels = [_panel(material, graph, figure, with_worlds=with_worlds) for graph in some]
+        panels = [_panel(study, graph, figure, with_worlds=with_worlds) for graph in some]
         charts.append(whisker_chart(labels, panels, x_label, f"{figure} of every variant", columns))
-    left_out = len(material.own_variants) - len(shown)
+    left_out = len(study.own_variants) - len(shown)
     if left_out:
         charts.append(
             tag(
@@ -40,53 +40,53 @@ def forest(material: Material, figure: str, *, with_worlds: bool = False) -> Htm
     return "".join(charts)
 
 
-def shown_variants(material: Material, figure: str) -> Sequence[str]:
+def shown_variants(study: StudyResults, figure: str) -> Sequence[str]:
     """Return the variants with runs of their own; of very many the base, controls, oracles and the best."""
-    every = material.own_variants
-    if len(every) <= MOST_ROWS:
+    every = study.own_variants
+    if len(every) <= MAX_ROWS:
         return every
-    plan = material.plan
+    plan = study.plan
     special = {case.variant for case in plan.cases if case.is_base or case.role != "method"}
-    kept = [variant for variant in every if variant in special][: MOST_ROWS // 2]
+    kept = [variant for variant in every if variant in special][: MAX_ROWS // 2]
     sign = -1.0 if plan.better(figure) == "more" else 1.0
 
     def rank(variant: str) -> float:
-        means = [found.mean for graph in plan.graphs if (found := material.estimate(graph, variant, figure))]
+        means = [found.mean for graph in plan.graphs if (found := study.estimate(graph, variant, figure))]
         return sign * sum(means) / len(means) if means else float("inf")
 
-    best = sorted((variant for variant in every if variant not in special), key=rank)[: MOST_ROWS - len(kept)]
+    best = sorted((variant for variant in every if variant not in special), key=rank)[: MAX_ROWS - len(kept)]
     return [variant for variant in every if variant in {*kept, *best}]
 
 
-def _badge(material: Material, variant: str) -> str:
-    return next(badge_of(row) for row in material.comparison.rows if row.case.variant == variant)
+def _badge(study: StudyResults, variant: str) -> str:
+    return next(badge_of(row) for row in study.comparison.rows if row.case.variant == variant)
 
 
-def _panel(material: Material, graph: str, figure: str, *, with_worlds: bool) -> Panel:
-    rows = material.own_rows(graph)
+def _panel(study: StudyResults, graph: str, figure: str, *, with_worlds: bool) -> Panel:
+    rows = study.own_rows(graph)
     marks: dict[str, Mark | str] = {
         row.case.variant: f"the same graph as {row.case.same_as}"
-        for row in material.comparison.of_graph(graph)
+        for row in study.comparison.of_graph(graph)
         if row.case.same_as
     }
-    marks |= {row.case.variant: _mark(material, row, figure, with_worlds=with_worlds) for row in rows}
-    base = material.estimate(graph, material.plan.base, figure)
+    marks |= {row.case.variant: _mark(study, row, figure, with_worlds=with_worlds) for row in rows}
+    base = study.estimate(graph, study.plan.base, figure)
     return Panel(graph, marks, base.mean if base else None)
 
 
-def _mark(material: Material, row: Row, figure: str, *, with_worlds: bool) -> Mark | str:
+def _mark(study: StudyResults, row: Row, figure: str, *, with_worlds: bool) -> Mark | str:
     found = row.estimates.get(figure)
     if found is None:
         return absence(row)
-    verdict = verdict_of(row, figure, material.plan.better(figure))
+    verdict = verdict_of(row, figure, study.plan.better(figure))
     title = (
         f"{row.case.variant}: {estimated(found.mean, found.low, found.high)} over {found.n} worlds, {WORDS[verdict]}"
     )
     points: list[tuple[float, str]] = []
     if with_worlds:
         case = row.case
-        values = material.values(case.graph, case.variant, figure)
-        outcomes = {run.seed: run.outcome for run in material.runs.get((case.graph, case.variant), ())}
+        values = study.values(case.graph, case.variant, figure)
+        outcomes = {run.seed: run.outcome for run in study.runs.get((case.graph, case.variant), ())}
         points = [(value, outcomes[seed]) for seed, value in values.items()]
     look = f"mark {verdict} {row.case.role}"
     return Mark(found.mean, found.low, found.high, look, title, points)

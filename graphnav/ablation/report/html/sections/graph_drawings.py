@@ -5,25 +5,25 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from graphnav.ablation.plan.plan import Case
+from graphnav.ablation.plan import Case
 from graphnav.ablation.report.html.markup import Html, esc, listed, tag
-from graphnav.ablation.report.html.study_results import Material
 from graphnav.ablation.report.html.number_text import counted
+from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.errors import GraphnavError
 from graphnav.graph import graph_of
 from graphnav.render import svg_of
 
 
-def drawings(material: Material) -> Html:
+def drawings(study: StudyResults) -> Html:
     """Return the base's graph, once for all graphs that are wired alike, and what each marked stage is swapped for."""
     drawn: dict[Html, list[str]] = {}
-    for graph in material.plan.graphs:
-        cases = [case for case in material.plan.cases if case.graph == graph]
-        drawn.setdefault(_drawing(material, cases), []).append(graph)
+    for graph in study.plan.graphs:
+        cases = [case for case in study.plan.cases if case.graph == graph]
+        drawn.setdefault(_drawing(study, cases), []).append(graph)
     return "".join(tag("h3", esc(", ".join(graphs))) + picture for picture, graphs in drawn.items())
 
 
-def _drawing(material: Material, cases: list[Case]) -> Html:
+def _drawing(study: StudyResults, cases: list[Case]) -> Html:
     base = next(case for case in cases if case.is_base)
     rivals = _rivals(base, cases)
     tuned = _tuned(base, cases)
@@ -35,7 +35,7 @@ def _drawing(material: Material, cases: list[Case]) -> Html:
     ]
     lines += [f"{tag('b', esc(stage))}: {esc(', '.join(targets))} varied" for stage, targets in tuned.items()]
     try:
-        graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), material.catalog)
+        graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), study.catalog)
     except GraphnavError as error:
         picture = tag("p", f"It cannot be drawn here: {esc(str(error).splitlines()[0])}", class_="note warn")
     else:

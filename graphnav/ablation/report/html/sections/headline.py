@@ -4,55 +4,55 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from graphnav.ablation.results.compare_variants import Row
-from graphnav.ablation.report.html.sections.forest_plot import absence
 from graphnav.ablation.report.html.markup import Html, esc, tag
-from graphnav.ablation.report.html.study_results import Material
 from graphnav.ablation.report.html.number_text import counted, estimated, means_text
+from graphnav.ablation.report.html.sections.forest_plot import absence
+from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
+from graphnav.ablation.results import Row
 from graphnav.stage import Role
 
 Found = Mapping[tuple[str, str], tuple[Verdict, Row]]
 """What the worlds say, by variant and graph."""
 
-_MOST_NAMES = 3
+_MAX_NAMES = 3
 
 
-def verdicts(material: Material, figure: str, role: Role = "method") -> Found:
+def verdicts(study: StudyResults, figure: str, role: Role = "method") -> Found:
     """Return what a figure says of everything of a role that has runs of its own, but the base."""
-    better = material.plan.better(figure)
+    better = study.plan.better(figure)
     return {
         (row.case.variant, graph): (verdict_of(row, figure, better), row)
-        for graph in material.plan.graphs
-        for row in material.own_rows(graph)
+        for graph in study.plan.graphs
+        for row in study.own_rows(graph)
         if row.case.role == role and not row.case.is_base
     }
 
 
-def lead(material: Material, figure: str, found: Found) -> Html:
+def lead(study: StudyResults, figure: str, found: Found) -> Html:
     """Return what the base does and whether anything does better."""
     rivals = list(dict.fromkeys(variant for variant, _ in found))
     if len(rivals) == 1:
-        return " ".join(_paired(material, figure, verdict, row) for verdict, row in found.values())
+        return " ".join(_paired(study, figure, verdict, row) for verdict, row in found.values())
     sides = {side: [v for v in rivals if _side(found, v) == side] for side in ("better", "mixed", "worse")}
     clauses = []
     if sides["better"]:
         clauses.append(f"{_names(sides['better'])} better")
     if sides["mixed"]:
-        clauses.append(f"{_names(sides['mixed'])} better on some {_places(material)} and worse on others")
+        clauses.append(f"{_names(sides['mixed'])} better on some {_places(study)} and worse on others")
     if rivals and not clauses:
         clauses.append(f"None of the {len(rivals)} others is better")
     if sides["worse"]:
         n = len(sides["worse"])
         clauses.append(
             f"{_names(sides['worse'])} worse"
-            if n <= _MOST_NAMES
+            if n <= _MAX_NAMES
             else f"{n} of {len(rivals)} are worse"
             if n < len(rivals)
             else "all are worse"
         )
     said = f" {'; '.join(clauses)}." if clauses else ""
-    return f"{name(material.plan.base)} has {tag('b', esc(figure))} {_everywhere(material, figure)}.{said}"
+    return f"{name(study.plan.base)} has {tag('b', esc(figure))} {_everywhere(study, figure)}.{said}"
 
 
 def _side(found: Found, variant: str) -> str:
@@ -63,9 +63,9 @@ def _side(found: Found, variant: str) -> str:
     return next((side for side in ("better", "worse") if side in sides), "neither")
 
 
-def _paired(material: Material, figure: str, verdict: Verdict, row: Row) -> Html:
+def _paired(study: StudyResults, figure: str, verdict: Verdict, row: Row) -> Html:
     """Return what one rival does, and how that differs from the base."""
-    where = f" on {esc(row.case.graph)}" if len(material.plan.graphs) > 1 else ""
+    where = f" on {esc(row.case.graph)}" if len(study.plan.graphs) > 1 else ""
     estimate, difference = row.estimates.get(figure), row.differences.get(figure)
     if estimate is None or difference is None:
         return f"{name(row.case.variant)}{where}: {esc(absence(row))}."
@@ -76,16 +76,16 @@ def _paired(material: Material, figure: str, verdict: Verdict, row: Row) -> Html
         "worse": "worse than the base",
         "unclear": f"no difference that {counted(difference.n, 'world')} can tell",
     }.get(verdict, f"{counted(difference.n, 'world')} cannot tell")
-    said = f"{tag('b', esc(figure))} {value}, {change} against {name(material.plan.base)}"
+    said = f"{tag('b', esc(figure))} {value}, {change} against {name(study.plan.base)}"
     return f"{name(row.case.variant)}{where}: {said} \N{EM DASH} {words}."
 
 
-def _everywhere(material: Material, figure: str) -> Html:
+def _everywhere(study: StudyResults, figure: str) -> Html:
     """Return what the base has on each graph, on many the least and the greatest."""
-    graphs, base = material.plan.graphs, material.plan.base
-    found = {graph: of for graph in graphs if (of := material.estimate(graph, base, figure)) is not None}
-    if len(found) > _MOST_NAMES:
-        return f"{means_text([of.mean for of in found.values()])} on {len(found)} {_places(material)}"
+    graphs, base = study.plan.graphs, study.plan.base
+    found = {graph: of for graph in graphs if (of := study.estimate(graph, base, figure)) is not None}
+    if len(found) > _MAX_NAMES:
+        return f"{means_text([of.mean for of in found.values()])} on {len(found)} {_places(study)}"
     said = [
         estimated(of.mean, of.low, of.high) + (f" on {esc(graph)}" if len(graphs) > 1 else "")
         for graph, of in found.items()
@@ -93,9 +93,9 @@ def _everywhere(material: Material, figure: str) -> Html:
     return ", ".join(said) or "in no run yet"
 
 
-def _places(material: Material) -> str:
+def _places(study: StudyResults) -> str:
     """Return what tells the tables of a study apart."""
-    plan = material.plan
+    plan = study.plan
     return "graphs" if not plan.within else "conditions" if len(plan.sources) == 1 else "graphs and conditions"
 
 
@@ -108,7 +108,7 @@ def _names(variants: Sequence[str]) -> Html:
     """Return names with the verb that they take."""
     if len(variants) == 1:
         return f"{name(variants[0])} is"
-    shown = [name(variant) for variant in variants[:_MOST_NAMES]]
-    if len(variants) > _MOST_NAMES:
-        return f"{', '.join(shown)} and {len(variants) - _MOST_NAMES} more are"
+    shown = [name(variant) for variant in variants[:_MAX_NAMES]]
+    if len(variants) > _MAX_NAMES:
+        return f"{', '.join(shown)} and {len(variants) - _MAX_NAMES} more are"
     return f"{', '.join(shown[:-1])} and {shown[-1]} are"

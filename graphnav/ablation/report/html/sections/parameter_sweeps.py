@@ -7,17 +7,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from graphnav.ablation.plan.plan import Case, Plan
+from graphnav.ablation.plan import Case, Plan
+from graphnav.ablation.report.html.charts import FULL_WIDTH, HALF_WIDTH, Point, Series, line_chart
 from graphnav.ablation.report.html.markup import Html, esc, tag
-from graphnav.ablation.report.html.charts.lines import HALF, WHOLE, Point, Series, line_chart
+from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import BASE, METHODS
-from graphnav.ablation.report.html.study_results import Material
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
-_MOST_LINES = 10
-_MOST_CHARTS = 8
+_MAX_LINES = 10
+_MAX_CHARTS = 8
 """Of one axis on one graph."""
-_MOST_FIRST = 4
+_MAX_FIRST = 4
 
 
 @dataclass(frozen=True)
@@ -29,19 +29,19 @@ class Chart:
     series: Sequence[Series]
 
 
-def deciding_sweeps(material: Material) -> Html:
+def deciding_sweeps(study: StudyResults) -> Html:
     """Return line charts of the figure that decides, with those of the same name; nothing without numeric axes."""
-    kin = _family(material.deciding or "")
-    figures = [figure for figure in material.figures if _family(figure) == kin]
-    charts = [chart for _, of in _by_axis(material, figures) for chart in of]
-    return _grid(charts[:_MOST_FIRST])
+    kin = _family(study.deciding or "")
+    figures = [figure for figure in study.figures if _family(figure) == kin]
+    charts = [chart for _, of in _by_axis(study, figures) for chart in of]
+    return _grid(charts[:_MAX_FIRST])
 
 
-def sweeps(material: Material) -> Html:
+def sweeps(study: StudyResults) -> Html:
     """Return line charts of all other figures."""
-    kin = _family(material.deciding or "")
-    figures = [figure for figure in material.figures if _family(figure) != kin]
-    return "".join(tag("h3", esc(title)) + _grid(of[:_MOST_CHARTS]) for title, of in _by_axis(material, figures))
+    kin = _family(study.deciding or "")
+    figures = [figure for figure in study.figures if _family(figure) != kin]
+    return "".join(tag("h3", esc(title)) + _grid(of[:_MAX_CHARTS]) for title, of in _by_axis(study, figures))
 
 
 def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
@@ -54,22 +54,22 @@ def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
 def _grid(charts: Sequence[Chart]) -> Html:
     if not charts:
         return ""
-    width = WHOLE if len(charts) == 1 else HALF
+    width = FULL_WIDTH if len(charts) == 1 else HALF_WIDTH
     drawn = [line_chart(chart.title, chart.axis, chart.series, width) for chart in charts]
     return tag("div", *drawn, class_="grid" if len(drawn) > 1 else "scroll")
 
 
-def _by_axis(material: Material, figures: Sequence[str]) -> Iterator[tuple[str, list[Chart]]]:
+def _by_axis(study: StudyResults, figures: Sequence[str]) -> Iterator[tuple[str, list[Chart]]]:
     """Yield the charts of every axis that is one of numbers, graph by graph."""
-    for axis, labels in material.plan.axes.items():
+    for axis, labels in study.plan.axes.items():
         places = axis_numbers(labels)
         if places is None:
             continue
-        by_graph = _by_graph(material.plan, axis)
+        by_graph = _by_graph(study.plan, axis)
         for graph, cases in by_graph.items():
-            lines = _lines(material.plan, cases, axis)
+            lines = _lines(study.plan, cases, axis)
             where = f" on {graph}" if len(by_graph) > 1 else ""
-            if charts := list(_charts(material, lines, axis, places, figures, where)):
+            if charts := list(_charts(study, lines, axis, places, figures, where)):
                 yield f"{axis} on {graph}", charts
 
 
@@ -83,7 +83,7 @@ def _by_graph(plan: Plan, axis: str) -> dict[str, list[Case]]:
 
 
 def _charts(
-    material: Material,
+    study: StudyResults,
     lines: Mapping[str, Sequence[Case]],
     axis: str,
     places: Mapping[str, float],
@@ -96,8 +96,8 @@ def _charts(
         families.setdefault(_family(figure), []).append(figure)
     for name, kin in families.items():
         series: list[Series] = []
-        for figure, (others, cases) in list(product(kin, lines.items()))[:_MOST_LINES]:
-            points = sorted(_points(material, figure, axis, cases, places), key=lambda point: point.x)
+        for figure, (others, cases) in list(product(kin, lines.items()))[:_MAX_LINES]:
+            points = sorted(_points(study, figure, axis, cases, places), key=lambda point: point.x)
             words = [figure.rpartition(".")[0]] * (len(kin) > 1) + [others] * (len(lines) > 1)
             special = any(case.role != "method" for case in cases)
             if points:
@@ -122,9 +122,9 @@ def _family(figure: str) -> str:
 
 
 def _points(
-    material: Material, figure: str, axis: str, cases: Sequence[Case], places: Mapping[str, float]
+    study: StudyResults, figure: str, axis: str, cases: Sequence[Case], places: Mapping[str, float]
 ) -> Iterator[Point]:
     for case in cases:
-        found = material.estimate(case.graph, case.variant, figure)
+        found = study.estimate(case.graph, case.variant, figure)
         if found is not None:
             yield Point(places[case.labels[axis]], found.mean, found.low, found.high)

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from graphnav.ablation.results.records import Record
-from graphnav.ablation.report.html.markup import Html, esc, tag
-from graphnav.ablation.report.html.variant_style import chips, colours_of
-from graphnav.ablation.report.html.study_results import Material
 from graphnav.ablation.report.html.embedded_picture import embedded
+from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.report.html.variant_style import chips, colours_of
+from graphnav.ablation.results import Record
 from graphnav.errors import DrawingError, GraphnavError
 from graphnav.pictures import DRAWING_FAMILY, drawing
 from graphnav.record import Recording
@@ -18,55 +18,53 @@ from graphnav.record.find import LOG
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
-_MOST_PATHS = {"method": 8, "control": 3, "oracle": 2}
-_MOST_PX = 520
+_MAX_PATHS = {"method": 8, "control": 3, "oracle": 2}
+_MAX_PX = 520
 
 
-def maps(material: Material) -> Html:
+def maps(study: StudyResults) -> Html:
     """Return maps with paths: of the first worlds and of those in which variants differ most."""
-    variants = _variants(material)
-    colours = colours_of(material)
-    material.catalog.load(DRAWING_FAMILY)
+    variants = _variants(study)
+    colours = colours_of(study)
+    study.catalog.load(DRAWING_FAMILY)
     parts = []
-    for graph in material.plan.graphs:
-        own = [variant for variant in variants if not material.plan.case(graph, variant).same_as]
-        runs = {v: {run.seed: run for run in material.runs.get((graph, v), ())} for v in own}
-        seeds = _worlds(material, graph, variants)
-        drawn = [
-            _map(material, graph, seed, [of[seed] for of in runs.values() if seed in of], colours) for seed in seeds
-        ]
+    for graph in study.plan.graphs:
+        own = [variant for variant in variants if not study.plan.case(graph, variant).same_as]
+        runs = {v: {run.seed: run for run in study.runs.get((graph, v), ())} for v in own}
+        seeds = _worlds(study, graph, variants)
+        drawn = [_map(study, graph, seed, [of[seed] for of in runs.values() if seed in of], colours) for seed in seeds]
         shown = [figure for figure in drawn if figure]
         if shown:
             parts += [tag("h3", esc(graph)), tag("div", *shown, class_="maps")]
     if not parts:
         return tag("p", "No log of a run has a map and a path, or the logs are gone.", class_="note")
-    left_out = len(material.own_variants) - len(variants)
+    left_out = len(study.own_variants) - len(variants)
     note = "Dot: start. Ring: end. Cross: contact, in the colour of whoever touched."
     note += f" {left_out} more variants are not drawn." if left_out else ""
     return chips([(variant, colours[variant]) for variant in variants]) + tag("p", note, class_="note") + "".join(parts)
 
 
-def _variants(material: Material) -> Sequence[str]:
+def _variants(study: StudyResults) -> Sequence[str]:
     """Return whose paths are drawn: of each role the first few, the base among them."""
-    roles = {case.variant: case.role for case in material.plan.cases}
-    used = dict.fromkeys(_MOST_PATHS, 0)
+    roles = {case.variant: case.role for case in study.plan.cases}
+    used = dict.fromkeys(_MAX_PATHS, 0)
     kept = []
-    for variant in material.own_variants:
+    for variant in study.own_variants:
         role = roles[variant]
         used[role] += 1
-        if used[role] <= _MOST_PATHS[role]:
+        if used[role] <= _MAX_PATHS[role]:
             kept.append(variant)
     return kept
 
 
-def _worlds(material: Material, graph: str, variants: Sequence[str]) -> Sequence[int]:
+def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequence[int]:
     """Return the seeds of the worlds to draw, the first ones first."""
-    seeds = material.plan.seeds
-    first, disputed = (_FIRST, _DISPUTED) if len(material.plan.graphs) <= _MANY_GRAPHS else (1, 2)
+    seeds = study.plan.seeds
+    first, disputed = (_FIRST, _DISPUTED) if len(study.plan.graphs) <= _MANY_GRAPHS else (1, 2)
     outcomes: dict[int, list[str]] = {}
     for variant in variants:
-        if material.plan.case(graph, variant).role == "method":
-            for run in material.runs.get((graph, variant), ()):
+        if study.plan.case(graph, variant).role == "method":
+            for run in study.runs.get((graph, variant), ()):
                 outcomes.setdefault(run.seed, []).append(run.outcome)
     doubt = {seed: sum(one != "goal" for one in of) * sum(one == "goal" for one in of) for seed, of in outcomes.items()}
     begin = list(seeds[:first])
@@ -75,11 +73,11 @@ def _worlds(material: Material, graph: str, variants: Sequence[str]) -> Sequence
     return [*begin, *(most or rest[:disputed])]
 
 
-def _map(material: Material, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> Html:
-    beside = Path(next(case.folder for case in material.plan.cases if case.graph == graph)).parent.name
-    file = material.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
+def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> Html:
+    beside = Path(next(case.folder for case in study.plan.cases if case.graph == graph)).parent.name
+    file = study.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
     try:
-        drawn = _drawn(material, runs, colours, file)
+        drawn = _drawn(study, runs, colours, file)
     except DrawingError as error:
         return tag("p", f"World {seed} of {esc(graph)} cannot be drawn: {esc(str(error))}", class_="note warn")
     except GraphnavError:  # a log that cannot be read shows no path
@@ -88,23 +86,23 @@ def _map(material: Material, graph: str, seed: int, runs: Sequence[Record], colo
         return ""
     ends = dict.fromkeys(run.outcome for run in runs)
     counts = ", ".join(f"{sum(run.outcome == end for run in runs)} {end}" for end in ends)
-    picture = embedded(drawn, esc(f"paths through world {seed} of {graph}"), _MOST_PX)
+    picture = embedded(drawn, esc(f"paths through world {seed} of {graph}"), _MAX_PX)
     return tag("figure", picture, tag("figcaption", f"seed {seed}: {esc(counts)}"))
 
 
-def _drawn(material: Material, runs: Sequence[Record], colours: dict[str, str], file: Path) -> Path | None:
+def _drawn(study: StudyResults, runs: Sequence[Record], colours: dict[str, str], file: Path) -> Path | None:
     """Draw the runs whose logs are there, the base on top; return ``file``, or None where they are not enough."""
     with ExitStack() as stack:
         recordings = {
             run.variant: stack.enter_context(Recording(log))
             for run in reversed(runs)
-            if (log := material.folder / run.folder / LOG).is_file()
+            if (log := study.folder / run.folder / LOG).is_file()
         }
         if not recordings:
             return None
         file.parent.mkdir(parents=True, exist_ok=True)
         with drawing():
-            drawn: Path | None = material.catalog.hook.graphnav_draw_paths(
+            drawn: Path | None = study.catalog.hook.graphnav_draw_paths(
                 recordings=recordings, colours=colours, file=file
             )
         return drawn

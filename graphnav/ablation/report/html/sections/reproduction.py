@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.results.compare_variants import LEAST_WORLDS
-from graphnav.ablation.report.legend import COUNTING, INTERVALS, seeds_text
 from graphnav.ablation.report.html.markup import Html, details, esc, listed, tag
-from graphnav.ablation.report.html.study_results import Material
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.report.legend import COUNTING, INTERVALS, seeds_text
+from graphnav.ablation.results import MIN_WORLDS
 
 _MEANING = """\
 A world is a seed: map, start, textures and noise are drawn from it, and every variant meets the same ones.
@@ -20,9 +20,9 @@ A control lacks what a method claims to need: where a method does not beat it, t
 test nothing. An oracle sees the truth: it bounds what methods can reach."""
 
 
-def reproduce(material: Material) -> Html:
+def reproduce(study: StudyResults) -> Html:
     """Return the command, the versions, the statistics, and every graph as it ran."""
-    plan = material.plan
+    plan = study.plan
     versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
     facts = [
         ("seeds", seeds_text(plan.seeds)),
@@ -34,30 +34,30 @@ def reproduce(material: Material) -> Html:
         [
             tag("pre", esc(plan.command), class_="command"),
             tag("dl", *drawn, class_="facts"),
-            _meaning(material),
-            _notices(material),
-            *(_graph(material, graph) for graph in plan.graphs),
+            _meaning(study),
+            _notices(study),
+            *(_graph(study, graph) for graph in plan.graphs),
         ]
     )
 
 
-def _meaning(material: Material) -> Html:
-    n = sum(1 for row in material.comparison.rows if row.differences and not row.case.same_as)
-    own = _MEANING.format(least=LEAST_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
+def _meaning(study: StudyResults) -> Html:
+    n = sum(1 for row in study.comparison.rows if row.differences and not row.case.same_as)
+    own = _MEANING.format(least=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
     said = [own[0], INTERVALS, *own[1:], COUNTING]
     return tag("h3", "What the intervals mean") + listed([esc(text) for text in said], class_="meaning")
 
 
-def _notices(material: Material) -> Html:
+def _notices(study: StudyResults) -> Html:
     found = [
         f"{tag('b', esc(case.variant))} on {esc(case.graph)}: {esc('; '.join(case.notices))}"
-        for case in material.plan.cases
+        for case in study.plan.cases
         if case.notices and not case.same_as
     ]
     return details("What the swaps rewired, pruned and set to defaults", listed(found)) if found else ""
 
 
-def _graph(material: Material, graph: str) -> Html:
-    cases = [case for case in material.plan.cases if case.graph == graph and not case.same_as]
+def _graph(study: StudyResults, graph: str) -> Html:
+    cases = [case for case in study.plan.cases if case.graph == graph and not case.same_as]
     inner = [details(esc(case.variant), tag("pre", esc(case.graph_yaml))) for case in cases]
     return details(f"{esc(graph)}: the {len(cases)} graphs as they ran", *inner)

@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.results.compare_variants import Row
 from graphnav.ablation.report.html.markup import Html, details, esc, table, tag
-from graphnav.ablation.report.html.variant_style import OUTCOMES, badge, badge_of
-from graphnav.ablation.report.html.study_results import Material
 from graphnav.ablation.report.html.number_text import counted, estimated
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.report.html.variant_style import OUTCOMES, badge, badge_of
 from graphnav.ablation.report.html.verdict import verdict_of
+from graphnav.ablation.results import Row
 
-_MOST_OPEN = 40
+_MAX_OPEN = 40
 """Rows of a table that stands open."""
 
 
-def tables(material: Material) -> Html:
+def tables(study: StudyResults) -> Html:
     """Return a table for every graph."""
-    return "".join(_table(material, graph) for graph in material.plan.graphs)
+    return "".join(_table(study, graph) for graph in study.plan.graphs)
 
 
-def _table(material: Material, graph: str) -> Html:
-    rows = material.comparison.of_graph(graph)
-    head = [esc("variant"), esc("worlds"), esc("how they ended"), *(_head(material, name) for name in material.figures)]
-    drawn = table(head, (_row(material, row) for row in rows), class_="results")
+def _table(study: StudyResults, graph: str) -> Html:
+    rows = study.comparison.of_graph(graph)
+    head = [esc("variant"), esc("worlds"), esc("how they ended"), *(_head(study, name) for name in study.figures)]
+    drawn = table(head, (_row(study, row) for row in rows), class_="results")
     title = tag("h3", esc(graph))
-    return title + drawn if len(rows) <= _MOST_OPEN else title + details(f"{len(rows)} variants", drawn)
+    return title + drawn if len(rows) <= _MAX_OPEN else title + details(f"{len(rows)} variants", drawn)
 
 
-def _head(material: Material, figure: str) -> Html:
-    return f"{esc(figure)}<br>" + tag("small", f"{material.plan.better(figure)} is better")
+def _head(study: StudyResults, figure: str) -> Html:
+    return f"{esc(figure)}<br>" + tag("small", f"{study.plan.better(figure)} is better")
 
 
-def _row(material: Material, row: Row) -> Html:
+def _row(study: StudyResults, row: Row) -> Html:
     case = row.case
     reasons = "".join(
         tag("div", f"{counted(n, 'run')} failed: {esc(reason)}", class_="reason") for reason, n in row.failures.items()
@@ -38,10 +38,10 @@ def _row(material: Material, row: Row) -> Html:
     name = tag("th", esc(case.variant), badge(badge_of(row)), reasons if not case.same_as else "", scope="row")
     if case.same_as:
         said = f"the same graph as {esc(case.same_as)}: its runs are these"
-        return tag("tr", name, tag("td", said, colspan=2 + len(material.figures), class_="quiet"), class_="same")
-    missing = "" if row.runs >= material.n_seeds else f" of {material.n_seeds}"
+        return tag("tr", name, tag("td", said, colspan=2 + len(study.figures), class_="quiet"), class_="same")
+    missing = "" if row.runs >= study.n_seeds else f" of {study.n_seeds}"
     cells = [tag("td", f"{row.runs}{missing}", class_="number"), tag("td", _outcomes(row))]
-    cells += [tag("td", _figure(material, row, figure)) for figure in material.figures]
+    cells += [tag("td", _figure(study, row, figure)) for figure in study.figures]
     return tag("tr", name, *cells, class_=f"{case.role} {'base' if case.is_base else ''}".strip())
 
 
@@ -51,7 +51,7 @@ def _outcomes(row: Row) -> Html:
     return tag("div", bar, class_="bar") + tag("small", ", ".join(f"{n} {name}" for name, n in found))
 
 
-def _figure(material: Material, row: Row, figure: str) -> Html:
+def _figure(study: StudyResults, row: Row, figure: str) -> Html:
     estimate, difference = row.estimates.get(figure), row.differences.get(figure)
     if estimate is None:
         return tag("span", "\N{EM DASH}", class_="quiet")
@@ -59,7 +59,7 @@ def _figure(material: Material, row: Row, figure: str) -> Html:
     few = "" if estimate.n >= row.runs else tag("small", f" in {estimate.n}")
     if difference is None:
         return value + few
-    look = verdict_of(row, figure, material.plan.better(figure))
+    look = verdict_of(row, figure, study.plan.better(figure))
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
     worlds = tag("small", f"won {difference.won}, lost {difference.lost} of {difference.n}")
     return value + few + tag("div", change, class_=f"change {look}") + worlds

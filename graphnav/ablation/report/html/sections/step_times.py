@@ -4,26 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from graphnav.ablation.report.html.charts.bars import stacked_bars
-from graphnav.ablation.report.html.sections.forest_plot import MOST_ROWS
+from graphnav.ablation.report.html.charts import stacked_bars
 from graphnav.ablation.report.html.markup import Html, details, esc, table, tag
+from graphnav.ablation.report.html.sections.forest_plot import MAX_ROWS
+from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import BASE, METHODS, chips
-from graphnav.ablation.report.html.study_results import Material
 
 _PALETTE = ("#aab4c0", BASE, *METHODS)
 _REST, _REST_COLOUR = "all others", "#dfe3e8"
 
 
-def timing(material: Material) -> Html:
+def timing(study: StudyResults) -> Html:
     """Return bars and a table of each graph, of the rows that have runs."""
     parts = []
-    for graph in material.plan.graphs:
-        rows = {row.case.variant: row.p50_ms for row in material.own_rows(graph) if row.p50_ms}
+    for graph in study.plan.graphs:
+        rows = {row.case.variant: row.p50_ms for row in study.own_rows(graph) if row.p50_ms}
         if not rows:
             continue
         stages = list(dict.fromkeys(stage for times in rows.values() for stage in times))
         colours = _colours(stages, rows)
-        shown = {variant: _gathered(times, colours) for variant, times in list(rows.items())[:MOST_ROWS]}
+        shown = {variant: _gathered(times, colours) for variant, times in list(rows.items())[:MAX_ROWS]}
         cells = [
             tag("tr", tag("th", esc(variant), scope="row"), *(_cell(times.get(stage)) for stage in stages))
             for variant, times in rows.items()

@@ -4,57 +4,57 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from graphnav.ablation.results.compare_variants import Row
+from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.number_text import counted, estimated, means_text
 from graphnav.ablation.report.html.sections.forest_plot import absence
 from graphnav.ablation.report.html.sections.headline import Found, name, verdicts
-from graphnav.ablation.report.html.markup import Html, esc, tag
-from graphnav.ablation.report.html.study_results import Material
-from graphnav.ablation.report.html.number_text import counted, estimated, means_text
+from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.verdict import Verdict
+from graphnav.ablation.results import Row
 
-_MOST_NAMED = 6
-_MOST_CHECKS = 3
-_MOST_INTERVALS = 8
+_MAX_NAMED = 6
+_MAX_CHECKS = 3
+_MAX_INTERVALS = 8
 """Of more differences the means stand alone; the chart and the tables have the intervals."""
 
 
-def sides(material: Material, figure: str, found: Found) -> Html:
+def variants_by_verdict(study: StudyResults, figure: str, found: Found) -> Html:
     """Return three lists of methods, each with its difference from the base on the graphs where that holds."""
     titles: dict[Verdict, str] = {
         "better": "Better than the base",
-        "unclear": f"No difference that {counted(material.n_seeds, 'world')} can tell",
+        "unclear": f"No difference that {counted(study.n_seeds, 'world')} can tell",
         "worse": "Worse than the base",
         "unknown": "Not known",
     }
-    is_brief = len(found) > _MOST_INTERVALS
+    is_brief = len(found) > _MAX_INTERVALS
     rows = []
     for verdict, title in titles.items():
-        entries = list(_entries(material, figure, found, verdict, is_brief=is_brief))
+        entries = list(_entries(study, figure, found, verdict, is_brief=is_brief))
         if not entries and verdict == "unknown":
             continue
         said = _some(entries) if entries else tag("span", "none", class_="quiet")
         rows.append(tag("dt", tag("span", class_=f"sign {verdict}"), esc(title)) + tag("dd", said))
-    rows = [*rows, *_unbeaten(material, figure)] if found else list(_unbeaten(material, figure))
+    rows = [*rows, *_unbeaten(study, figure)] if found else list(_unbeaten(study, figure))
     return tag("dl", *rows, class_="sides") if rows else ""
 
 
-def _unbeaten(material: Material, figure: str) -> Iterator[Html]:
+def _unbeaten(study: StudyResults, figure: str) -> Iterator[Html]:
     """Yield the controls that the base does not clearly beat: what they lack may not be needed."""
-    found = verdicts(material, figure, "control")
+    found = verdicts(study, figure, "control")
     kept: Found = {key: ("unclear", row) for key, (verdict, row) in found.items() if verdict in {"better", "unclear"}}
-    entries = list(_entries(material, figure, kept, "unclear", is_brief=len(kept) > _MOST_INTERVALS))
+    entries = list(_entries(study, figure, kept, "unclear", is_brief=len(kept) > _MAX_INTERVALS))
     if entries:
         title = tag("dt", tag("span", class_="sign control"), "Controls that the base does not beat")
         yield title + tag("dd", _some(entries))
 
 
 def _some(entries: Sequence[Html]) -> Html:
-    more = f" and {len(entries) - _MOST_NAMED} more" if len(entries) > _MOST_NAMED else ""
-    return "; ".join(entries[:_MOST_NAMED]) + more
+    more = f" and {len(entries) - _MAX_NAMED} more" if len(entries) > _MAX_NAMED else ""
+    return "; ".join(entries[:_MAX_NAMED]) + more
 
 
-def _entries(material: Material, figure: str, found: Found, verdict: Verdict, *, is_brief: bool) -> Iterator[Html]:
-    graphs = material.plan.graphs
+def _entries(study: StudyResults, figure: str, found: Found, verdict: Verdict, *, is_brief: bool) -> Iterator[Html]:
+    graphs = study.plan.graphs
     for variant in dict.fromkeys(variant for variant, _ in found):
         here = {g: found[variant, g][1] for g in graphs if (variant, g) in found and found[variant, g][0] == verdict}
         if not here:
@@ -80,20 +80,20 @@ def _brief(rows: Iterable[Row], figure: str) -> Html:
     return means_text(found, signed=True) if found else "no common world"
 
 
-def checks(material: Material, figure: str) -> Html:
+def reference_values(study: StudyResults, figure: str) -> Html:
     """Return what controls and oracles came to: they say whether worlds and scores can be trusted."""
     said = []
     for role in ("control", "oracle"):
-        cases = [case for case in material.plan.cases if case.role == role and not case.same_as]
+        cases = [case for case in study.plan.cases if case.role == role and not case.same_as]
         variants = list(dict.fromkeys(case.variant for case in cases))
-        if len(variants) > _MOST_CHECKS:
-            said.append(f"{len(variants)} {role}s {_range(material, variants, figure)}")
+        if len(variants) > _MAX_CHECKS:
+            said.append(f"{len(variants)} {role}s {_range(study, variants, figure)}")
         else:
-            said += [f"{role} {name(variant)} {_range(material, [variant], figure)}" for variant in variants]
+            said += [f"{role} {name(variant)} {_range(study, [variant], figure)}" for variant in variants]
     return tag("p", f"For scale, {esc(figure)} over all graphs: ", "; ".join(said), ".", class_="note") if said else ""
 
 
-def _range(material: Material, variants: Sequence[str], figure: str) -> Html:
+def _range(study: StudyResults, variants: Sequence[str], figure: str) -> Html:
     """Return the least and the greatest mean of variants over all graphs."""
-    every = [found.mean for g in material.plan.graphs for v in variants if (found := material.estimate(g, v, figure))]
+    every = [found.mean for g in study.plan.graphs for v in variants if (found := study.estimate(g, v, figure))]
     return means_text(every) if every else "not known"

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
+from graphnav.ablation.plan.plan import Plan
 from graphnav.catalog import GROUP
 from graphnav.runner.summary import versions
 
 _CODE = "code of "
 _HASH_LETTERS = 12
+
+
+def with_versions(plan: Plan) -> Plan:
+    """Return the plan with all that its runs depend on: versions, and the code of its stages."""
+    families = {use.partition(".")[0] for case in plan.cases for use in case.uses.values()}
+    return replace(plan, versions=provenance(families, plan.plugins))
 
 
 def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str]:

@@ -1,0 +1,51 @@
+"""Failed runs: which are failures, the worst of them, where their pictures are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from graphnav.ablation.plan import RUNS, Case, Job, Plan
+from graphnav.ablation.results.records import Record
+from graphnav.runner import Outcome
+
+FAILURES = "failures"
+_WORST = (Outcome.CONTACT, Outcome.FAILED, Outcome.TIMEOUT)
+"""A failure that is hard to explain by its summary comes first."""
+_OF_CONTROLS = 1
+"""Controls fail by design: one picture shows how."""
+
+
+def failure_folder(case: Case, seed: int) -> str:
+    """Return where a failure's pictures are, below the study's folder."""
+    return f"{FAILURES}/{case.folder.removeprefix(f'{RUNS}/')}/{seed}"
+
+
+def is_failure(record: Record) -> bool:
+    """Return whether a run failed: it touched something, broke down, or had a goal and did not reach it in time.
+
+    A graph without a goal ends when its time is over, which is no failure.
+    """
+    if record.outcome == Outcome.TIMEOUT:
+        return any(name.endswith(".success") and value == 0 for name, value in record.figures.items())
+    return record.outcome in _WORST
+
+
+def worst_failures(plan: Plan, records: Iterable[Record], each: int) -> list[Job]:
+    """Return up to ``each`` failures of every case: contacts, then breakdowns, then timeouts, by seed.
+
+    Runs that left nothing to see, because they broke down before the first tick, do not count.
+    """
+    failed: dict[tuple[str, str], list[Record]] = {}
+    for record in records:
+        if is_failure(record) and record.frames:
+            failed.setdefault((record.graph, record.variant), []).append(record)
+    chosen = []
+    for case in plan.cases:
+        if case.same_as:
+            continue
+        found = sorted(
+            failed.get((case.graph, case.variant), ()), key=lambda r: (_WORST.index(Outcome(r.outcome)), r.seed)
+        )
+        number = min(each, _OF_CONTROLS) if case.role == "control" else each
+        chosen += [Job(case, record.seed) for record in found[:number]]
+    return chosen

@@ -1,0 +1,42 @@
+"""A run that is to be made, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Task:
+    """A run that is to be made; it needs no file but those that the graph and the plugins name."""
+
+    folder: str
+    """Where its files will be, below the study's folder."""
+    graph_yaml: str
+    """The resolved graph, its paths absolute."""
+    graph_path: str
+    """Its file, which names the run; it is not read."""
+    notices: tuple[str, ...]
+    seed: int
+    plugins: tuple[str, ...]
+    versions: Mapping[str, str]
+    """What the study is made with: a machine that has anything else must not take part."""
+    record: Literal["small", "all"] = "small"
+    draws: bool = False
+    """Whether its pictures are drawn."""
+    keeps_log: bool = True
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of a task: its files, or why there are none."""
+
+    task: Task
+    files: Mapping[str, bytes]
+    """The content of the run folder, by path in it."""
+    outcome: str = ""
+    error: str = ""
+    """What has nothing to do with the stages and ends the study: a full disk, another version."""
+    died: bool = False
+    """Whether the process that made it died."""
