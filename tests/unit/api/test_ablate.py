@@ -19,7 +19,7 @@ from graphnav import UserError
 from graphnav.ablation.execution import read_plan
 from graphnav.cli import main
 
-TOYS = Path(__file__).parents[1] / "ablation" / "running" / "toys.py"
+TOYS = Path(__file__).parents[1] / "ablation" / "execution" / "toy_stages.py"
 GRAPH = """\
 run: {until_s: 5}
 stages:

@@ -15,7 +15,7 @@ from graphnav.cli import main
 from graphnav.pictures import DRAWING_FAMILY
 from graphnav.record import Recording
 
-from .made_up import Page, plan_of, report
+from .example_study import Page, plan_of, report
 
 SETS = {"pca": (), "forward": ("steer=steer.forward",)}
 

@@ -14,7 +14,7 @@ from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.spec import write_value
 
-STUDIES = Path(__file__).resolve().parent.parent.parent / "errors" / "studies"
+STUDIES = Path(__file__).resolve().parents[3] / "errors" / "studies"
 CALM = settings(
     deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
 )

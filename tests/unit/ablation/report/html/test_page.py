@@ -15,7 +15,7 @@ from graphnav.catalog import Catalog
 from graphnav.graph import Graph, resolved_yaml
 from graphnav.stage import Role
 
-from .made_up import CLEARANCE, SUCCESS, Page, plan_of, record_of, records_of, report
+from .example_study import CLEARANCE, SUCCESS, Page, plan_of, record_of, records_of, report
 
 ROLES: dict[str, Role] = {"ica": "method", "affine": "method", "bad": "method", "prior": "control", "truth": "oracle"}
 SHARES = {"ica": 0.9, "affine": 0.85, "bad": 0.1, "prior": 0.0, "truth": 1.0}

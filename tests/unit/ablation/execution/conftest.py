@@ -18,7 +18,7 @@ import pytest
 from graphnav.cli import main
 
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
-TOYS = Path(__file__).parent / "toys.py"
+TOYS = Path(__file__).parent / "toy_stages.py"
 GRAPH = """\
 run: {until_s: 5}
 stages:

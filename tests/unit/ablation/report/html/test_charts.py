@@ -17,7 +17,7 @@ from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results.comparison import Difference, Row
 from graphnav.stage import Role
 
-from .made_up import Page, plan_of, record_of, records_of, report
+from .example_study import Page, plan_of, record_of, records_of, report
 
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)
 

@@ -12,7 +12,7 @@ from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import load_graph, resolved_yaml
 
-STUDIES = Path(__file__).resolve().parent.parent.parent / "errors" / "studies"
+STUDIES = Path(__file__).resolve().parents[3] / "errors" / "studies"
 GRAPHS = STUDIES / "graphs"
 
 MakePlan = Callable[..., Plan]
