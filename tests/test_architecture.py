@@ -29,6 +29,47 @@ BREAKS = {
         "Plugins use only the authoring API",
     ),
     "lcm": ("graphnav/runner/unit.py", "import lcm", "LCM is imported by bus only"),
+    "ablation": (
+        "graphnav/ablation/plan/plan.py",
+        "import graphnav.ablation.results",
+        "Imports in ablation point down",
+    ),
+    "ablation-siblings": (
+        "graphnav/ablation/execution/workers.py",
+        "import graphnav.ablation.report",
+        "Imports in ablation point down",
+    ),
+    "ablation-exhaustive": ("graphnav/ablation/stray.py", "", "Imports in ablation point down"),
+    "ablation-report": (
+        "graphnav/ablation/report/legend.py",
+        "import graphnav.ablation.report.markdown",
+        "Imports in the report of a study point down",
+    ),
+    "ablation-report-exhaustive": (
+        "graphnav/ablation/report/stray.py",
+        "",
+        "Imports in the report of a study point down",
+    ),
+    "ablation-html": (
+        "graphnav/ablation/report/html/charts/scale.py",
+        "import graphnav.ablation.report.html.sections",
+        "Imports in the HTML report point down",
+    ),
+    "ablation-html-exhaustive": (
+        "graphnav/ablation/report/html/stray.py",
+        "",
+        "Imports in the HTML report point down",
+    ),
+    "ablation-acyclic": (
+        "graphnav/ablation/study/seeds.py",
+        "import graphnav.ablation.study.study_file",
+        "No folder in ablation has a cycle",
+    ),
+    "ablation-exports": (
+        "graphnav/api/study_plan.py",
+        "import graphnav.ablation.plan.variants",
+        "Ablations are used through what their folders export",
+    ),
 }
 
 

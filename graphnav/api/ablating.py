@@ -110,7 +110,7 @@ def ablate(
         names,
         varies=varies,
         sets=sets,
-        figures=figures,
+        metrics=figures,
         within=conditions,
         seeds=text,
         one_at_a_time=one_at_a_time,

@@ -9,7 +9,10 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rich.console import Console
+
 from graphnav.ablation.plan import Plan
+from graphnav.ablation.report import print_comparison
 from graphnav.ablation.results import Comparison, Record, Row, in_plan_order, metric_columns, shown_metrics
 from graphnav.api.extras import import_pandas
 from graphnav.api.kept_folder import KeptFolder
@@ -73,7 +76,7 @@ class Study:
     def _run(self, record: Record) -> dict[str, Any]:
         case = self.plan.case(record.graph, record.variant)
         told = {name: getattr(record, name) for name in ("seed", "outcome", "failure", "frames", "sim_s")}
-        return {"graph": case.source, "variant": record.variant, **case.labels, **told, **record.figures}
+        return {"graph": case.source, "variant": record.variant, **case.labels, **told, **record.metrics}
 
     def _comparisons(self) -> Iterator[tuple[tuple[str, str, str], dict[str, Any]]]:
         for graph in self.plan.graphs:
@@ -87,10 +90,6 @@ class Study:
         return f"<graphnav.Study {self.plan.name}: {n_runs} runs, {len(self.plan.variants)} variants, {self.report}>"
 
     def __str__(self) -> str:
-        from rich.console import Console  # noqa: PLC0415 - only where it is printed
-
-        from graphnav.ablation.report import print_comparison  # noqa: PLC0415
-
         text = io.StringIO()
         console = Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False)
         print_comparison(console, self.comparison, self.plan)

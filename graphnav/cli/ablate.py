@@ -146,7 +146,7 @@ def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
         args.names,
         varies=args.varies,
         sets=args.sets,
-        figures=args.figures,
+        metrics=args.figures,
         within=args.within,
         seeds=args.seeds,
         one_at_a_time=args.one_at_a_time,

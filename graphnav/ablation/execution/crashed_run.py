@@ -1,4 +1,4 @@
-"""What is kept of a run whose process died and left nothing."""
+"""Build the run folder of a crashed run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DIED = "its process died, twice: it takes more memory than there is, or a stage 
 
 
 def crashed_run_files(task: Task) -> Mapping[str, bytes]:
-    """Return the run folder of a task that killed its process: the graph, and a summary that says so."""
+    """Return the files of a run that crashed its process: the graph, and a summary with that failure."""
     summary = Summary(
         outcome=Outcome.FAILED,
         failure=DIED,

@@ -1,4 +1,4 @@
-"""Make the runs of a plan that are not there."""
+"""Make the pending runs of a plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The gallery: the worst failures, run again with everything recorded, and drawn."""
+"""Run the worst failures again with everything recorded, and draw them."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def draw_failures(
     *,
     keep_logs: bool,
 ) -> list[str]:
-    """Run failures again, draw them, keep the pictures; return what is to be said, which should be nothing.
+    """Run failures again, draw them, keep the pictures; return messages for the user, normally none.
 
-    That is what did not end as it had, and what could not be drawn.
+    There is one for each run that ended otherwise than before, and for each that could not be drawn.
     """
     wanted = {failure_folder(job.case, job.seed): job for job in jobs}
     again = (

@@ -1,4 +1,4 @@
-"""The processes of one machine: started when needed, used again, ended together."""
+"""The worker processes of one machine: started when needed, reused, ended together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder of a study: what is made, kept so that it survives everything."""
+"""The folder of a study: locked, and every run in it complete."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PLAN = "plan.json"
 LOCK = ".lock"
 SCRATCH = ".scratch"
 _OURS = {LOCK, SCRATCH}
-"""What there may be before the plan is."""
+"""Files that may exist before the plan."""
 
 _ELSEWHERE = "choose another folder with -o"
 
@@ -27,7 +27,7 @@ _ELSEWHERE = "choose another folder with -o"
 class StudyFolder:
     """The folder of a study, for one process at a time; makes it where there is none.
 
-    A run is put together in a scratch folder and renamed into place, so that one that is there is whole. The kernel
+    A run is put together in a scratch folder and renamed into place, so that every existing one is complete. The kernel
     releases the lock of a process that is killed.
 
     Raises
@@ -79,7 +79,7 @@ class StudyFolder:
         unfinished.replace(written)
 
     def holds(self, place: str) -> bool:
-        """Return whether there is a whole run at ``place``."""
+        """Return whether ``place`` has a complete run."""
         return (self.path / place / SUMMARY).is_file()
 
     def keep(self, place: str, files: Mapping[str, bytes]) -> None:

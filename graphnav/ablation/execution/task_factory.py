@@ -1,4 +1,4 @@
-"""What workers are given: each case's graph, read once."""
+"""Turn the jobs of a plan into tasks; the graph of a case is loaded once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A process that makes runs one after another, so that a stage that crashes takes nothing else with it."""
+"""A process that makes one run after another, so that a stage that crashes takes nothing else with it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class WorkerProcess:
         return self._process.poll() is None and time.monotonic() - self._used_s < IDLE_S / 2
 
     def perform(self, task: Task, scratch: str) -> Result:
-        """Let it make a run; ``died`` says that it did not survive."""
+        """Let it make a run; ``died`` is set if the process did not survive."""
         try:
             self._connection.send((task, scratch))
             result: Result = self._connection.recv()

@@ -1,4 +1,4 @@
-"""Who makes the runs: processes of this machine, or a Dask cluster; joblib hands them out."""
+"""Make runs in parallel: by processes of this machine or on a Dask cluster, through joblib."""
 
 from __future__ import annotations
 

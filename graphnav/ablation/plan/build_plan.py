@@ -38,7 +38,7 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
     if problems := found.problems():
         raise UserError(dict.fromkeys(problems))
     classes = stage_classes(checked)
-    figures = checked_metrics(study, classes, problems)
+    metrics = checked_metrics(study, classes, problems)
     if problems:
         raise UserError(dict.fromkeys(problems))
     cases = tuple(_cases(study, variants, checked))
@@ -49,7 +49,7 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
         graphs=tuple(dict.fromkeys(case.graph for case in cases)),
         axes={axis.name: tuple(choice.label for choice in axis.choices) for axis in study.axes},
         seeds=study.seeds,
-        figures=figures,
+        figures=metrics,
         cases=cases,
         within=study.within,
         less_is_better=less_is_better(classes),

@@ -1,4 +1,4 @@
-"""Everything that is wrong with the cases of a study, each said once and where the study says it."""
+"""Collect the problems of all cases of a study, and report each once, at its place in the study."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav.graph.settings import SET
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a ``--set`` text of a case was said: by a choice of an axis, or for all runs (both empty)."""
+    """The place of a ``--set`` text of a case: in a choice of an axis, or for all runs (both empty)."""
 
     place: Place | None
     axis: str = ""
@@ -22,7 +22,7 @@ class Origin:
 
 
 _CaseProblem = tuple[Origin | None, Problem]
-"""What is wrong; without an origin, the graph itself says it."""
+"""A problem; without an origin it is in the graph itself."""
 
 
 class CaseProblems:

@@ -37,7 +37,7 @@ class Checked:
 
     @property
     def uses(self) -> dict[str, str]:
-        """What every stage is."""
+        """The ``use`` of every stage."""
         return {node.name: node.use for node in self.graph.nodes}
 
     @property
@@ -49,7 +49,7 @@ class Checked:
 
     @property
     def notices(self) -> tuple[str, ...]:
-        """What swaps did; a swap for what is there already did nothing."""
+        """Notices of swaps; a swap for the same stage did nothing and has none."""
         idle = {f"{stage}: it is {use} already" for stage, use in swaps_of(self.sets).items()}
         return tuple(notice for notice in self.graph.notices if notice not in idle)
 
@@ -91,7 +91,7 @@ def _load(study: Study, name: str, variant: Variant, origins: dict[str, Origin],
 
 
 def _origins(study: Study, variant: Variant) -> dict[str, Origin]:
-    """Return the ``--set`` texts of a case and where each was said."""
+    """Return the ``--set`` texts of a case, each with its origin."""
     origins = {text: Origin(study.places.get(text)) for text in study.sets}
     for axis, choice in variant.choices.items():
         origins |= {text: Origin(place, axis, choice.label) for text, place in choice.placed_sets}

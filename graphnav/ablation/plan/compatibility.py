@@ -1,4 +1,4 @@
-"""Whether runs that are there and runs that are to come belong to one study."""
+"""Check that existing runs and pending runs belong to one study."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.errors import UserError
 
 
 def check_compatible(old: Plan, new: Plan, folder: Path) -> None:
-    """Let seeds and figures grow and shrink, and variants be added; refuse everything that changes what a run is.
+    """Let seeds and metrics grow and shrink, and variants be added; refuse everything that changes what a run is.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Names of folders made from what people call things."""
+"""Turn names that people choose into names of folders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A checked study: every graph with every variant, and what is to be run."""
+"""A checked study: every graph with every variant, and its runs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Case:
     source: str
     """The graph as the study names it."""
     variant: str
-    """What tables call it; the same over all graphs."""
+    """Its name in tables; the same over all graphs."""
     labels: Mapping[str, str]
     """Its choice of every axis."""
     sets: tuple[str, ...]
@@ -39,11 +39,11 @@ class Case:
     same_as: str
     """The variant whose runs these are, because both resolve to the same graph; empty for runs of its own."""
     uses: Mapping[str, str]
-    """What every stage is, in the graph's order."""
+    """The ``use`` of every stage, in the graph's order."""
     swapped: tuple[str, ...]
     """Stages that are not what they are in the base."""
     notices: tuple[str, ...]
-    """What was rewired, pruned and set to defaults."""
+    """Notices of what was rewired, pruned and set to defaults."""
     graph_yaml: str
     """The resolved graph, portable."""
 
@@ -75,13 +75,13 @@ class Plan:
     """The labels of each axis, the base's first."""
     seeds: tuple[int, ...]
     figures: Mapping[str, Better]
-    """Columns of the table, ``stage.figure``, and which values are better; the one that decides first."""
+    """Columns of the table, ``stage.metric``, and which values are better; the one that decides first."""
     cases: tuple[Case, ...]
     """Graph by graph, in the same order of variants; the base first."""
     within: tuple[str, ...] = ()
     """Axes that are conditions, within which variants are compared."""
     less_is_better: tuple[str, ...] = ()
-    """All ``stage.figure`` of which less is better, as the stages of the cases say."""
+    """All ``stage.metric`` of which less is better, as the stages of the cases say."""
     plugins: tuple[str, ...] = ()
     """Files given with ``--plugin`` and those that the graphs name, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -114,10 +114,10 @@ class Plan:
         """The number of runs."""
         return len(self.seeds) * sum(not case.same_as for case in self.cases)
 
-    def better(self, figure: str) -> Better:
-        """Return which values of a figure are better; a difference or a ratio is better where its first figure is."""
-        first = figure.split(maxsplit=1)[0]
-        return self.figures.get(figure) or ("less" if first in self.less_is_better else "more")
+    def better(self, metric: str) -> Better:
+        """Return which values of a metric are better; a difference or a ratio is better where its first metric is."""
+        first = metric.split(maxsplit=1)[0]
+        return self.figures.get(metric) or ("less" if first in self.less_is_better else "more")
 
     def case(self, graph: str, variant: str) -> Case:
         """Return the case of a graph and a variant."""

@@ -1,4 +1,4 @@
-"""What results depend on beside the graph: versions, and the code of plugins, which changes without a new version."""
+"""What results depend on besides the graph: versions, and hashes of the code of plugins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paths that a study names, looked for beside its file before anywhere else."""
+"""Resolve the paths that a study names: first those beside its file."""
 
 from __future__ import annotations
 

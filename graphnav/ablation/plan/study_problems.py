@@ -1,4 +1,4 @@
-"""What is wrong with a study whatever its graphs say: nothing to run, or one thing set twice."""
+"""Problems of a study that need no graph: nothing to run, or one target set twice."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _OWN = {
 
 
 def study_problems(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
-    """Yield what is wrong with a study and its variants, each thing once, where it is said first."""
+    """Yield the problems of a study and its variants, each once, at its first place."""
     said = set()
     for problem in _all_problems(study, variants):
         if problem.what not in said:

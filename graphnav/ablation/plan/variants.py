@@ -12,7 +12,7 @@ from graphnav.ablation.study import Axis, Choice, Study
 from graphnav.errors import UserError
 
 MAX_CASES = 2000
-"""More than anybody compares: every graph with every variant."""
+"""The maximum number of graphs times variants."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Variant:
     name: str
     """All its choices, unique in its study."""
     called: str
-    """What tables call it: its choices but for conditions, unique among those under the same conditions."""
+    """Its name in tables: its choices but for conditions, unique among those under the same conditions."""
     condition: str
     """Its choices of the axes within which variants are compared; empty where there are none."""
     choices: Mapping[str, Choice]

@@ -1,4 +1,4 @@
-"""Write a file at once: whoever reads it, or is stopped meanwhile, finds a whole one."""
+"""Write a file atomically: readers find a complete one, whenever the writer is stopped."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables for other programs: ``results.csv``, what every run came to, and ``timing.csv``, what it took."""
+"""Tables for other programs: ``results.csv`` with the result of every run, and ``timing.csv``."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ TIMING = "timing.csv"
 
 
 def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
-    """Write a line a run and a column a figure; the same runs give the same bytes, in whatever order they were made.
+    """Write a line a run and a column a metric; the same runs give the same bytes, in whatever order they were made.
 
     Nothing that a wall clock measured is in it. Numbers are written so that reading them gives the same number back; a
-    figure that a run does not have is empty.
+    metric that a run does not have is empty.
     """
     ordered = in_plan_order(plan, records)
-    figures = metric_columns(plan, ordered)
+    metrics = metric_columns(plan, ordered)
     cases = {(case.graph, case.variant): case for case in plan.cases}
-    header = ["graph", "variant", *plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *figures]
+    header = ["graph", "variant", *plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *metrics]
     rows = (
         [
             (case := cases[record.graph, record.variant]).source,
@@ -35,7 +35,7 @@ def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
             record.failure,
             record.frames,
             repr(record.sim_s),
-            *(repr(record.figures[name]) if name in record.figures else "" for name in figures),
+            *(repr(record.metrics[name]) if name in record.metrics else "" for name in metrics),
         ]
         for record in ordered
     )

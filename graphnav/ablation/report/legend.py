@@ -1,4 +1,4 @@
-"""What has to stand below a table for it to be understood, checked and made again."""
+"""The sentences below a table: how to read it, and how to reproduce it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def origin(plan: Plan) -> tuple[tuple[str, str], ...]:
 
 
 def marks(row: Row) -> tuple[str, ...]:
-    """Return what is to be said of a case beside its name."""
+    """Return the marks beside the name of a case."""
     found = ["base"] if row.case.is_base else []
     if row.case.role != "method":
         found.append(row.case.role)

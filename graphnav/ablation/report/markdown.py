@@ -1,4 +1,4 @@
-"""``table.md``: the table of a study, to read and to paste."""
+"""``table.md``: the table of a study in Markdown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from graphnav.ablation.report.number_format import difference_text, estimate_tex
 from graphnav.ablation.results import Comparison, Difference, Row, shown_metrics
 
 TABLE = "table.md"
-FIGURES_A_TABLE = 3
+METRICS_PER_TABLE = 3
 """As many as are read without scrolling; more go into further tables."""
 ARROWS: dict[Better, str] = {"more": "↑", "less": "↓"}
 
@@ -57,13 +57,13 @@ def difference_cell(found: Difference | None) -> str:
 
 
 def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[str]:
-    figures = shown_metrics(plan, comparison)
+    metrics = shown_metrics(plan, comparison)
     own = [row for row in rows if not row.case.same_as]
-    for first in range(0, max(len(figures), 1), FIGURES_A_TABLE):
-        some = figures[first : first + FIGURES_A_TABLE]
+    for first in range(0, max(len(metrics), 1), METRICS_PER_TABLE):
+        some = metrics[first : first + METRICS_PER_TABLE]
         header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
-        for figure in some:
-            header += [f"{escaped(figure)} {ARROWS[plan.better(figure)]}", "difference"]
+        for metric in some:
+            header += [f"{escaped(metric)} {ARROWS[plan.better(metric)]}", "difference"]
         yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in own))
     if alike := list(same_graphs(rows)):
         yield bullets(map(escaped, alike))
@@ -73,11 +73,11 @@ def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[
         yield bullets(f"{escaped(row.case.variant)}, {times}: {escaped(reason)}" for row, reason, times in failed)
 
 
-def _cells(plan: Plan, row: Row, figures: Sequence[str], *, with_runs: bool) -> list[str]:
+def _cells(plan: Plan, row: Row, metrics: Sequence[str], *, with_runs: bool) -> list[str]:
     cells = [" ".join([escaped(row.case.variant), *(f"({escaped(mark)})" for mark in marks(row))])]
     if with_runs:
         cells += [worlds_text(row, plan), outcome_counts(row.outcomes)]
-    for figure in figures:
-        found = row.estimates.get(figure)
-        cells += ["" if found is None else estimate_text(found, row.runs), difference_cell(row.differences.get(figure))]
+    for metric in metrics:
+        found = row.estimates.get(metric)
+        cells += ["" if found is None else estimate_text(found, row.runs), difference_cell(row.differences.get(metric))]
     return cells

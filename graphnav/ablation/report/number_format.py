@@ -36,7 +36,7 @@ def number(value: float, form: str, sign: str = "") -> str:
 
 
 def estimate_text(found: Estimate, worlds: int) -> str:
-    """Return ``mean [low, high]``, and how many worlds had the figure where not all of ``worlds`` have."""
+    """Return ``mean [low, high]``, and how many worlds had the metric where not all of ``worlds`` have."""
     form = format_of(found.mean, found.low, found.high)
     text = " ".join([number(found.mean, form), *_interval(found.low, found.high, form)])
     return text if found.n == worlds else f"{text} (n {found.n})"

@@ -1,11 +1,11 @@
-"""Two studies side by side, to read and to paste."""
+"""Two studies side by side in Markdown."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 from graphnav.ablation.report.legend import COUNTING, INTERVALS, origin, outcome_counts, seeds_text
-from graphnav.ablation.report.markdown import ARROWS, FIGURES_A_TABLE, bullets, code, difference_cell, escaped, table
+from graphnav.ablation.report.markdown import ARROWS, METRICS_PER_TABLE, bullets, code, difference_cell, escaped, table
 from graphnav.ablation.report.number_format import estimate_text
 from graphnav.ablation.results import MIN_WORLDS, PairedRow, PairedStudies
 
@@ -49,21 +49,21 @@ def different_versions(pairing: PairedStudies) -> Iterator[str]:
 
 
 def _graph(pairing: PairedStudies, rows: Sequence[PairedRow]) -> Iterator[str]:
-    figures = tuple(pairing.figures)
-    for first in range(0, max(len(figures), 1), FIGURES_A_TABLE):
-        some = figures[first : first + FIGURES_A_TABLE]
+    metrics = tuple(pairing.metrics)
+    for first in range(0, max(len(metrics), 1), METRICS_PER_TABLE):
+        some = metrics[first : first + METRICS_PER_TABLE]
         header = ["variant", *(["worlds", "outcomes of A", "outcomes of B"] if first == 0 else [])]
-        for figure in some:
-            header += [f"{escaped(figure)} {ARROWS[pairing.figures[figure]]} A", "B", "B - A"]
+        for metric in some:
+            header += [f"{escaped(metric)} {ARROWS[pairing.metrics[metric]]} A", "B", "B - A"]
         yield table(header, (_cells(row, some, with_runs=first == 0) for row in rows))
 
 
-def _cells(row: PairedRow, figures: Sequence[str], *, with_runs: bool) -> list[str]:
+def _cells(row: PairedRow, metrics: Sequence[str], *, with_runs: bool) -> list[str]:
     cells = [escaped(row.variant)]
     if with_runs:
         cells += [str(len(row.seeds)), outcome_counts(row.outcomes_a), outcome_counts(row.outcomes_b)]
-    for figure in figures:
+    for metric in metrics:
         sides = (row.estimates_a, row.estimates_b)
-        cells += [estimate_text(side[figure], len(row.seeds)) if figure in side else "" for side in sides]
-        cells.append(difference_cell(row.differences.get(figure)))
+        cells += [estimate_text(side[metric], len(row.seeds)) if metric in side else "" for side in sides]
+        cells.append(difference_cell(row.differences.get(metric)))
     return cells

@@ -1,4 +1,4 @@
-"""The tables of studies in short, for the terminal."""
+"""Short tables of studies for the terminal."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from graphnav.ablation.report.paired_markdown import different_versions, only_in
 from graphnav.ablation.results import Comparison, Difference, PairedRow, PairedStudies, Row, shown_metrics
 
 DECIDING = 2
-"""Figures that the terminal shows; `table.md` has them all."""
+"""Metrics that the terminal shows; `table.md` has them all."""
 _MAX_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, for a figure that is cut would be a wrong one."""
+"""Tables are as wide as they need: a narrow terminal wraps them, for a metric that is cut would be a wrong one."""
 
 
 def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> None:
-    """Print, graph by graph, how the runs of each variant ended and the figures that decide."""
-    figures = shown_metrics(plan, comparison)[:DECIDING]
+    """Print, graph by graph, how the runs of each variant ended and the metrics that decide."""
+    metrics = shown_metrics(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
         rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
         table = new_table(graph, ["variant", "worlds", "outcomes"])
-        for figure in figures:
-            table.add_column(Text(f"{figure} {ARROWS[plan.better(figure)]}"))
+        for metric in metrics:
+            table.add_column(Text(f"{metric} {ARROWS[plan.better(metric)]}"))
             table.add_column("difference")
         for row in rows:
-            table.add_row(*_cells(row, figures, plan))
+            table.add_row(*_cells(row, metrics, plan))
         print_wide(console, table)
         for line in same_graphs(comparison.of_graph(graph)):
             console.print(Text(line, style="dim"), soft_wrap=True)
@@ -45,15 +45,15 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
 
 def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
     """Print what became of each variant from the first study to the second, and what cannot be compared."""
-    figures = tuple(pairing.figures)[:DECIDING]
+    metrics = tuple(pairing.metrics)[:DECIDING]
     for graph in pairing.graphs:
         table = new_table(graph, ["variant", "worlds"])
-        for figure in figures:
-            for name in (f"{figure} {ARROWS[pairing.figures[figure]]} A", "B", "B - A"):
+        for metric in metrics:
+            for name in (f"{metric} {ARROWS[pairing.metrics[metric]]} A", "B", "B - A"):
                 table.add_column(Text(name))
         for row in pairing.rows:
             if row.graph == graph:
-                table.add_row(*_pair_cells(row, figures, pairing))
+                table.add_row(*_pair_cells(row, metrics, pairing))
         print_wide(console, table)
     for line in (*only_in_one(pairing), *different_versions(pairing)):
         console.print(Text(line, style="yellow"), soft_wrap=True)
@@ -82,21 +82,21 @@ def difference_cell(found: Difference | None, better: Better) -> Text:
     return Text(difference_text(found), style="green" if (found.low > 0) == (better == "more") else "red")
 
 
-def _cells(row: Row, figures: Sequence[str], plan: Plan) -> list[Text]:
+def _cells(row: Row, metrics: Sequence[str], plan: Plan) -> list[Text]:
     name = Text(row.case.variant, style="bold" if row.case.is_base else "")
     name.append("".join(f" ({mark})" for mark in marks(row)), style="dim not bold")
     cells = [name, Text(worlds_text(row, plan)), Text(outcome_counts(row.outcomes))]
-    for figure in figures:
-        found = row.estimates.get(figure)
+    for metric in metrics:
+        found = row.estimates.get(metric)
         cells.append(Text("" if found is None else estimate_text(found, row.runs)))
-        cells.append(difference_cell(row.differences.get(figure), plan.better(figure)))
+        cells.append(difference_cell(row.differences.get(metric), plan.better(metric)))
     return cells
 
 
-def _pair_cells(row: PairedRow, figures: Sequence[str], pairing: PairedStudies) -> list[Text]:
+def _pair_cells(row: PairedRow, metrics: Sequence[str], pairing: PairedStudies) -> list[Text]:
     cells = [Text(row.variant), Text(str(len(row.seeds)))]
-    for figure in figures:
+    for metric in metrics:
         sides = (row.estimates_a, row.estimates_b)
-        cells += [Text(estimate_text(side[figure], len(row.seeds)) if figure in side else "") for side in sides]
-        cells.append(difference_cell(row.differences.get(figure), pairing.figures[figure]))
+        cells += [Text(estimate_text(side[metric], len(row.seeds)) if metric in side else "") for side in sides]
+        cells.append(difference_cell(row.differences.get(metric), pairing.metrics[metric]))
     return cells

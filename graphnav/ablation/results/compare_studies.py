@@ -42,14 +42,14 @@ def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, record
             "compare studies of the same graphs, variants and seeds",
         )
     columns = dict.fromkeys([*table_metrics(plan_a, all_a), *table_metrics(plan_b, all_b)])
-    figures = {
-        figure.text: (plan_b if figure.text in plan_b.figures else plan_a).better(figure.text) for figure in columns
+    metrics = {
+        metric.text: (plan_b if metric.text in plan_b.figures else plan_a).better(metric.text) for metric in columns
     }
-    rows = tuple(_rows(matched, cases_a, cases_b, tuple(columns), figures))
+    rows = tuple(_rows(matched, cases_a, cases_b, tuple(columns), metrics))
     return PairedStudies(
         plan_a=plan_a,
         plan_b=plan_b,
-        figures={name: better for name, better in figures.items() if any(name in row.differences for row in rows)},
+        metrics={name: better for name, better in metrics.items() if any(name in row.differences for row in rows)},
         rows=rows,
         only_a=tuple(case for case in cases_a if case not in matched),
         only_b=tuple(case for case in cases_b if case not in matched),
@@ -61,7 +61,7 @@ def _rows(
     cases_a: _Cases,
     cases_b: _Cases,
     columns: Sequence[MetricExpression],
-    figures: Mapping[str, Better],
+    metrics: Mapping[str, Better],
 ) -> Iterator[PairedRow]:
     values_a, values_b = (
         {case: {c.text: values_of(c, runs.values()) for c in columns} for case, runs in cases.items()}
@@ -73,10 +73,10 @@ def _rows(
         runs_a, runs_b = cases_a[case], cases_b[case]
         of_a, of_b = values_a[case], values_b[case]
         seeds = tuple(seed for seed in runs_a if seed in runs_b)
-        common = {text: (_also_in(of_b[text], of_a[text]), _also_in(of_a[text], of_b[text])) for text in figures}
+        common = {text: (_also_in(of_b[text], of_a[text]), _also_in(of_a[text], of_b[text])) for text in metrics}
         known = {text: pair for text, pair in common.items() if pair[0]}
         differences = {
-            text: difference(b, a, figures[text], is_binary=text in binary) for text, (a, b) in known.items()
+            text: difference(b, a, metrics[text], is_binary=text in binary) for text, (a, b) in known.items()
         }
         yield PairedRow(
             graph=case[0],

@@ -1,4 +1,4 @@
-"""Means with intervals, and paired differences from the base."""
+"""Compare the variants of a study: means with intervals, paired differences from the base."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ _MOMENT = re.compile(r" at \d+(\.\d+)? s\b")
 
 
 def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
-    """Return the table of a study: the plan's figures, or every figure there is where it names none.
+    """Return the table of a study: the plan's metrics, or all metrics where it names none.
 
-    A world counts for a figure if its run has it, and for a difference if both runs have it: n says how many did. How
+    A world counts for a metric if its run has it, and for a difference if both runs have it: n says how many did. How
     failed runs count is told at `Record.counted`. A case that shares the base's runs has no differences.
     """
     ordered = in_plan_order(plan, records)
-    figures = table_metrics(plan, ordered)
+    metrics = table_metrics(plan, ordered)
     by_case: dict[tuple[str, str], list[Record]] = {(case.graph, case.variant): [] for case in plan.cases}
     for record in ordered:
         by_case[record.graph, record.variant].append(record)
-    values = {key: {figure.text: values_of(figure, runs) for figure in figures} for key, runs in by_case.items()}
-    binary = {figure.text for figure in figures if is_binary(figure, (found[figure.text] for found in values.values()))}
+    values = {key: {metric.text: values_of(metric, runs) for metric in metrics} for key, runs in by_case.items()}
+    binary = {metric.text for metric in metrics if is_binary(metric, (found[metric.text] for found in values.values()))}
     bases = {case.graph: case for case in plan.cases if case.is_base}
     return Comparison(
         tuple(
@@ -73,8 +73,8 @@ def _row(
     binary: set[str],
 ) -> Row:
     differences = {
-        figure: difference(column, base[figure], plan.better(figure), is_binary=figure in binary)
-        for figure, column in values.items()
+        metric: difference(column, base[metric], plan.better(metric), is_binary=metric in binary)
+        for metric, column in values.items()
         if base is not None
     }
     times: dict[str, list[float]] = {}
@@ -86,7 +86,7 @@ def _row(
         runs=len(runs),
         outcomes=Counter(run.outcome for run in runs),
         failures=Counter(_MOMENT.sub("", run.failure) for run in runs if run.failure),
-        estimates={figure: estimate(column, is_binary=figure in binary) for figure, column in values.items() if column},
-        differences={figure: found for figure, found in differences.items() if found is not None},
+        estimates={metric: estimate(column, is_binary=metric in binary) for metric, column in values.items() if column},
+        differences={metric: found for metric, found in differences.items() if found is not None},
         p50_ms={stage: float(np.median(found)) for stage, found in times.items()},
     )

@@ -13,7 +13,7 @@ MIN_WORLDS = 6
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean over worlds with its 95 % interval; ``n`` worlds had the figure."""
+    """A mean over worlds with its 95 % interval; ``n`` worlds had the metric."""
 
     mean: float
     low: float
@@ -55,9 +55,9 @@ class Row:
     failures: Mapping[str, int]
     """Reasons of failed runs and how many failed so."""
     estimates: Mapping[str, Estimate]
-    """By figure; a figure that no run had is missing."""
+    """By metric; a metric that no run had is missing."""
     differences: Mapping[str, Difference]
-    """By figure; empty for the base."""
+    """By metric; empty for the base."""
     p50_ms: Mapping[str, float]
     """By stage: the median over runs of each run's median step."""
 
@@ -68,9 +68,9 @@ class Comparison:
 
     rows: tuple[Row, ...]
 
-    def has_metric(self, figure: str) -> bool:
-        """Return whether any run has a figure."""
-        return any(figure in row.estimates for row in self.rows)
+    def has_metric(self, metric: str) -> bool:
+        """Return whether any run has a metric."""
+        return any(metric in row.estimates for row in self.rows)
 
     def of_graph(self, graph: str) -> tuple[Row, ...]:
         """Return the rows of one graph."""

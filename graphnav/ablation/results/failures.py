@@ -1,4 +1,4 @@
-"""Failed runs: which are failures, the worst of them, where their pictures are."""
+"""The failed runs of a study: the worst of them, and where their pictures are."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def is_failure(record: Record) -> bool:
     A graph without a goal ends when its time is over, which is no failure.
     """
     if record.outcome == Outcome.TIMEOUT:
-        return any(name.endswith(".success") and value == 0 for name, value in record.figures.items())
+        return any(name.endswith(".success") and value == 0 for name, value in record.metrics.items())
     return record.outcome in _WORST
 
 

@@ -29,7 +29,7 @@ class Interval(NamedTuple):
 
 
 def mean_interval(values: Doubles, *, is_binary: bool) -> Interval:
-    """Return the interval of a mean over worlds: Wilson's for figures that are 0 or 1, else the bootstrap's."""
+    """Return the interval of a mean over worlds: Wilson's for metrics that are 0 or 1, else the bootstrap's."""
     return wilson(float(values.sum()), values.size) if is_binary else bootstrap(values)
 
 

@@ -11,12 +11,12 @@ from graphnav.ablation.study import MetricExpression
 from graphnav.stage.describe import unit_of
 
 Values = Mapping[int, float]
-"""One case's values of a figure, by seed: the seed is the world."""
+"""One case's values of a metric, by seed: the seed is the world."""
 
 
 def metric_columns(plan: Plan, records: Iterable[Record]) -> tuple[str, ...]:
-    """Return every ``stage.figure`` that a record has: the plan's own first, then as they appear in the records."""
-    found = dict.fromkeys(name for record in records for name in record.figures)
+    """Return every ``stage.metric`` that a record has: the plan's own first, then as they appear in the records."""
+    found = dict.fromkeys(name for record in records for name in record.metrics)
     wanted = (name for text in plan.figures for name in MetricExpression.parse(text).operands)
     return tuple(dict.fromkeys([*(name for name in wanted if name in found), *found]))
 
@@ -26,22 +26,22 @@ def table_metrics(plan: Plan, records: Sequence[Record]) -> tuple[MetricExpressi
     return tuple(map(MetricExpression.parse, plan.figures or metric_columns(plan, records)))
 
 
-def values_of(figure: MetricExpression, runs: Iterable[Record]) -> Values:
-    """Return a figure of every run that has it, by seed."""
-    found = ((run.seed, figure.value(run.counted)) for run in runs)
+def values_of(metric: MetricExpression, runs: Iterable[Record]) -> Values:
+    """Return a metric of every run that has it, by seed."""
+    found = ((run.seed, metric.value(run.counted)) for run in runs)
     return {seed: value for seed, value in found if value is not None}
 
 
-def is_binary(figure: MetricExpression, columns: Iterable[Values]) -> bool:
-    """Return whether a figure is 0 or 1 wherever it is known and is meant to be.
+def is_binary(metric: MetricExpression, columns: Iterable[Values]) -> bool:
+    """Return whether a metric is 0 or 1 wherever it is known and is meant to be.
 
-    No difference and no ratio of figures is, and nothing with a unit: an error may be 0 px in every world.
+    No difference and no ratio of metrics is, and nothing with a unit: an error may be 0 px in every world.
     """
-    return not (figure.operator or unit_of(figure.text)) and all(
+    return not (metric.operator or unit_of(metric.text)) and all(
         value in (0.0, 1.0) for column in columns for value in column.values()
     )
 
 
 def shown_metrics(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
-    """Return the columns of a table: the plan's figures, else all that any case has."""
-    return tuple(dict.fromkeys(plan.figures or (figure for row in comparison.rows for figure in row.estimates)))
+    """Return the columns of a table: the plan's metrics, else all that any case has."""
+    return tuple(dict.fromkeys(plan.figures or (metric for row in comparison.rows for metric in row.estimates)))

@@ -1,4 +1,4 @@
-"""What two studies have in common, run by run: what a change of the code did."""
+"""Two studies compared run by run: the effect of a change of the code."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class PairedRow:
     outcomes_a: Mapping[str, int]
     outcomes_b: Mapping[str, int]
     estimates_a: Mapping[str, Estimate]
-    """By figure, over the worlds in which both have it."""
+    """By metric, over the worlds in which both have it."""
     estimates_b: Mapping[str, Estimate]
     differences: Mapping[str, Difference]
     """The second minus the first; ``won``: in how many worlds the second was better."""
@@ -30,11 +30,11 @@ class PairedRow:
 
 @dataclass(frozen=True)
 class PairedStudies:
-    """What two studies have in common, and what only one of them has."""
+    """The runs that two studies have in common, and those that only one of them has."""
 
     plan_a: Plan
     plan_b: Plan
-    figures: Mapping[str, Better]
+    metrics: Mapping[str, Better]
     rows: tuple[PairedRow, ...]
     only_a: tuple[tuple[str, str], ...]
     """Graph and variant of cases without a partner."""

@@ -15,7 +15,7 @@ from graphnav.runner import Outcome
 from graphnav.runner.recorded import SUMMARY
 
 ZERO_IF_FAILED = frozenset({"success", "spl", "barn"})
-"""Figures that a run which broke down has earned nothing of: success, and what success multiplies."""
+"""Metrics that a run which broke down has earned nothing of: success, and what success multiplies."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class StageTime:
 
 @dataclass(frozen=True)
 class Record:
-    """What one run came to."""
+    """The result of one run."""
 
     graph: str
     variant: str
@@ -38,8 +38,8 @@ class Record:
     failure: str
     frames: int
     sim_s: float
-    figures: Mapping[str, float]
-    """By ``stage.figure``; one that a run could not say is missing."""
+    metrics: Mapping[str, float]
+    """By ``stage.metric``; one that a run could not say is missing."""
     wall_s: float
     times: Mapping[str, StageTime]
     """By stage."""
@@ -47,16 +47,16 @@ class Record:
     """Of the run, below the study's folder."""
 
     def counted(self, name: str) -> float | None:
-        """Return what the run counts for in a comparison, None where it says nothing about ``stage.figure``.
+        """Return what the run counts for in a comparison, None where it says nothing about ``stage.metric``.
 
-        Nobody gains by breaking down: a failed run has `ZERO_IF_FAILED`, and its other figures, which speak of the
+        Nobody gains by breaking down: a failed run has `ZERO_IF_FAILED`, and its other metrics, which speak of the
         part before the failure only, do not count.
         """
         if self.outcome != Outcome.FAILED:
-            return self.figures.get(name)
-        stage, _, figure = name.partition(".")
-        is_defined = name in self.figures or not any(other.startswith(f"{stage}.") for other in self.figures)
-        return 0.0 if figure in ZERO_IF_FAILED and is_defined else None
+            return self.metrics.get(name)
+        stage, _, metric = name.partition(".")
+        is_defined = name in self.metrics or not any(other.startswith(f"{stage}.") for other in self.metrics)
+        return 0.0 if metric in ZERO_IF_FAILED and is_defined else None
 
 
 def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
@@ -90,7 +90,7 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
 
 
 def read_record(case: Case, seed: int, path: Path) -> Record:
-    """Read one run from its ``summary.json``; a figure that was not finite (null) is missing.
+    """Read one run from its ``summary.json``; a metric that was not finite (null) is missing.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def read_record(case: Case, seed: int, path: Path) -> Record:
         failure=str(summary["failure"]),
         frames=int(summary["frames"]),
         sim_s=float(summary["sim_s"]),
-        figures=_figures(summary["scores"]),
+        metrics=_metrics(summary["scores"]),
         wall_s=float(summary["wall_s"]),
         times={
             stage: StageTime(int(did["steps"]), float(did["p50_ms"]), float(did["p99_ms"]))
@@ -125,10 +125,10 @@ def in_plan_order(plan: Plan, records: Iterable[Record]) -> list[Record]:
     return sorted(records, key=lambda record: (cases[record.graph, record.variant], seeds[record.seed]))
 
 
-def _figures(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+def _metrics(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
     return {
-        f"{stage}.{figure}": float(value)
-        for stage, figures in scores.items()
-        for figure, value in figures.items()
+        f"{stage}.{metric}": float(value)
+        for stage, metrics in scores.items()
+        for metric, value in metrics.items()
         if value is not None and math.isfinite(value)
     }

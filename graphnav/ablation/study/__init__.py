@@ -1,4 +1,4 @@
-"""What a study asks: its file or command line, axes, seeds, metrics."""
+"""A study: its file or command line, axes, seeds, metrics."""
 
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression

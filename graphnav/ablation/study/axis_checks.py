@@ -1,4 +1,4 @@
-"""Make the axes of a study, each choice once."""
+"""Check the axes of a study, and make plain choices of them."""
 
 from __future__ import annotations
 

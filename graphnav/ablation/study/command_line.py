@@ -1,4 +1,4 @@
-"""The study that a command line says: of graphs, or a study file with something else."""
+"""Build the study of a command line: graphs with ``--vary``, or a study file with changes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from graphnav.ablation.study.find_study import classify
 from graphnav.ablation.study.override_targets import targets_of
 from graphnav.ablation.study.seeds import parse_seeds
-from graphnav.ablation.study.study import Study
+from graphnav.ablation.study.study import Axis, Study
 from graphnav.ablation.study.study_file import load_study
 from graphnav.ablation.study.vary_option import varied
 from graphnav.errors import Place, Problem, UserError
@@ -23,7 +23,7 @@ def study_of_command(
     *,
     varies: Sequence[str] = (),
     sets: Sequence[str] = (),
-    figures: Sequence[str] = (),
+    metrics: Sequence[str] = (),
     within: Sequence[str] = (),
     seeds: str | None = None,
     one_at_a_time: bool = False,
@@ -44,41 +44,50 @@ def study_of_command(
     axes = varied(base.axes, varies, problems)
     if not axes and not problems:
         problems.append(Problem(None, "the study varies nothing", _VARY))
-    found = base.seeds
-    if seeds is not None:
-        try:
-            found = parse_seeds(seeds, Place("--seeds"))
-        except UserError as error:
-            problems += error.problems
-    given = _split(figures)
-    if "" in given:
+    worlds = base.seeds if seeds is None else _seeds(seeds, problems)
+    columns = _split(metrics)
+    if "" in columns:
         problems.append(Problem(Place("--figures"), "a figure is empty", "write --figures drive.success,drive.spl"))
     conditions = _split(within)
     if "" in conditions:
         problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))
     if problems:
         raise UserError(problems)
-    new = {target for text in sets for target in targets_of(text)}
-    kept = [text for text in base.sets if not new.issuperset(targets_of(text))]
-    places = {text: Place(f"--set {text}") for text in sets} | {text: Place("--figures") for text in given}
-    places |= {text: Place("--within") for text in conditions}
-    do = "does" if len(axes) == 1 else "do"
-    about = base.about or f"What {do} {_listed(axis.name for axis in axes)} change on {_listed(base.graphs)}?"
+    places = {text: Place(f"--set {text}") for text in sets} | dict.fromkeys(columns, Place("--figures"))
     return replace(
         base,
-        about=about,
+        about=base.about or _question(axes, base.graphs),
         axes=axes,
-        seeds=found,
-        sets=(*kept, *sets),
-        figures=tuple(given) or base.figures,
+        seeds=worlds,
+        sets=(*_not_replaced(base.sets, sets), *sets),
+        metrics=tuple(columns) or base.metrics,
         within=tuple(dict.fromkeys(conditions)) or base.within,
         one_at_a_time=one_at_a_time or base.one_at_a_time,
-        places={**base.places, **places},
+        places={**base.places, **places, **dict.fromkeys(conditions, Place("--within"))},
     )
+
+
+def _seeds(text: str, problems: list[Problem]) -> tuple[int, ...]:
+    try:
+        return parse_seeds(text, Place("--seeds"))
+    except UserError as error:
+        problems += error.problems
+        return ()
 
 
 def _split(texts: Sequence[str]) -> list[str]:
     return [part.strip() for text in texts for part in text.split(",")]
+
+
+def _not_replaced(old: Sequence[str], new: Sequence[str]) -> list[str]:
+    """Return the ``--set`` texts of ``old`` but for those all of whose targets are set by ``new``."""
+    targets = {target for text in new for target in targets_of(text)}
+    return [text for text in old if not targets.issuperset(targets_of(text))]
+
+
+def _question(axes: Sequence[Axis], graphs: Sequence[str]) -> str:
+    do = "does" if len(axes) == 1 else "do"
+    return f"What {do} {_listed(axis.name for axis in axes)} change on {_listed(graphs)}?"
 
 
 def _named(names: Sequence[str]) -> Study:

@@ -1,4 +1,4 @@
-"""Find a study: a file, or the name of one in the working folder or among those that ship; tell it from a graph."""
+"""Find a study by file or name, and distinguish it from a graph."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def read(path: Path) -> bytes:
 
 
 def kind_of(value: Value) -> Literal["study", "graph"]:
-    """Return what a file is by what it says: a study varies something, a graph has stages."""
+    """Return the kind of a file by its keys: a study varies something, a graph has stages."""
     words = value.data
     if not isinstance(words, dict) or "vary" in words:
         return "study"

@@ -1,4 +1,4 @@
-"""What a study calls a figure: ``stage.figure``, or two of them as a difference or a ratio."""
+"""A metric as a study names it: ``stage.metric``, or the difference or ratio of two."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class MetricExpression:
 
     text: str
     operands: tuple[str, ...]
-    """One or two, each ``stage.figure``."""
+    """One or two, each ``stage.metric``."""
     operator: str
     """Empty, "-" or "/"."""
 
@@ -44,9 +44,9 @@ class MetricExpression:
         first, operator, second = found.groups()
         return cls(found.group(), (first, second) if operator else (first,), operator or "")
 
-    def value(self, figure: Callable[[str], float | None]) -> float | None:
+    def value(self, metric: Callable[[str], float | None]) -> float | None:
         """Return its value, given what says each operand's; None where an operand has none, or divides by 0."""
-        values = [found for found in map(figure, self.operands) if found is not None]
+        values = [found for found in map(metric, self.operands) if found is not None]
         if len(values) < len(self.operands):
             return None
         if self.operator == "-":

@@ -1,4 +1,4 @@
-"""What a ``--set`` text of a study changes, before any graph is known."""
+"""The targets of a ``--set`` text, before any graph is known."""
 
 from __future__ import annotations
 

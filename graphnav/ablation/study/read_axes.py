@@ -1,4 +1,4 @@
-"""Read what a study's file varies."""
+"""Read the axes of a study from its file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which worlds a study meets: ``1000:1050``, or a list."""
+"""The seeds of a study: a range, ``1000:1050``, or a list."""
 
 from __future__ import annotations
 

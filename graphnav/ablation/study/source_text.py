@@ -1,4 +1,4 @@
-"""Values of a study as the texts that ``--set`` takes, numbers as they were written."""
+"""Values of a study as ``--set`` takes them, numbers as they were written."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a study asks: which graphs, which axes, which seeds."""
+"""A study: its graphs, axes, seeds, metrics."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Choice:
     label: str
     sets: tuple[str, ...]
     places: tuple[Place, ...] = field(default=(), compare=False)
-    """Where each of ``sets`` was said."""
+    """The place of each of ``sets``."""
     place: Place | None = field(default=None, compare=False)
 
     @property
@@ -36,7 +36,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Study:
-    """A study as its file or the command line says it."""
+    """A study as its file or the command line specifies it."""
 
     name: str
     about: str
@@ -46,13 +46,13 @@ class Study:
     seeds: tuple[int, ...]
     sets: tuple[str, ...] = ()
     """Applied to every run, before those of the axes."""
-    figures: tuple[str, ...] = ()
-    """Columns of the table, ``stage.figure``, the one that decides first; empty for every figure there is."""
+    metrics: tuple[str, ...] = ()
+    """Columns of the table, ``stage.metric``, the one that decides first; empty for all metrics."""
     within: tuple[str, ...] = ()
     """Axes that are conditions: variants are compared with the base within each combination of their choices."""
     one_at_a_time: bool = False
     """Whether each variant differs from the base in one axis; else the axes cross."""
     folder: Path | None = field(default=None, compare=False)
-    """That of its file, beside which its paths are looked for first; None if the command line says it all."""
+    """That of its file, beside which its paths are looked for first; None for a study of the command line."""
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
-    """Where each of ``graphs``, ``sets``, ``figures`` and ``within`` was said."""
+    """The place of each of ``graphs``, ``sets``, ``metrics`` and ``within``."""

@@ -47,7 +47,7 @@ def _study(value: Value, path: Path, reader: ValueReader) -> Study:
     graphs = _graphs(keys, path, reader)
     sets = reader.sets(keys["set"].value, "'set'") if "set" in keys else {}
     within = reader.texts(keys["within"].value, "'within'", "speed") if "within" in keys else {}
-    figures = reader.texts(keys["figures"].value, "'figures'", "drive.success, drive.spl") if "figures" in keys else {}
+    metrics = reader.texts(keys["figures"].value, "'figures'", "drive.success, drive.spl") if "figures" in keys else {}
     return Study(
         name=path.stem,
         about=_typed(keys, "about", str, "a text", reader) or "",
@@ -55,11 +55,11 @@ def _study(value: Value, path: Path, reader: ValueReader) -> Study:
         axes=axes_of(keys["vary"], reader) if "vary" in keys else (),
         seeds=_seeds(keys["seeds"].value, reader) if "seeds" in keys else (),
         sets=tuple(sets),
-        figures=tuple(figures),
+        metrics=tuple(metrics),
         within=tuple(within),
         one_at_a_time=_typed(keys, "one_at_a_time", bool, "true or false", reader) or False,
         folder=path.resolve().parent,
-        places=graphs | sets | figures | within,
+        places=graphs | sets | metrics | within,
     )
 
 

@@ -1,4 +1,4 @@
-"""What stands in a study's file: texts and ``--set`` texts with their places."""
+"""Read strings and ``--set`` texts of a study file, with their places."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from graphnav.errors import Place, Problem
 from graphnav.spec import Value
 
 Texts = dict[str, Place]
-"""Texts and where each was said."""
+"""Strings, each with its place."""
 
 
 class ValueReader:

@@ -1,4 +1,4 @@
-"""Make one run of a study, on whatever machine."""
+"""Make one run of a study, on any machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run that is to be made, and what came of it."""
+"""The task of a worker, and its result."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Task:
     seed: int
     plugins: tuple[str, ...]
     versions: Mapping[str, str]
-    """What the study is made with: a machine that has anything else must not take part."""
+    """The versions of the study: a machine with any other must not take part."""
     record: Literal["small", "all"] = "small"
     draws: bool = False
     """Whether its pictures are drawn."""
@@ -30,13 +30,13 @@ class Task:
 
 @dataclass(frozen=True)
 class Result:
-    """What came of a task: its files, or why there are none."""
+    """The result of a task: its files, or the reason why there are none."""
 
     task: Task
     files: Mapping[str, bytes]
     """The content of the run folder, by path in it."""
     outcome: str = ""
     error: str = ""
-    """What has nothing to do with the stages and ends the study: a full disk, another version."""
+    """An error that is not of the stages and ends the study: a full disk, another version."""
     died: bool = False
     """Whether the process that made it died."""

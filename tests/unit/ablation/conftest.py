@@ -85,7 +85,7 @@ def make_record() -> MakeRecord:
             failure=failure,
             frames=10,
             sim_s=0.9,
-            figures=figures or {},
+            metrics=figures or {},
             wall_s=0.1,
             times={"plane": StageTime(9, p50_ms, 2 * p50_ms)},
             folder=f"{graph}/{variant}/{seed}",

@@ -1,4 +1,4 @@
-"""The report of a study: one HTML file that needs nothing else."""
+"""The report of a study: one HTML file that needs no other."""
 
 from graphnav.ablation.report.html.page import write_report
 

@@ -1,4 +1,4 @@
-"""Pictures inside the page, small enough that it stays one file that opens at once."""
+"""Embed pictures in the page, reduced in size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small pieces of HTML; what is not markup is escaped here and nowhere else."""
+"""Elements of HTML; the only place that escapes text."""
 
 from __future__ import annotations
 

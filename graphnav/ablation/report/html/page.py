@@ -1,4 +1,4 @@
-"""Put the page together and write it."""
+"""Assemble the page and write it."""
 
 from __future__ import annotations
 

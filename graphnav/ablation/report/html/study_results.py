@@ -1,4 +1,4 @@
-"""What a report is made of, and the views of it that several of its parts take."""
+"""A study with its results, as the sections of the report look at it."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ class StudyResults:
     catalog: Catalog
 
     @cached_property
-    def figures(self) -> tuple[str, ...]:
+    def metrics(self) -> tuple[str, ...]:
         """The columns of the tables that some run has, or all columns while no run is there."""
-        every = [figure.text for figure in table_metrics(self.plan, self.records)]
+        every = [metric.text for metric in table_metrics(self.plan, self.records)]
         found = [name for name in every if self.comparison.has_metric(name)]
         return tuple(found or every)
 
     @property
     def deciding(self) -> str | None:
-        """The figure that decides: the first; None where there is none at all."""
-        return self.figures[0] if self.figures else None
+        """The metric that decides: the first; None where there is none at all."""
+        return self.metrics[0] if self.metrics else None
 
     @property
     def n_seeds(self) -> int:
@@ -59,14 +59,14 @@ class StudyResults:
         """All rows by graph and variant."""
         return {(row.case.graph, row.case.variant): row for row in self.comparison.rows}
 
-    def estimate(self, graph: str, variant: str, figure: str) -> Estimate | None:
-        """Return a mean, None where no run has the figure."""
+    def estimate(self, graph: str, variant: str, metric: str) -> Estimate | None:
+        """Return a mean, None where no run has the metric."""
         row = self.rows.get((graph, variant))
-        return row.estimates.get(figure) if row else None
+        return row.estimates.get(metric) if row else None
 
-    def values(self, graph: str, variant: str, figure: str) -> Values:
-        """Return a figure of every run of a case, by seed."""
-        return values_of(MetricExpression.parse(figure), self.runs.get((graph, variant), ()))
+    def values(self, graph: str, variant: str, metric: str) -> Values:
+        """Return a metric of every run of a case, by seed."""
+        return values_of(MetricExpression.parse(metric), self.runs.get((graph, variant), ()))
 
     @cached_property
     def runs(self) -> Mapping[tuple[str, str], Sequence[Record]]:

@@ -1,4 +1,4 @@
-"""How variants look, the same in every chart and on every map."""
+"""Colours and badges of variants, the same in every chart and on every map."""
 
 from __future__ import annotations
 

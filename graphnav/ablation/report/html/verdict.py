@@ -1,4 +1,4 @@
-"""Whether a variant is better than the base, as far as the worlds can tell."""
+"""Whether a variant is better than the base, judged by its interval."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ WORDS: dict[Verdict, str] = {
 }
 
 
-def verdict_of(row: Row, figure: str, better: Better) -> Verdict:
-    """Return what the paired difference says: a side where it is clear.
+def verdict_of(row: Row, metric: str, better: Better) -> Verdict:
+    """Return the verdict of the paired difference: better or worse where it is clear.
 
     "unknown" where it has no interval: no common worlds with the base, or a single one.
     """
     if row.case.is_base:
         return "base"
-    difference = row.differences.get(figure)
+    difference = row.differences.get(metric)
     if difference is None or not (math.isfinite(difference.low) and math.isfinite(difference.high)):
         return "unknown"
     if not difference.is_clear:

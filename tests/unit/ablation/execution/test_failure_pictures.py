@@ -66,7 +66,7 @@ def with_outcomes(records: tuple[Record, ...], **outcomes: str) -> list[Record]:
         outcome, _, frames = outcomes[f"s{record.seed}"].partition(" ")
         figures = {"drive.success": 0.0} if frames == "lost" else {}
         count = 0 if frames == "unready" else 3
-        changed.append(dataclasses.replace(record, outcome=outcome, frames=count, figures=figures))
+        changed.append(dataclasses.replace(record, outcome=outcome, frames=count, metrics=figures))
     return changed
 
 

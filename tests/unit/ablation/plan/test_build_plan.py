@@ -134,7 +134,7 @@ def test_notices_say_what_changed_and_nothing_of_what_did_not(plan: MakePlan) ->
 
 
 def test_figures_know_which_way_is_better(plan: MakePlan) -> None:
-    made = plan("plane=toy.detector,judge.blind", figures=["sight.wrong,sight.right,sight.wrong - sight.right"])
+    made = plan("plane=toy.detector,judge.blind", metrics=["sight.wrong,sight.right,sight.wrong - sight.right"])
     assert made.figures == {"sight.wrong": "less", "sight.right": "more", "sight.wrong - sight.right": "less"}
     assert next(iter(made.figures)) == "sight.wrong"
     assert made.less_is_better == ("sight.wrong",)
@@ -145,7 +145,7 @@ def test_a_plan_reads_back_as_it_was_written(plan: MakePlan, tmp_path: Path) -> 
     made = plan(
         "plane=toy.detector,judge.blind",
         "robot.noise_px=1,1e1",
-        figures=["sight.right"],
+        metrics=["sight.right"],
         plugins=[Path("mine.py")],
         names=("loop", "chain"),
     )

@@ -59,7 +59,7 @@ def test_a_record_is_what_the_summary_says(make_plan: MakePlan, tmp_path: Path) 
     write_run(tmp_path / "corridor/ica/1", {"drive": {"spl": 1 / 3, "clearance_m": float("inf")}, "sight": {}})
     (record,) = read_records(make_plan(), tmp_path)
     assert (record.outcome, record.frames, record.sim_s, record.wall_s) == ("goal", 7, 0.6, 0.25)
-    assert record.figures == {"drive.spl": 1 / 3}, "what is not finite is missing"
+    assert record.metrics == {"drive.spl": 1 / 3}, "what is not finite is missing"
     assert (record.times["plane"].steps, record.times["plane"].p50_ms, record.times["plane"].p99_ms) == (6, 0.5, 0.75)
 
 

@@ -57,7 +57,7 @@ def test_a_study_of_graphs() -> None:
         ["corridor_ccw", "pillars"],
         varies=["plane=plane.ica,plane.affine", "steer.sigma_ratio=0.125,0.25,0.50"],
         sets=["run.until_s=60"],
-        figures=["drive.success,drive.spl", "sight.auroc"],
+        metrics=["drive.success,drive.spl", "sight.auroc"],
         seeds="0:50",
         one_at_a_time=True,
     )
@@ -66,7 +66,7 @@ def test_a_study_of_graphs() -> None:
     assert [axis.name for axis in made.axes] == ["plane", "steer.sigma_ratio"]
     assert sets_of(made, "steer.sigma_ratio")[-1] == ("steer.sigma_ratio=0.50",)
     assert (made.sets, made.seeds, made.one_at_a_time) == (("run.until_s=60",), tuple(range(50)), True)
-    assert made.figures == ("drive.success", "drive.spl", "sight.auroc")
+    assert made.metrics == ("drive.success", "drive.spl", "sight.auroc")
 
 
 def test_a_study_says_the_same_in_a_file_and_on_the_command_line() -> None:
@@ -76,12 +76,12 @@ def test_a_study_says_the_same_in_a_file_and_on_the_command_line() -> None:
         ["pillars"],
         varies=["plane=a.b,c.d", "x.y=1e-3,[1, 2]"],
         sets=["run.until_s=9"],
-        figures=["a.b"],
+        metrics=["a.b"],
         seeds="[0, 1, 2]",
     )
     read = study_of_command(["file"])
     assert (read.graphs, read.axes, read.seeds, read.sets) == (typed.graphs, typed.axes, typed.seeds, typed.sets)
-    assert read.figures == typed.figures
+    assert read.metrics == typed.metrics
 
 
 def test_a_file_alone_is_as_it_is() -> None:
@@ -91,8 +91,8 @@ def test_a_file_alone_is_as_it_is() -> None:
 
 
 def test_options_come_before_the_file() -> None:
-    made = study_of_command(["mine"], seeds="5:7", figures=["sight.auroc"], one_at_a_time=True)
-    assert (made.seeds, made.figures, made.one_at_a_time) == ((5, 6), ("sight.auroc",), True)
+    made = study_of_command(["mine"], seeds="5:7", metrics=["sight.auroc"], one_at_a_time=True)
+    assert (made.seeds, made.metrics, made.one_at_a_time) == ((5, 6), ("sight.auroc",), True)
 
 
 def test_set_replaces_what_the_file_sets_of_the_same() -> None:

@@ -40,7 +40,7 @@ def test_all_that_a_study_can_say() -> None:
     study = load_study("mine")
     assert (study.name, study.about, study.graphs) == ("mine", "Which?", ("corridor_ccw", "pillars"))
     assert (study.seeds, study.one_at_a_time) == ((1000, 1001, 1002), True)
-    assert (study.sets, study.figures) == (("run.until_s=60",), ("drive.success",))
+    assert (study.sets, study.metrics) == (("run.until_s=60",), ("drive.success",))
     assert [axis.name for axis in study.axes] == ["plane"]
     assert study.places["drive.success"] == Place("mine.yaml", 7, 11)
 
@@ -48,7 +48,7 @@ def test_all_that_a_study_can_say() -> None:
 def test_what_may_be_left_out() -> None:
     Path("mine.yaml").write_text("graph: pillars\nvary: {plane: [plane.ica]}\n", encoding="utf-8")
     study = load_study("mine.yaml")
-    assert (study.about, study.seeds, study.sets, study.figures, study.one_at_a_time) == ("", (), (), (), False)
+    assert (study.about, study.seeds, study.sets, study.metrics, study.one_at_a_time) == ("", (), (), (), False)
 
 
 def test_set_may_be_a_mapping() -> None:
@@ -169,7 +169,7 @@ def test_studies_that_ship_can_be_read(name: str) -> None:
     study = load_study(name)
     assert study.name == name
     assert study.about.endswith("?")
-    assert study.figures
+    assert study.metrics
 
 
 @pytest.mark.parametrize("name", sorted(shipped_graphs()))

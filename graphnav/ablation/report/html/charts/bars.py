@@ -1,4 +1,4 @@
-"""Stacked bars: what a whole is made of, a row a variant."""
+"""Stacked bars: a row a variant, a segment a part."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The horizontal axis of a chart: grid lines, their numbers, what they say."""
+"""The horizontal axis of a chart: grid lines, tick labels, title."""
 
 from __future__ import annotations
 

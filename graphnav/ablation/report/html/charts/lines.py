@@ -1,4 +1,4 @@
-"""Line charts: a figure against the numbers of an axis, a line a series, bands for the intervals."""
+"""Line charts: a metric over a numeric axis, a line a series, bands for the intervals."""
 
 from __future__ import annotations
 

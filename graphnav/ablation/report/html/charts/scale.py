@@ -1,4 +1,4 @@
-"""Axes of charts: which range, where the ticks are, where a value is."""
+"""Scales of charts: range, ticks, and the pixel of a value."""
 
 from __future__ import annotations
 

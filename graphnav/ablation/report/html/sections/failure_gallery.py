@@ -1,4 +1,4 @@
-"""The worst failures: how each looked at its end, by what ended it."""
+"""The worst failures: the last picture of each, by cause."""
 
 from __future__ import annotations
 

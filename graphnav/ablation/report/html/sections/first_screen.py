@@ -1,4 +1,4 @@
-"""The first screen: the question, the answer, how it was asked, and the chart that shows it."""
+"""The first screen: question, answer, setup, and the chart that shows the answer."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def overview(study: StudyResults) -> Html:
 
 
 def _answer(study: StudyResults) -> Html:
-    figure = study.deciding
-    if figure is None or not study.n_runs:
+    metric = study.deciding
+    if metric is None or not study.n_runs:
         return tag("p", "No run is there yet, so there is no answer.", class_="lead")
-    found = verdicts(study, figure)
-    said = tag("p", lead(study, figure, found), class_="lead")
-    return said + variants_by_verdict(study, figure, found) + reference_values(study, figure)
+    found = verdicts(study, metric)
+    said = tag("p", lead(study, metric, found), class_="lead")
+    return said + variants_by_verdict(study, metric, found) + reference_values(study, metric)
 
 
 def _state(study: StudyResults) -> Html:

@@ -1,4 +1,4 @@
-"""One figure of all variants on all graphs, as dot-and-whisker charts."""
+"""One metric of all variants on all graphs, as dot-and-whisker charts."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from graphnav.ablation.results import Row
 MAX_ROWS = 24
 
 
-def forest(study: StudyResults, figure: str, *, with_worlds: bool = False) -> Html:
-    """Return charts of a figure; ``with_worlds``: a small dot for every world, coloured by how its run ended."""
-    shown = shown_variants(study, figure)
+def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Html:
+    """Return charts of a metric; ``with_worlds``: a small dot for every world, coloured by how its run ended."""
+    shown = shown_variants(study, metric)
     labels = {variant: _badge(study, variant) for variant in shown}
     graphs = study.plan.graphs
-    x_label = f"{figure}, {study.plan.better(figure)} is better"
+    x_label = f"{metric}, {study.plan.better(metric)} is better"
     charts = []
     columns = math.ceil(len(graphs) / math.ceil(len(graphs) / PANELS))
     for begin in range(0, len(graphs), columns):
         some = graphs[begin : begin + columns]
-        panels = [_panel(study, graph, figure, with_worlds=with_worlds) for graph in some]
-        charts.append(whisker_chart(labels, panels, x_label, f"{figure} of every variant", columns))
+        panels = [_panel(study, graph, metric, with_worlds=with_worlds) for graph in some]
+        charts.append(whisker_chart(labels, panels, x_label, f"{metric} of every variant", columns))
     left_out = len(study.own_variants) - len(shown)
     if left_out:
         charts.append(
@@ -40,7 +40,7 @@ def forest(study: StudyResults, figure: str, *, with_worlds: bool = False) -> Ht
     return "".join(charts)
 
 
-def shown_variants(study: StudyResults, figure: str) -> Sequence[str]:
+def shown_variants(study: StudyResults, metric: str) -> Sequence[str]:
     """Return the variants with runs of their own; of very many the base, controls, oracles and the best."""
     every = study.own_variants
     if len(every) <= MAX_ROWS:
@@ -48,10 +48,10 @@ def shown_variants(study: StudyResults, figure: str) -> Sequence[str]:
     plan = study.plan
     special = {case.variant for case in plan.cases if case.is_base or case.role != "method"}
     kept = [variant for variant in every if variant in special][: MAX_ROWS // 2]
-    sign = -1.0 if plan.better(figure) == "more" else 1.0
+    sign = -1.0 if plan.better(metric) == "more" else 1.0
 
     def rank(variant: str) -> float:
-        means = [found.mean for graph in plan.graphs if (found := study.estimate(graph, variant, figure))]
+        means = [found.mean for graph in plan.graphs if (found := study.estimate(graph, variant, metric))]
         return sign * sum(means) / len(means) if means else float("inf")
 
     best = sorted((variant for variant in every if variant not in special), key=rank)[: MAX_ROWS - len(kept)]
@@ -62,30 +62,30 @@ def _badge(study: StudyResults, variant: str) -> str:
     return next(badge_of(row) for row in study.comparison.rows if row.case.variant == variant)
 
 
-def _panel(study: StudyResults, graph: str, figure: str, *, with_worlds: bool) -> Panel:
+def _panel(study: StudyResults, graph: str, metric: str, *, with_worlds: bool) -> Panel:
     rows = study.own_rows(graph)
     marks: dict[str, Mark | str] = {
         row.case.variant: f"the same graph as {row.case.same_as}"
         for row in study.comparison.of_graph(graph)
         if row.case.same_as
     }
-    marks |= {row.case.variant: _mark(study, row, figure, with_worlds=with_worlds) for row in rows}
-    base = study.estimate(graph, study.plan.base, figure)
+    marks |= {row.case.variant: _mark(study, row, metric, with_worlds=with_worlds) for row in rows}
+    base = study.estimate(graph, study.plan.base, metric)
     return Panel(graph, marks, base.mean if base else None)
 
 
-def _mark(study: StudyResults, row: Row, figure: str, *, with_worlds: bool) -> Mark | str:
-    found = row.estimates.get(figure)
+def _mark(study: StudyResults, row: Row, metric: str, *, with_worlds: bool) -> Mark | str:
+    found = row.estimates.get(metric)
     if found is None:
         return absence(row)
-    verdict = verdict_of(row, figure, study.plan.better(figure))
+    verdict = verdict_of(row, metric, study.plan.better(metric))
     title = (
         f"{row.case.variant}: {estimated(found.mean, found.low, found.high)} over {found.n} worlds, {WORDS[verdict]}"
     )
     points: list[tuple[float, str]] = []
     if with_worlds:
         case = row.case
-        values = study.values(case.graph, case.variant, figure)
+        values = study.values(case.graph, case.variant, metric)
         outcomes = {run.seed: run.outcome for run in study.runs.get((case.graph, case.variant), ())}
         points = [(value, outcomes[seed]) for seed, value in values.items()]
     look = f"mark {verdict} {row.case.role}"

@@ -1,4 +1,4 @@
-"""The graphs of a study drawn, with the stages marked that it swaps."""
+"""Drawings of the graphs of a study, with the swapped stages marked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The answer in a sentence, derived from the intervals and nothing else."""
+"""The answer in a sentence, derived from the intervals alone."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from graphnav.ablation.results import Row
 from graphnav.stage import Role
 
 Found = Mapping[tuple[str, str], tuple[Verdict, Row]]
-"""What the worlds say, by variant and graph."""
+"""Verdicts and rows by variant and graph."""
 
 _MAX_NAMES = 3
 
 
-def verdicts(study: StudyResults, figure: str, role: Role = "method") -> Found:
-    """Return what a figure says of everything of a role that has runs of its own, but the base."""
-    better = study.plan.better(figure)
+def verdicts(study: StudyResults, metric: str, role: Role = "method") -> Found:
+    """Return the verdicts of a metric on all variants of a role that have runs of their own, but the base."""
+    better = study.plan.better(metric)
     return {
-        (row.case.variant, graph): (verdict_of(row, figure, better), row)
+        (row.case.variant, graph): (verdict_of(row, metric, better), row)
         for graph in study.plan.graphs
         for row in study.own_rows(graph)
         if row.case.role == role and not row.case.is_base
     }
 
 
-def lead(study: StudyResults, figure: str, found: Found) -> Html:
+def lead(study: StudyResults, metric: str, found: Found) -> Html:
     """Return what the base does and whether anything does better."""
     rivals = list(dict.fromkeys(variant for variant, _ in found))
     if len(rivals) == 1:
-        return " ".join(_paired(study, figure, verdict, row) for verdict, row in found.values())
+        return " ".join(_paired(study, metric, verdict, row) for verdict, row in found.values())
     sides = {side: [v for v in rivals if _side(found, v) == side] for side in ("better", "mixed", "worse")}
     clauses = []
     if sides["better"]:
@@ -52,7 +52,7 @@ def lead(study: StudyResults, figure: str, found: Found) -> Html:
             else "all are worse"
         )
     said = f" {'; '.join(clauses)}." if clauses else ""
-    return f"{name(study.plan.base)} has {tag('b', esc(figure))} {_everywhere(study, figure)}.{said}"
+    return f"{name(study.plan.base)} has {tag('b', esc(metric))} {_everywhere(study, metric)}.{said}"
 
 
 def _side(found: Found, variant: str) -> str:
@@ -63,10 +63,10 @@ def _side(found: Found, variant: str) -> str:
     return next((side for side in ("better", "worse") if side in sides), "neither")
 
 
-def _paired(study: StudyResults, figure: str, verdict: Verdict, row: Row) -> Html:
+def _paired(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> Html:
     """Return what one rival does, and how that differs from the base."""
     where = f" on {esc(row.case.graph)}" if len(study.plan.graphs) > 1 else ""
-    estimate, difference = row.estimates.get(figure), row.differences.get(figure)
+    estimate, difference = row.estimates.get(metric), row.differences.get(metric)
     if estimate is None or difference is None:
         return f"{name(row.case.variant)}{where}: {esc(absence(row))}."
     value = estimated(estimate.mean, estimate.low, estimate.high)
@@ -76,14 +76,14 @@ def _paired(study: StudyResults, figure: str, verdict: Verdict, row: Row) -> Htm
         "worse": "worse than the base",
         "unclear": f"no difference that {counted(difference.n, 'world')} can tell",
     }.get(verdict, f"{counted(difference.n, 'world')} cannot tell")
-    said = f"{tag('b', esc(figure))} {value}, {change} against {name(study.plan.base)}"
+    said = f"{tag('b', esc(metric))} {value}, {change} against {name(study.plan.base)}"
     return f"{name(row.case.variant)}{where}: {said} \N{EM DASH} {words}."
 
 
-def _everywhere(study: StudyResults, figure: str) -> Html:
+def _everywhere(study: StudyResults, metric: str) -> Html:
     """Return what the base has on each graph, on many the least and the greatest."""
     graphs, base = study.plan.graphs, study.plan.base
-    found = {graph: of for graph in graphs if (of := study.estimate(graph, base, figure)) is not None}
+    found = {graph: of for graph in graphs if (of := study.estimate(graph, base, metric)) is not None}
     if len(found) > _MAX_NAMES:
         return f"{means_text([of.mean for of in found.values()])} on {len(found)} {_places(study)}"
     said = [

@@ -1,4 +1,4 @@
-"""Charts of the figures that do not decide, and of numeric axes."""
+"""Charts of all metrics but the deciding one, and of numeric axes."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from graphnav.ablation.report.html.sections.forest_plot import forest, key
 from graphnav.ablation.report.html.sections.parameter_sweeps import sweeps
 from graphnav.ablation.report.html.study_results import StudyResults
 
-_MAX_FIGURES = 8
+_MAX_METRICS = 8
 _OPEN = 3
 
 
 def plots(study: StudyResults) -> Html:
     """Return the lines over numeric axes, then dots with every world; the first few open."""
-    figures = [name for name in study.figures[: 1 + _MAX_FIGURES] if _has_worlds(study, name)]
+    metrics = [name for name in study.metrics[: 1 + _MAX_METRICS] if _has_worlds(study, name)]
     charts = [
-        details(tag("b", esc(figure)), forest(study, figure, with_worlds=True), **({"open": ""} if k < _OPEN else {}))
-        for k, figure in enumerate(figures)
+        details(tag("b", esc(metric)), forest(study, metric, with_worlds=True), **({"open": ""} if k < _OPEN else {}))
+        for k, metric in enumerate(metrics)
     ]
-    left_out = len(study.figures) - 1 - _MAX_FIGURES
+    left_out = len(study.metrics) - 1 - _MAX_METRICS
     if left_out > 0:
         charts.append(tag("p", f"{left_out} more figures are in the tables.", class_="note"))
-    return sweeps(study) + (key(with_worlds=True) if figures else "") + "".join(charts)
+    return sweeps(study) + (key(with_worlds=True) if metrics else "") + "".join(charts)
 
 
-def _has_worlds(study: StudyResults, figure: str) -> bool:
-    """Return whether a figure says more than the first screen did: it is another, or no yes or no."""
-    if figure != study.deciding:
+def _has_worlds(study: StudyResults, metric: str) -> bool:
+    """Return whether a metric shows more than the first screen did: it is another one, or not binary."""
+    if metric != study.deciding:
         return True
-    return any(value not in {0.0, 1.0} for key in study.runs for value in study.values(*key, figure).values())
+    return any(value not in {0.0, 1.0} for key in study.runs for value in study.values(*key, metric).values())

@@ -1,4 +1,4 @@
-"""Figures against the axes whose choices are numbers: where a thing breaks."""
+"""Metrics over the axes whose choices are numbers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MAX_FIRST = 4
 
 @dataclass(frozen=True)
 class Chart:
-    """What a line chart shows."""
+    """The content of a line chart."""
 
     title: str
     axis: str
@@ -30,18 +30,18 @@ class Chart:
 
 
 def deciding_sweeps(study: StudyResults) -> Html:
-    """Return line charts of the figure that decides, with those of the same name; nothing without numeric axes."""
+    """Return line charts of the metric that decides, with those of the same name; nothing without numeric axes."""
     kin = _family(study.deciding or "")
-    figures = [figure for figure in study.figures if _family(figure) == kin]
-    charts = [chart for _, of in _by_axis(study, figures) for chart in of]
+    metrics = [metric for metric in study.metrics if _family(metric) == kin]
+    charts = [chart for _, of in _by_axis(study, metrics) for chart in of]
     return _grid(charts[:_MAX_FIRST])
 
 
 def sweeps(study: StudyResults) -> Html:
-    """Return line charts of all other figures."""
+    """Return line charts of all other metrics."""
     kin = _family(study.deciding or "")
-    figures = [figure for figure in study.figures if _family(figure) != kin]
-    return "".join(tag("h3", esc(title)) + _grid(of[:_MAX_CHARTS]) for title, of in _by_axis(study, figures))
+    metrics = [metric for metric in study.metrics if _family(metric) != kin]
+    return "".join(tag("h3", esc(title)) + _grid(of[:_MAX_CHARTS]) for title, of in _by_axis(study, metrics))
 
 
 def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
@@ -59,7 +59,7 @@ def _grid(charts: Sequence[Chart]) -> Html:
     return tag("div", *drawn, class_="grid" if len(drawn) > 1 else "scroll")
 
 
-def _by_axis(study: StudyResults, figures: Sequence[str]) -> Iterator[tuple[str, list[Chart]]]:
+def _by_axis(study: StudyResults, metrics: Sequence[str]) -> Iterator[tuple[str, list[Chart]]]:
     """Yield the charts of every axis that is one of numbers, graph by graph."""
     for axis, labels in study.plan.axes.items():
         places = axis_numbers(labels)
@@ -69,7 +69,7 @@ def _by_axis(study: StudyResults, figures: Sequence[str]) -> Iterator[tuple[str,
         for graph, cases in by_graph.items():
             lines = _lines(study.plan, cases, axis)
             where = f" on {graph}" if len(by_graph) > 1 else ""
-            if charts := list(_charts(study, lines, axis, places, figures, where)):
+            if charts := list(_charts(study, lines, axis, places, metrics, where)):
                 yield f"{axis} on {graph}", charts
 
 
@@ -87,18 +87,18 @@ def _charts(
     lines: Mapping[str, Sequence[Case]],
     axis: str,
     places: Mapping[str, float],
-    figures: Sequence[str],
+    metrics: Sequence[str],
     where: str,
 ) -> Iterator[Chart]:
-    """Yield a chart for every name of a figure: a line for each stage that has it and each choice of other axes."""
+    """Yield a chart for every name of a metric: a line for each stage that has it and each choice of other axes."""
     families: dict[str, list[str]] = {}
-    for figure in figures:
-        families.setdefault(_family(figure), []).append(figure)
+    for metric in metrics:
+        families.setdefault(_family(metric), []).append(metric)
     for name, kin in families.items():
         series: list[Series] = []
-        for figure, (others, cases) in list(product(kin, lines.items()))[:_MAX_LINES]:
-            points = sorted(_points(study, figure, axis, cases, places), key=lambda point: point.x)
-            words = [figure.rpartition(".")[0]] * (len(kin) > 1) + [others] * (len(lines) > 1)
+        for metric, (others, cases) in list(product(kin, lines.items()))[:_MAX_LINES]:
+            points = sorted(_points(study, metric, axis, cases, places), key=lambda point: point.x)
+            words = [metric.rpartition(".")[0]] * (len(kin) > 1) + [others] * (len(lines) > 1)
             special = any(case.role != "method" for case in cases)
             if points:
                 colour = (BASE, *METHODS)[len(series) % (1 + len(METHODS))]
@@ -116,15 +116,15 @@ def _lines(plan: Plan, cases: Sequence[Case], axis: str) -> dict[str, list[Case]
     return {others: cases for others, cases in found.items() if len({case.labels[axis] for case in cases}) >= 3}
 
 
-def _family(figure: str) -> str:
-    """Return what figures of several stages have in common: the name behind the stage's."""
-    return figure if " " in figure else figure.rpartition(".")[2]
+def _family(metric: str) -> str:
+    """Return what metrics of several stages have in common: the name behind the stage's."""
+    return metric if " " in metric else metric.rpartition(".")[2]
 
 
 def _points(
-    study: StudyResults, figure: str, axis: str, cases: Sequence[Case], places: Mapping[str, float]
+    study: StudyResults, metric: str, axis: str, cases: Sequence[Case], places: Mapping[str, float]
 ) -> Iterator[Point]:
     for case in cases:
-        found = study.estimate(case.graph, case.variant, figure)
+        found = study.estimate(case.graph, case.variant, metric)
         if found is not None:
             yield Point(places[case.labels[axis]], found.mean, found.low, found.high)

@@ -1,4 +1,4 @@
-"""The paths of all variants laid over the maps of a few worlds."""
+"""The paths of all variants on the maps of a few worlds."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def maps(study: StudyResults) -> Html:
         runs = {v: {run.seed: run for run in study.runs.get((graph, v), ())} for v in own}
         seeds = _worlds(study, graph, variants)
         drawn = [_map(study, graph, seed, [of[seed] for of in runs.values() if seed in of], colours) for seed in seeds]
-        shown = [figure for figure in drawn if figure]
+        shown = [metric for metric in drawn if metric]
         if shown:
             parts += [tag("h3", esc(graph)), tag("div", *shown, class_="maps")]
     if not parts:

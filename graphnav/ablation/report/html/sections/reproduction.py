@@ -1,4 +1,4 @@
-"""How to get the same again, and what the numbers mean."""
+"""How to reproduce the study, and what its numbers mean."""
 
 from __future__ import annotations
 

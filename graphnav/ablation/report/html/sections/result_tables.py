@@ -20,14 +20,14 @@ def tables(study: StudyResults) -> Html:
 
 def _table(study: StudyResults, graph: str) -> Html:
     rows = study.comparison.of_graph(graph)
-    head = [esc("variant"), esc("worlds"), esc("how they ended"), *(_head(study, name) for name in study.figures)]
+    head = [esc("variant"), esc("worlds"), esc("how they ended"), *(_head(study, name) for name in study.metrics)]
     drawn = table(head, (_row(study, row) for row in rows), class_="results")
     title = tag("h3", esc(graph))
     return title + drawn if len(rows) <= _MAX_OPEN else title + details(f"{len(rows)} variants", drawn)
 
 
-def _head(study: StudyResults, figure: str) -> Html:
-    return f"{esc(figure)}<br>" + tag("small", f"{study.plan.better(figure)} is better")
+def _head(study: StudyResults, metric: str) -> Html:
+    return f"{esc(metric)}<br>" + tag("small", f"{study.plan.better(metric)} is better")
 
 
 def _row(study: StudyResults, row: Row) -> Html:
@@ -38,10 +38,10 @@ def _row(study: StudyResults, row: Row) -> Html:
     name = tag("th", esc(case.variant), badge(badge_of(row)), reasons if not case.same_as else "", scope="row")
     if case.same_as:
         said = f"the same graph as {esc(case.same_as)}: its runs are these"
-        return tag("tr", name, tag("td", said, colspan=2 + len(study.figures), class_="quiet"), class_="same")
+        return tag("tr", name, tag("td", said, colspan=2 + len(study.metrics), class_="quiet"), class_="same")
     missing = "" if row.runs >= study.n_seeds else f" of {study.n_seeds}"
     cells = [tag("td", f"{row.runs}{missing}", class_="number"), tag("td", _outcomes(row))]
-    cells += [tag("td", _figure(study, row, figure)) for figure in study.figures]
+    cells += [tag("td", _metric(study, row, metric)) for metric in study.metrics]
     return tag("tr", name, *cells, class_=f"{case.role} {'base' if case.is_base else ''}".strip())
 
 
@@ -51,15 +51,15 @@ def _outcomes(row: Row) -> Html:
     return tag("div", bar, class_="bar") + tag("small", ", ".join(f"{n} {name}" for name, n in found))
 
 
-def _figure(study: StudyResults, row: Row, figure: str) -> Html:
-    estimate, difference = row.estimates.get(figure), row.differences.get(figure)
+def _metric(study: StudyResults, row: Row, metric: str) -> Html:
+    estimate, difference = row.estimates.get(metric), row.differences.get(metric)
     if estimate is None:
         return tag("span", "\N{EM DASH}", class_="quiet")
     value = tag("b", *_split(estimated(estimate.mean, estimate.low, estimate.high)))
     few = "" if estimate.n >= row.runs else tag("small", f" in {estimate.n}")
     if difference is None:
         return value + few
-    look = verdict_of(row, figure, study.plan.better(figure))
+    look = verdict_of(row, metric, study.plan.better(metric))
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
     worlds = tag("small", f"won {difference.won}, lost {difference.lost} of {difference.n}")
     return value + few + tag("div", change, class_=f"change {look}") + worlds

@@ -1,4 +1,4 @@
-"""How long each stage takes, a bar a variant."""
+"""The time per step of each stage, a bar a variant."""
 
 from __future__ import annotations
 

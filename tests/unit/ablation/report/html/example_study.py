@@ -105,7 +105,7 @@ def record_of(case: Case, seed: int, outcome: str, **figures: float) -> Record:
         failure="plane: it broke <down>" if outcome == "failed" else "",
         frames=10,
         sim_s=1.0 + seed,
-        figures={name.replace("__", "."): value for name, value in figures.items()},
+        metrics={name.replace("__", "."): value for name, value in figures.items()},
         wall_s=0.1,
         times={"flow": StageTime(9, 1.5, 3.0), "plane": StageTime(9, 0.5, 1.0)},
         folder=f"{case.folder}/{seed}",
