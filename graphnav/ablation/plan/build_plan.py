@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from graphnav.ablation.plan.case_problems import CaseProblems
-from graphnav.ablation.plan.checked_cases import Checked, check_cases, stage_classes
+from graphnav.ablation.plan.checked_cases import CheckedCase, check_cases, stage_classes
 from graphnav.ablation.plan.folder_names import folder_names
 from graphnav.ablation.plan.metric_checks import checked_metrics, less_is_better
 from graphnav.ablation.plan.plan import RUNS, Case, Plan
@@ -58,17 +58,17 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
     )
 
 
-def _plugins(given: Sequence[Path], checked: Sequence[Checked]) -> tuple[str, ...]:
+def _plugins(given: Sequence[Path], checked: Sequence[CheckedCase]) -> tuple[str, ...]:
     """Return the plugin files that are given and those that the graphs name, each once."""
     named = (path for case in checked for path in case.graph.plugins)
     return tuple(dict.fromkeys(str(path) for path in (*(path.resolve() for path in given), *named)))
 
 
-def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[Checked]) -> Iterator[Case]:
+def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[CheckedCase]) -> Iterator[Case]:
     of_graph = folder_names(study.graphs, lambda name: Path(name).stem)
     of_variant = folder_names(variant.name for variant in variants)
-    first: dict[object, Checked] = {}
-    base: dict[str, Checked] = {}
+    first: dict[object, CheckedCase] = {}
+    base: dict[str, CheckedCase] = {}
     for case in checked:
         graph = ", ".join(filter(None, (case.name, case.variant.condition)))
         same = first.setdefault((graph, case.identity), case)

@@ -20,7 +20,7 @@ _FROM_COMMAND = "--"
 
 
 @dataclass(frozen=True)
-class Checked:
+class CheckedCase:
     """A graph with a variant: nothing is wrong with it."""
 
     name: str
@@ -54,7 +54,9 @@ class Checked:
         return tuple(notice for notice in self.graph.notices if notice not in idle)
 
 
-def check_cases(study: Study, variants: tuple[Variant, ...], catalog: Catalog, problems: CaseProblems) -> list[Checked]:
+def check_cases(
+    study: Study, variants: tuple[Variant, ...], catalog: Catalog, problems: CaseProblems
+) -> list[CheckedCase]:
     """Return every graph with every variant, in this order; what is wrong with some is added to ``problems``."""
     fine: set[object] = set()
     checked = []
@@ -73,7 +75,7 @@ def check_cases(study: Study, variants: tuple[Variant, ...], catalog: Catalog, p
     return checked
 
 
-def _load(study: Study, name: str, variant: Variant, origins: dict[str, Origin], catalog: Catalog) -> Checked:
+def _load(study: Study, name: str, variant: Variant, origins: dict[str, Origin], catalog: Catalog) -> CheckedCase:
     sets = tuple(origins)
     graph = load_graph(name, catalog, sets)
     if study.folder is not None:
@@ -87,7 +89,7 @@ def _load(study: Study, name: str, variant: Variant, origins: dict[str, Origin],
             sets = tuple(moved.get(text, text) for text in sets)
             graph = load_graph(name, catalog, sets)
     _refuse_live(graph)
-    return Checked(name, variant, sets, graph)
+    return CheckedCase(name, variant, sets, graph)
 
 
 def _origins(study: Study, variant: Variant) -> dict[str, Origin]:
@@ -118,7 +120,7 @@ def _refuse_live(graph: Graph) -> None:
         )
 
 
-def stage_classes(cases: list[Checked]) -> dict[str, list[type[Stage]]]:
+def stage_classes(cases: list[CheckedCase]) -> dict[str, list[type[Stage]]]:
     """Return what the stages of all cases are, by name."""
     found: dict[str, list[type[Stage]]] = {}
     for case in cases:

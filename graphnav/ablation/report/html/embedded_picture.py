@@ -11,7 +11,7 @@ from graphnav.ablation.report.html.markup import Html, esc, tag
 _QUALITY = 82
 
 
-def embedded(file: Path, about: Html, max_px: int) -> Html:
+def embedded_picture(file: Path, about: Html, max_px: int) -> Html:
     """Return the picture ``file`` as part of the page, at most ``max_px`` wide.
 
     WebP keeps the colours of small marks at a fifth of PNG's size. A text stands for a picture that cannot be read.

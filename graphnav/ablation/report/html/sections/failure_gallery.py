@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from graphnav.ablation.report.html.embedded_picture import embedded
+from graphnav.ablation.report.html.embedded_picture import embedded_picture
 from graphnav.ablation.report.html.markup import Html, details, esc, tag
 from graphnav.ablation.report.html.number_text import counted
 from graphnav.ablation.report.html.study_results import StudyResults
@@ -66,4 +66,4 @@ def _failure(study: StudyResults, run: Record, file: Path, *, is_open: bool) -> 
     said += f"{esc(run.outcome)} after {run.sim_s:.1f} s"
     said += f" {tag('span', esc(run.failure), class_='reason')}" if run.failure else ""
     about = esc(f"{run.variant} on {run.graph}, seed {run.seed}: {run.outcome}")
-    return details(said, embedded(file, about, _MAX_PX), **({"open": ""} if is_open else {}))
+    return details(said, embedded_picture(file, about, _MAX_PX), **({"open": ""} if is_open else {}))

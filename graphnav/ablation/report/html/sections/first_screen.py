@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.number_text import counted
-from graphnav.ablation.report.html.sections.forest_plot import forest, key
-from graphnav.ablation.report.html.sections.headline import lead, verdicts
+from graphnav.ablation.report.html.sections.forest_plot import chart_key, forest
+from graphnav.ablation.report.html.sections.headline import headline, verdicts
 from graphnav.ablation.report.html.sections.parameter_sweeps import deciding_sweeps
 from graphnav.ablation.report.html.sections.variant_lists import reference_values, variants_by_verdict
 from graphnav.ablation.report.html.study_results import StudyResults
@@ -23,7 +23,7 @@ def overview(study: StudyResults) -> Html:
         _facts(study),
     ]
     if study.deciding is not None:
-        parts += [deciding_sweeps(study), forest(study, study.deciding), key()]
+        parts += [deciding_sweeps(study), forest(study, study.deciding), chart_key()]
     return tag("header", *parts)
 
 
@@ -32,7 +32,7 @@ def _answer(study: StudyResults) -> Html:
     if metric is None or not study.n_runs:
         return tag("p", "No run is there yet, so there is no answer.", class_="lead")
     found = verdicts(study, metric)
-    said = tag("p", lead(study, metric, found), class_="lead")
+    said = tag("p", headline(study, metric, found), class_="lead")
     return said + variants_by_verdict(study, metric, found) + reference_values(study, metric)
 
 

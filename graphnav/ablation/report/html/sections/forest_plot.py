@@ -77,7 +77,7 @@ def _panel(study: StudyResults, graph: str, metric: str, *, with_worlds: bool) -
 def _mark(study: StudyResults, row: Row, metric: str, *, with_worlds: bool) -> Mark | str:
     found = row.estimates.get(metric)
     if found is None:
-        return absence(row)
+        return missing_reason(row)
     verdict = verdict_of(row, metric, study.plan.better(metric))
     title = (
         f"{row.case.variant}: {estimated(found.mean, found.low, found.high)} over {found.n} worlds, {WORDS[verdict]}"
@@ -92,7 +92,7 @@ def _mark(study: StudyResults, row: Row, metric: str, *, with_worlds: bool) -> M
     return Mark(found.mean, found.low, found.high, look, title, points)
 
 
-def absence(row: Row) -> str:
+def missing_reason(row: Row) -> str:
     """Return why a row has no value."""
     failed = row.outcomes.get("failed", 0)
     if failed and failed == row.runs:
@@ -100,7 +100,7 @@ def absence(row: Row) -> str:
     return "not said by any run" if row.runs else "no run yet"
 
 
-def key(*, with_worlds: bool = False) -> Html:
+def chart_key(*, with_worlds: bool = False) -> Html:
     """Return what the marks mean."""
     kinds = [
         ("base method", "the base"), ("better method", "better than the base"), ("worse method", "worse"),

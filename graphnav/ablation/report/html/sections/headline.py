@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.number_text import counted, estimated, means_text
-from graphnav.ablation.report.html.sections.forest_plot import absence
+from graphnav.ablation.report.html.sections.forest_plot import missing_reason
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results import Row
@@ -29,7 +29,7 @@ def verdicts(study: StudyResults, metric: str, role: Role = "method") -> Found:
     }
 
 
-def lead(study: StudyResults, metric: str, found: Found) -> Html:
+def headline(study: StudyResults, metric: str, found: Found) -> Html:
     """Return what the base does and whether anything does better."""
     rivals = list(dict.fromkeys(variant for variant, _ in found))
     if len(rivals) == 1:
@@ -68,7 +68,7 @@ def _paired(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> Htm
     where = f" on {esc(row.case.graph)}" if len(study.plan.graphs) > 1 else ""
     estimate, difference = row.estimates.get(metric), row.differences.get(metric)
     if estimate is None or difference is None:
-        return f"{name(row.case.variant)}{where}: {esc(absence(row))}."
+        return f"{name(row.case.variant)}{where}: {esc(missing_reason(row))}."
     value = estimated(estimate.mean, estimate.low, estimate.high)
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
     words = {

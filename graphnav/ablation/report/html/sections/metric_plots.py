@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from graphnav.ablation.report.html.markup import Html, details, esc, tag
-from graphnav.ablation.report.html.sections.forest_plot import forest, key
+from graphnav.ablation.report.html.sections.forest_plot import chart_key, forest
 from graphnav.ablation.report.html.sections.parameter_sweeps import sweeps
 from graphnav.ablation.report.html.study_results import StudyResults
 
@@ -21,7 +21,7 @@ def plots(study: StudyResults) -> Html:
     left_out = len(study.metrics) - 1 - _MAX_METRICS
     if left_out > 0:
         charts.append(tag("p", f"{left_out} more figures are in the tables.", class_="note"))
-    return sweeps(study) + (key(with_worlds=True) if metrics else "") + "".join(charts)
+    return sweeps(study) + (chart_key(with_worlds=True) if metrics else "") + "".join(charts)
 
 
 def _has_worlds(study: StudyResults, metric: str) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from graphnav.ablation.report.html.embedded_picture import embedded
+from graphnav.ablation.report.html.embedded_picture import embedded_picture
 from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import chips, colours_of
@@ -86,7 +86,7 @@ def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], col
         return ""
     ends = dict.fromkeys(run.outcome for run in runs)
     counts = ", ".join(f"{sum(run.outcome == end for run in runs)} {end}" for end in ends)
-    picture = embedded(drawn, esc(f"paths through world {seed} of {graph}"), _MAX_PX)
+    picture = embedded_picture(drawn, esc(f"paths through world {seed} of {graph}"), _MAX_PX)
     return tag("figure", picture, tag("figcaption", f"seed {seed}: {esc(counts)}"))
 
 

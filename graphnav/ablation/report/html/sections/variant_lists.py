@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.number_text import counted, estimated, means_text
-from graphnav.ablation.report.html.sections.forest_plot import absence
+from graphnav.ablation.report.html.sections.forest_plot import missing_reason
 from graphnav.ablation.report.html.sections.headline import Found, name, verdicts
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.verdict import Verdict
@@ -71,7 +71,7 @@ def _entries(study: StudyResults, metric: str, found: Found, verdict: Verdict, *
 def _change(row: Row, metric: str) -> Html:
     found = row.differences.get(metric)
     if found is None:
-        return esc(absence(row)) if metric not in row.estimates else "no common world"
+        return esc(missing_reason(row)) if metric not in row.estimates else "no common world"
     return estimated(found.mean, found.low, found.high, signed=True)
 
 
