@@ -24,6 +24,8 @@ MAX_CHANNELS = 512
 _MAX_EARLY_S, _MAX_LATE_S = 1.0, 60.0
 """A stamp so far from the time of day is of another clock."""
 _MAX_RUNS = 32
+_MAX_GAP = 1_000_000
+"""A larger step of the numbers is a new numbering, not a loss."""
 RUN_SILENT_S = 3.0
 """A run that announces itself every second has ended after this time without."""
 
@@ -158,7 +160,7 @@ class ChannelTraffic:
         self._newest, self._values = data, None
         utime, seq = codec.peek(data, "utime"), codec.peek(data, "seq")
         if utime is not None and seq is not None:
-            if not self._numbered or seq <= self._last_seq:
+            if not self._numbered or not 0 < seq - self._last_seq <= _MAX_GAP:
                 self._stamps, self._first_seq, self._numbered = Window(self._recent_s), seq, 0
             self._stamps.add(heard.at_s, utime / 1e6, seq, len(data))
             self._last_seq = seq

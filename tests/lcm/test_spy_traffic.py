@@ -45,6 +45,14 @@ def test_a_new_run_starts_the_count_anew() -> None:
     assert traffic.channels["x"].count == 6
 
 
+def test_a_jump_of_the_numbers_is_a_new_numbering() -> None:
+    traffic = Traffic()
+    for k in (0, 1, 2**40, 2**40 + 2, 3, 4):
+        traffic.hear(Heard("x", encode(Twist(0.1, 0.2), 0, k), 0))
+        assert traffic.channels["x"].lost <= 1
+    assert traffic.channels["x"].lost == 0
+
+
 def test_what_cannot_be_decoded_is_counted() -> None:
     traffic = Traffic()
     for data in (twist_at(0), twist_at(1)[:-1], b"", bytes(40), twist_at(2)):
