@@ -81,8 +81,7 @@ def _tables(job: Job, suffix: str, open_table: OpenTable) -> Written:
 def _mcap(job: Job) -> Written:
     require("foxglove")
     entries = RunEntries(job.reader, Pictures(job.catalog))
-    channels = job.reader.channels
-    write_entries(entries, job.target, ".mcap", lambda file: McapFile(file, channels), force=job.force)
+    write_entries(entries, job.target, ".mcap", McapFile, force=job.force)
     return Written(job.contents, entries.losses())
 
 

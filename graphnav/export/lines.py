@@ -7,13 +7,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from graphnav.errors import LogError
+from graphnav.errors import UserError
 from graphnav.export.entries import Level, Line
-from graphnav.messages import GuardState, Message, State, Stop
-from graphnav.record import Recording
+from graphnav.messages import About, GuardState, Message, State, Stop
+from graphnav.record import ABOUT, Recording
+from graphnav.spec import parse_yaml
 
 SUMMARY = "summary.json"
 """What a run folder holds beside the log."""
+
+
+LINE_TYPES: tuple[type[Message], ...] = (State, Stop, GuardState)
+"""The messages that may tell something."""
 
 
 class Lines:
@@ -45,15 +50,16 @@ class Lines:
         return changed
 
 
-def heading(recording: Recording) -> str:
-    """Return a line on the run that a log holds, empty where the log does not say."""
-    about = recording.about
+def heading(about: About | None) -> str:
+    """Return a line on a run as it announces itself, empty where it does not."""
     if about is None:
         return ""
     try:
-        text = str(recording.graph.get("about") or "").strip()
-    except LogError:
-        text = ""
+        graph = parse_yaml(about.graph_yaml.encode(), ABOUT)[0].plain()
+    except UserError:
+        graph = None
+    said = graph.get("about") if isinstance(graph, dict) else None
+    text = str(said or "").strip()
     return " ".join(part for part in (text, f"(seed {about.seed})") if part)
 
 

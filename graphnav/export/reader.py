@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from typing import Any, NamedTuple
 
-from graphnav.adapter import Adapter
 from graphnav.catalog import Catalog
-from graphnav.codec import DecodeError, codec_of, lcm_name, message_class_of
-from graphnav.errors import CatalogError
+from graphnav.codec import DecodeError, codec_of
+from graphnav.export.message_types import MessageTypes
 from graphnav.export.selection import Selection
 from graphnav.messages import Message
 from graphnav.record import Event, Recording
@@ -43,9 +41,7 @@ class Reader:
         self.read: Counter[str] = Counter()
         self.on_time = on_time
         self._selection = selection
-        self._adapters: dict[str, Adapter] = {}
-        with suppress(CatalogError):
-            self._adapters = dict(catalog.adapters().readers)
+        self._types = MessageTypes(catalog)
         self._selected = selection.channels(recording)
         self.channels = tuple(name for name in self._selected if recording.channels[name] is not None)
 
@@ -80,23 +76,13 @@ class Reader:
     def message_type(self, channel: str) -> type[Message] | None:
         """Return the class of the messages that a channel's types become, None where there is none."""
         lcm_class = self.recording.channels.get(channel)
-        if lcm_class is None:
-            return None
-        adapter = self._adapters.get(lcm_name(lcm_class))
-        return adapter.message if adapter is not None else message_class_of(lcm_class)
+        return None if lcm_class is None else self._types.message_type(lcm_class)
 
     def message(self, channel: str, fields: dict[str, Any]) -> Message | None:
         """Return the message that fields hold, None where they hold none."""
         lcm_class = self.recording.channels[channel]
         assert lcm_class is not None
-        adapter = self._adapters.get(lcm_name(lcm_class))
-        wrapper = message_class_of(lcm_class)
-        try:
-            if adapter is not None:
-                return adapter.from_lcm(fields)
-            return wrapper.from_lcm_fields(fields) if wrapper is not None else None
-        except Exception:  # noqa: BLE001 - an adapter of a plugin, and bytes of any program
-            return None
+        return self._types.message(lcm_class, fields)
 
     def losses(self) -> list[str]:
         """Return what of the selection was not exported, one sentence each."""

@@ -6,9 +6,9 @@ from typing import Any
 
 from graphnav.export.extras import require
 from graphnav.export.reader import Reader
-from graphnav.export.rerun_file import LOG_ENTITY, PICTURE
+from graphnav.export.rerun_file import LOG_ENTITY
 from graphnav.export.rerun_scene import MAP, PATH, ROBOT
-from graphnav.export.topics import parts_of
+from graphnav.export.topics import PICTURE, parts_of
 from graphnav.export.walk import POSES
 from graphnav.messages import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth, Twist
 

@@ -11,13 +11,11 @@ from graphnav.export.extras import require
 from graphnav.export.piped_file import PipedFile
 from graphnav.export.rerun_columns import RerunColumns
 from graphnav.export.rerun_scene import RerunScene
-from graphnav.export.topics import parts_of
+from graphnav.export.topics import PICTURE, parts_of
 
 APPLICATION = "graphnav"
 TIMELINE = "time"
 LOG_ENTITY = "log"
-PICTURE = "picture"
-"""The last part of the entity of a channel's pictures."""
 
 _LEVELS = {Level.INFO: "INFO", Level.WARNING: "WARN", Level.ERROR: "ERROR"}
 

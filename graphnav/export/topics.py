@@ -5,6 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from graphnav.errors import shown_name
+
+PICTURE = "picture"
+"""The last part of the topic of a channel's pictures."""
+
 _STAGE_PORT = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\.[A-Za-z_][A-Za-z0-9_]*")
 
 
@@ -13,12 +18,32 @@ def parts_of(channel: str) -> tuple[str, ...]:
     return tuple(channel.split(".")) if _STAGE_PORT.fullmatch(channel) else (channel,)
 
 
-def topics_of(channels: Iterable[str]) -> dict[str, str]:
-    """Return a topic for each channel, all different: ``/plane/plane`` for ``plane.plane``."""
-    topics: dict[str, str] = {}
-    for channel in channels:
-        topic = "/" + "/".join(parts_of(channel)).lstrip("/")
-        while topic in topics.values():
-            topic += "_"
-        topics[channel] = topic
-    return topics
+class Topics:
+    """A topic for each channel: ``/plane/plane`` for ``plane.plane``, and one below it for its pictures.
+
+    All are different, and none is ``reserved``, whatever the channels are called; control characters are escaped.
+    """
+
+    def __init__(self, reserved: Iterable[str]) -> None:
+        self._taken = set(reserved)
+        self._topics: dict[str, str] = {}
+
+    def of(self, channel: str) -> str:
+        """Return the topic of a channel's scalars."""
+        if channel not in self._topics:
+            topic = "/" + shown_name("/".join(parts_of(channel))).lstrip("/")
+            while not self._taken.isdisjoint((topic, f"{topic}/{PICTURE}")):
+                topic += "_"
+            self._taken.update((topic, f"{topic}/{PICTURE}"))
+            self._topics[channel] = topic
+        return self._topics[channel]
+
+    def picture_of(self, channel: str) -> str:
+        """Return the topic of a channel's pictures."""
+        return f"{self.of(channel)}/{PICTURE}"
+
+    def forget(self, channel: str) -> None:
+        """Let another channel have the topics of one."""
+        topic = self._topics.pop(channel, None)
+        if topic is not None:
+            self._taken.difference_update((topic, f"{topic}/{PICTURE}"))

@@ -195,3 +195,17 @@ def test_a_map_of_any_numbers_is_survived(tmp_path: Path) -> None:
     found = read(tmp_path / "a.mcap")
     assert next(len(m.message.entities) for m in found if m.topic == "/scene/map") == 1
     assert "contact" in [m.message.message for m in found if m.topic == "/log"]
+
+
+@pytest.mark.parametrize("name", ["log", "/log", "tf", "scene.map", "twist", "a.b", "\x1b[31m<b>", "\n"])
+def test_a_channel_may_be_called_as_a_topic_is(tmp_path: Path, name: str) -> None:
+    with LogWriter(tmp_path / "log") as log:
+        log.write("a/b/picture", 0, encode(Twist(v_mps=0.0, omega_radps=1.0), 0, 0))
+        log.write("a.b", 0, encode(Image(np.zeros((2, 2), np.uint8)), 0, 0))
+        log.write("state", 0, encode(State(1.0, 2.0, 0.5, 0.0, 0.0, 0.1, True, False, np.empty((0, 3))), 0, 0))
+        log.write(name, 1, encode(Image(np.zeros((2, 2), np.uint8)), 1, 0))
+    assert main(["export", str(tmp_path / "log"), "--to", "mcap", "-o", str(tmp_path / "a.mcap")]) == 0
+    found = read(tmp_path / "a.mcap")
+    assert all(len({m.schema for m in found if m.topic == topic}) == 1 for topic in {m.topic for m in found})
+    assert all(m.topic.isprintable() for m in found)
+    assert sum(m.schema == "foxglove.CompressedImage" for m in found) == 2

@@ -43,7 +43,7 @@ class _Scene:
         self._types, self._stamp = types, stamp
 
     def world(self, entry: World) -> Any:
-        """Return the bodies that stand still, and the goal."""
+        """Return all bodies and the goal, in place of those of the map before."""
         bodies = [body for body in bodies_of(entry.world) if body.kind != colours.MOVES]
         entities = [self._entity(f"body-{index}", WORLD, body) for index, body in enumerate(bodies)]
         moving = [body for body in bodies_of(entry.world) if body.kind == colours.MOVES]
@@ -51,7 +51,10 @@ class _Scene:
         if (goal := ring(entry.world.goal_m)) is not None:
             lines = [self._line(goal, colours.GOAL)]
             entities.append(self._types.SceneEntity(timestamp=self._stamp, frame_id=WORLD, id="goal", lines=lines))
-        return self._types.SceneUpdate(entities=entities)
+        all_before = self._types.SceneEntityDeletion(
+            timestamp=self._stamp, type=self._types.SceneEntityDeletionType.All
+        )
+        return self._types.SceneUpdate(deletions=[all_before], entities=entities)
 
     def robot(self, entry: Robot) -> Any:
         """Return the robot, and what its camera sees of the floor, in the robot's frame."""

@@ -1,0 +1,37 @@
+"""The messages that LCM fields hold, with the help of the adapters that are installed."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+from graphnav.adapter import Adapter
+from graphnav.catalog import Catalog
+from graphnav.codec import lcm_name, message_class_of
+from graphnav.errors import CatalogError
+from graphnav.messages import Message
+
+
+class MessageTypes:
+    """What LCM types become in graphnav: by an adapter, else by the message class that wraps them."""
+
+    def __init__(self, catalog: Catalog) -> None:
+        self._adapters: dict[str, Adapter] = {}
+        with suppress(CatalogError):
+            self._adapters = dict(catalog.adapters().readers)
+
+    def message_type(self, lcm_class: type) -> type[Message] | None:
+        """Return the class of the messages that an LCM type becomes, None where there is none."""
+        adapter = self._adapters.get(lcm_name(lcm_class))
+        return adapter.message if adapter is not None else message_class_of(lcm_class)
+
+    def message(self, lcm_class: type, fields: dict[str, Any]) -> Message | None:
+        """Return the message that the fields of an LCM type hold, None where they hold none."""
+        adapter = self._adapters.get(lcm_name(lcm_class))
+        wrapper = message_class_of(lcm_class)
+        try:
+            if adapter is not None:
+                return adapter.from_lcm(fields)
+            return wrapper.from_lcm_fields(fields) if wrapper is not None else None
+        except Exception:  # noqa: BLE001 - an adapter of a plugin, and bytes of any program
+            return None
