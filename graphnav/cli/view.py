@@ -1,4 +1,4 @@
-"""``graphnav view``: a page on this machine that shows a running graph, or a log."""
+"""``graphnav view``: a running graph, or a log, as a page on this machine or for Foxglove."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from graphnav.errors import UserError
 
 if TYPE_CHECKING:
     from graphnav.spy import Feed
-    from graphnav.view import Source
 
 _PORT = 7667
 """LCM's own number, which it uses for UDP."""
+_FOXGLOVE_PORT = 8765
+"""Where Foxglove looks by default."""
 _LOOPBACK = "127.0.0.1"
 
 
@@ -23,7 +24,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_feed_argument(parser)
     parser.add_argument(
-        "--port", type=_port, default=_PORT, metavar="N", help=f"TCP port of the page, 0 for a free one ({_PORT})"
+        "--foxglove",
+        action="store_true",
+        help="serve Foxglove's WebSocket protocol in place of the page (needs the extra 'foxglove')",
+    )
+    parser.add_argument(
+        "--port",
+        type=_port,
+        metavar="N",
+        help=f"TCP port, 0 for a free one ({_PORT}; with --foxglove {_FOXGLOVE_PORT})",
     )
     parser.add_argument(
         "--host",
@@ -31,56 +40,87 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help=f"where to listen; any other than {_LOOPBACK} lets other machines watch",
     )
-    parser.add_argument("--open", action="store_true", help="open the page in the browser")
+    parser.add_argument("--open", action="store_true", help="open the page, or Foxglove's, in the browser")
     add_types_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    import asyncio  # noqa: PLC0415
-
-    from graphnav.catalog import Catalog  # noqa: PLC0415
     from graphnav.notices import print_notice  # noqa: PLC0415
     from graphnav.spy import Feed  # noqa: PLC0415
-    from graphnav.view import PageServer, is_loopback  # noqa: PLC0415
+    from graphnav.view import is_loopback  # noqa: PLC0415
 
     load_types_of(args)
     feed = Feed(args.feed)
-    source = _source_of(feed)
+    if feed.is_live:
+        feed.check()
+    serve = _serve_foxglove if args.foxglove else _serve_page
+    port = args.port if args.port is not None else _FOXGLOVE_PORT if args.foxglove else _PORT
     if not is_loopback(args.host):
         print_notice(f"everybody who can reach {args.host} can watch: leave out --host to serve this machine only")
-
-    def ready(url: str) -> None:
-        print(f"{feed.name} is shown at {url}  (Ctrl-C ends)", flush=True)
-        if args.open:
-            import webbrowser  # noqa: PLC0415
-
-            webbrowser.open(url)
-
-    source.start()
     try:
-        asyncio.run(PageServer(source, Catalog()).serve(args.host, args.port, ready))
+        serve(feed, args.host, port, is_opened=args.open)
     except (OSError, UnicodeError) as error:
         number = getattr(error, "errno", None) or 0
         why = os.strerror(number) if number > 0 else getattr(error, "strerror", None) or "not an address"
-        what = f"cannot listen on {args.host}, port {args.port}: {why}"
+        what = f"cannot listen on {args.host}, port {port}: {why}"
         raise UserError.of(what, "choose another port with --port, 0 for a free one, or another --host") from error
-    finally:
-        source.close()
     return OK
 
 
-def _source_of(feed: Feed) -> Source:
-    """Return what is watched; raises GraphnavError where nothing can be."""
-    from graphnav.view import LiveSource, LogSource  # noqa: PLC0415
+def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
+    """Serve the page until Ctrl-C."""
+    import asyncio  # noqa: PLC0415
 
-    if feed.is_live:
-        feed.check()
-        return LiveSource(feed)
-    log = LogSource(feed.path)
-    if not log.n_events:
+    from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.view import LiveSource, LogSource, PageServer  # noqa: PLC0415
+
+    source = LiveSource(feed) if feed.is_live else LogSource(feed.path)
+    if isinstance(source, LogSource) and not source.n_events:
         raise feed.silence(None)
-    return log
+
+    def ready(url: str) -> None:
+        print(f"{feed.name} is shown at {url}  (Ctrl-C ends)", flush=True)
+        if is_opened:
+            _open(url)
+
+    source.start()
+    try:
+        asyncio.run(PageServer(source, Catalog()).serve(host, port, ready))
+    finally:
+        source.close()
+
+
+def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
+    """Serve Foxglove's protocol until Ctrl-C or SIGTERM."""
+    import signal  # noqa: PLC0415
+    import threading  # noqa: PLC0415
+
+    from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer  # noqa: PLC0415
+
+    source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path)
+    if isinstance(source, LogPlayer) and not source.n_events:
+        raise feed.silence(None)
+    server, ending = FoxgloveServer(source, Catalog()), threading.Event()
+    signal.signal(signal.SIGTERM, lambda *_: ending.set())
+
+    def ready(url: str, app_url: str) -> None:
+        print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C ends)", flush=True)
+        if is_opened:
+            _open(app_url)
+
+    source.start()
+    try:
+        server.serve(host, port, ready, ending)
+    finally:
+        source.close()
+
+
+def _open(url: str) -> None:
+    import webbrowser  # noqa: PLC0415
+
+    webbrowser.open(url)
 
 
 def _port(text: str) -> int:

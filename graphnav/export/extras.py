@@ -1,4 +1,4 @@
-"""Packages that only some exports need: imported when they are used, named by their extra where they are missing."""
+"""Packages that only some formats need: imported when they are used, named by their extra where they are missing."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-s
 """Of the package that is imported: the extra of graphnav that brings it, and its name in package indexes."""
 
 
-def require(module: str) -> Any:
-    """Return a module of an optional package; raise UserError where it is not installed."""
+def require(module: str, user: str = "this export") -> Any:
+    """Return a module of an optional package that ``user`` needs; raise UserError where it is not installed."""
     package = module.partition(".")[0]
     try:
         return importlib.import_module(module)
@@ -21,5 +21,5 @@ def require(module: str) -> Any:
             raise
         extra, name = _EXTRAS[package]
         raise UserError.of(
-            f"this export needs {name}, which is not installed", f"install it: pip install 'graphnav[{extra}]'"
+            f"{user} needs {name}, which is not installed", f"install it: pip install 'graphnav[{extra}]'"
         ) from error

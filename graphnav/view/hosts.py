@@ -21,7 +21,7 @@ class Hosts:
 
     def __init__(self, host: str, port: int) -> None:
         self._port = port
-        self._names = {*_LOOPBACK, _bracketed(host.lower())}
+        self._names = {*_LOOPBACK, bracketed(host.lower())}
         self._is_everywhere = (address := _address(host)) is not None and address.is_unspecified
         if self._is_everywhere:
             self._names.add(socket.gethostname().lower())
@@ -47,11 +47,12 @@ def is_loopback(host: str) -> bool:
 def url_of(host: str, port: int) -> str:
     """Return where a browser on this machine finds the page."""
     address = _address(host)
-    shown = "127.0.0.1" if address is not None and address.is_unspecified else _bracketed(host)
+    shown = "127.0.0.1" if address is not None and address.is_unspecified else bracketed(host)
     return f"http://{shown}:{port}/"
 
 
-def _bracketed(host: str) -> str:
+def bracketed(host: str) -> str:
+    """Return an address as URLs have it."""
     return f"[{host}]" if ":" in host else host
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from graphnav.spy import Feed
 from graphnav.view import LiveSource, LogSource
 
 from .drive import messages
+from .foxglove_client import FoxgloveServed
 from .served import Served
 
 
@@ -38,3 +40,16 @@ def serve() -> Iterator[Callable[[Path | str], Served]]:
     yield begin
     for one in served:
         one.close()
+
+
+@pytest.fixture
+def serve_foxglove() -> Iterator[Callable[[Path | str], FoxgloveServed]]:
+    """Return what serves a log or a group to Foxglove until the test is over."""
+    with ExitStack() as served:
+
+        def begin(name: Path | str) -> FoxgloveServed:
+            one = FoxgloveServed(str(name))
+            served.callback(one.close)
+            return one
+
+        yield begin
