@@ -85,6 +85,7 @@ class FoxgloveClient:
                 origin=None if origin is None else Origin(origin),
                 max_size=None,
                 close_timeout=1,
+                ping_interval=None,
             )
         )
         self.info = json.loads(self.socket.recv(PATIENCE_S))

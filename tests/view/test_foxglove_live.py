@@ -183,7 +183,7 @@ def test_names_that_anybody_invents_are_bounded(client: FoxgloveClient, group: s
     client.until(
         lambda: any("messages of further channels" in shown.message.message for shown in client.of("/log")), publish
     )
-    assert len(client.offered) <= 2 * 512 + 6
+    assert len(client.offered) <= 2 * 240 + 6
     client.subscribe("/control/twist")
     client.until(lambda: client.of("/control/twist"), run.tick)
     run.close()

@@ -22,7 +22,7 @@ from graphnav.view.foxglove.playback import Playback, Status
 from graphnav.view.hosts import bracketed
 
 _WAIT_S = 0.05
-_BACKLOG = 256
+_BACKLOG = 512
 """So many messages wait for a client that reads slowly; then the oldest are dropped."""
 
 

@@ -11,7 +11,8 @@ from graphnav.export.message_types import MessageTypes
 from graphnav.messages import About, Message
 from graphnav.view.foxglove.arrivals import Arrival
 
-_MAX_CHANNELS = 512
+_MAX_CHANNELS = 240
+"""Their topics are told to a client at once, and may not be more than the SDK's queue for it holds."""
 _FORGET_US = 60_000_000
 _FORGET_EVERY_US = 1_000_000
 _MAX_KEPT_BYTES = 64 << 20
@@ -30,7 +31,7 @@ class ShownChannel:
 
 
 class ShownChannels:
-    """At most 512 channels, by name and by topic; the silent ones give way to new ones."""
+    """At most 240 channels, by name and by topic; the silent ones give way to new ones."""
 
     def __init__(self, foxglove: FoxgloveChannels, types: MessageTypes) -> None:
         self._foxglove, self._types = foxglove, types
