@@ -206,3 +206,11 @@ def test_requests_that_are_none_are_survived(log: Path, serve_foxglove: Serve) -
     with FoxgloveClient(url) as client:
         client.subscribe("/control/twist")
         client.until(lambda: client.of("/control/twist"))
+
+
+def test_the_outcome_is_told_at_the_end(client: FoxgloveClient, log: Path) -> None:
+    (log.parent / "summary.json").write_text('{"outcome": "goal", "notices": ["a notice"]}')
+    client.subscribe("/log")
+    client.control(play=True, speed=50.0, seek_ns=0)
+    client.until(lambda: any(shown.message.message == "outcome: goal" for shown in client.of("/log")))
+    assert client.of("/log")[-1].time_ns == END_NS
