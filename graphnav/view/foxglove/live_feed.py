@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import threading
-import time
+from contextlib import closing
 
-from graphnav.bus import Bus
 from graphnav.errors import GraphnavError, one_line
 from graphnav.spy import Feed
 from graphnav.view.foxglove.arrivals import Arrival, Arrivals
-
-_PATIENCE_S = 0.1
-_MAX_WAITING = 1024
-"""So many messages wait within LCM; what comes when that is full is lost, as in any flood."""
 
 
 class LiveFeed:
@@ -25,7 +20,8 @@ class LiveFeed:
         self.name = feed.name
         self.failure = ""
         self.arrivals = Arrivals()
-        self._epoch_s = feed.epoch_s
+        self._feed, self._epoch_s = feed, feed.epoch_s
+        self._n_dropped = 0
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._listen, name="graphnav-foxglove", daemon=True)
 
@@ -38,18 +34,20 @@ class LiveFeed:
         self._closing.set()
         self._thread.join()
 
+    def newly_dropped_packets(self) -> int:
+        """Return how many packets the kernel has dropped since the last time, before they could be heard."""
+        before, self._n_dropped = self._n_dropped, self._feed.dropped_packets()
+        return self._n_dropped - before
+
     def _listen(self) -> None:
         try:
-            bus = Bus(self.name)
-            bus.subscribe_all(self._hear, _MAX_WAITING)
-            try:
-                while not self._closing.is_set():
-                    bus.handle(_PATIENCE_S)
-            finally:
-                bus.close()
+            with closing(self._feed.listen(None)) as heard_all:
+                for heard in heard_all:
+                    if self._closing.is_set():
+                        return
+                    if heard is not None:
+                        utime = round((heard.at_s + self._epoch_s) * 1e6)
+                        self.arrivals.put(Arrival(heard.channel, utime, heard.data))
         except (GraphnavError, OSError) as error:
             self.failure = one_line(error)
             self.arrivals.wake()
-
-    def _hear(self, channel: str, data: bytes) -> None:
-        self.arrivals.put(Arrival(channel, round((time.monotonic() + self._epoch_s) * 1e6), data))

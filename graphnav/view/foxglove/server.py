@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import socket
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -22,6 +23,7 @@ from graphnav.view.foxglove.playback import Playback, Status
 from graphnav.view.hosts import bracketed
 
 _WAIT_S = 0.05
+_COUNT_S = 1.0
 _BACKLOG = 512
 """So many messages wait for a client that reads slowly; then the oldest are dropped."""
 
@@ -87,7 +89,12 @@ class FoxgloveServer:
     def _loop(self, server: Any, converter: Converter, listener: Listener, ending: threading.Event) -> None:
         failure = ""
         told = self._player.state if self._player is not None else None
+        count_due_s = time.monotonic()
         while not ending.is_set():
+            if isinstance(self._source, LiveFeed) and (now_s := time.monotonic()) >= count_due_s:
+                count_due_s = now_s + _COUNT_S
+                if n_dropped := self._source.newly_dropped_packets():
+                    converter.losses.add(Reason.DROPPED, n=n_dropped)
             batch = self._source.arrivals.take(_WAIT_S)
             converter.show(batch)
             if asked := listener.asked():
