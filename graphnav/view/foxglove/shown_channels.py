@@ -31,7 +31,7 @@ class ShownChannel:
 
 
 class ShownChannels:
-    """At most 240 channels, by name and by topic; the silent ones give way to new ones."""
+    """At most 240 channels, by name and by topic; the silent ones give way to new ones, all to announced ones."""
 
     def __init__(self, foxglove: FoxgloveChannels, types: MessageTypes) -> None:
         self._foxglove, self._types = foxglove, types
@@ -67,7 +67,7 @@ class ShownChannels:
             return channel
         if channel is not None:
             self.withdraw(name)
-        elif len(self._by_name) >= _MAX_CHANNELS and not self._forget_silent(now_us):
+        elif len(self._by_name) >= _MAX_CHANNELS and not self._make_room(name, now_us):
             return None
         message_type = self._types.message_type(lcm_class)
         self._foxglove.offer_scalars(name, lcm_class)
@@ -106,6 +106,16 @@ class ShownChannels:
         for topic in channel.topics:
             del self._by_topic[topic]
         self._foxglove.withdraw_channel(name)
+
+    def _make_room(self, name: str, now_us: int) -> bool:
+        """Withdraw what is silent; for a channel that the run announced, else one that it did not announce."""
+        if self._forget_silent(now_us):
+            return True
+        others = [channel for channel in self._by_name.values() if channel.name not in self._announced]
+        if name not in self._announced or not others:
+            return False
+        self.withdraw(min(others, key=lambda channel: channel.heard_us).name)
+        return True
 
     def _forget_silent(self, now_us: int) -> bool:
         """Withdraw the channels that are silent for a minute; return whether there are any."""
