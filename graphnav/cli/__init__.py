@@ -34,7 +34,7 @@ COMMANDS = {
     "hz": "measure the rate of a channel, or of all",
     "bw": "measure the bandwidth of a channel, or of all, and the sizes of messages",
     "top": "show the health of running graphs: rates, latencies, drops, what the guard allows",
-    "view": "serve a page on this machine that shows a running graph, or a log",
+    "view": "serve a page, or Foxglove, that shows a running graph or a log",
     "pub": "publish a message, once or at a rate",
     "teleop": "drive by keys: a dead-man's twist, and a stop that latches",
     "types": "list the message types, or tell the fields of one; definitions, Java for lcm-spy",

@@ -24,8 +24,9 @@ from mcap_protobuf.decoder import DecoderFactory
 from acceptance.display import display
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
+from graphnav.export.foxglove_channels import TOPICS
 from graphnav.export.leaves import Scalar, leaves_of
-from graphnav.export.topics import topics_of
+from graphnav.export.topics import Topics
 from graphnav.record import ABOUT, LOG
 
 _UNTIL_S = 60
@@ -79,8 +80,9 @@ def _mcap(recording: Recording, target: Path) -> tuple[bool, str]:
         summary = reader.get_summary()
     assert summary is not None
     assert summary.statistics is not None
-    topics = topics_of(_exported(recording))
-    different = [channel for channel, topic in topics.items() if counts[topic] != recording.count(channel)]
+    topics = Topics(TOPICS)
+    named = {channel: topics.of(channel) for channel in _exported(recording)}
+    different = [channel for channel, topic in named.items() if counts[topic] != recording.count(channel)]
     shown = Counter(name for topic, name in schemas.items() if name.startswith("foxglove."))
     good = (
         summary.statistics.message_count == counts.total()
@@ -90,7 +92,7 @@ def _mcap(recording: Recording, target: Path) -> tuple[bool, str]:
     listed = ", ".join(f"{count} {name}" for name, count in sorted(shown.items()))
     return good, (
         f"all {counts.total()} messages of {len(counts)} topics are decoded by their schemas; as many as in the log on "
-        f"{len(topics) - len(different)} of {len(topics)} channels; topics of Foxglove's own schemas: {listed}"
+        f"{len(named) - len(different)} of {len(named)} channels; topics of Foxglove's own schemas: {listed}"
     )
 
 
