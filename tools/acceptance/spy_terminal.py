@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import shutil
-import subprocess
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from acceptance.drives import GRAPHNAV
-from acceptance.processes import PATIENCE_S
+from acceptance.terminal import Terminal
 from graphnav.spy.screen.columns import GAP, layout
 
 HAS_TMUX = shutil.which("tmux") is not None
@@ -25,24 +22,24 @@ class SpyTerminal:
 
     def __init__(self, url: str, cols: int, rows: int) -> None:
         self.cols = cols
+        self._rows = rows
         self._folder = tempfile.TemporaryDirectory()
-        self._socket = str(Path(self._folder.name) / "tmux")
-        self._size = ("-x", str(cols), "-y", str(rows))
-        self._command = f"exec env -u COLUMNS -u LINES {shlex.join([str(GRAPHNAV), 'spy', url])}"
+        self._terminal = Terminal(Path(self._folder.name) / "tmux")
+        self._command = f"exec {shlex.join([str(GRAPHNAV), 'spy', url])}"
         self.pid = 0
 
     @property
     def is_alive(self) -> bool:
         """Whether the spy goes on: the terminal ends with it."""
-        return self._run("has-session") == 0
+        return self._terminal.is_running
 
     def press(self, *keys: str) -> None:
         """Press keys, or type text."""
-        self._tmux("send-keys", *keys)
+        self._terminal.press(*keys)
 
     def screen(self) -> list[str]:
         """Return the lines that stand on the screen."""
-        return self._tmux("capture-pane", "-p").splitlines()
+        return self._terminal.screen().splitlines()
 
     def cells(self, channel: str) -> dict[str, str]:
         """Return a channel's cells by their headings, as they stand in the table; none where it is not shown."""
@@ -57,33 +54,21 @@ class SpyTerminal:
 
     def resize(self, cols: int, rows: int) -> None:
         """Give the terminal another size."""
-        self._tmux("resize-window", "-x", str(cols), "-y", str(rows))
+        self._terminal.tmux("resize-window", "-x", str(cols), "-y", str(rows))
         self.cols = cols
 
     def wait_for(self, holds: Callable[[list[str]], bool]) -> None:
-        """Wait until something holds for the screen; raise TimeoutError, with the screen, where it never does."""
-        end_s = time.monotonic() + PATIENCE_S
-        while not holds(shown := self.screen()):
-            if time.monotonic() > end_s:
-                raise TimeoutError("\n".join(shown))
-            time.sleep(0.2)
+        """Wait until something holds for the screen; raise AssertionError, with the screen, where it never does."""
+        self._terminal.wait_for(lambda shown: holds(shown.splitlines()))
 
     def __enter__(self) -> Self:
-        with_colour = ("-e", "COLORTERM=truecolor")
-        self._tmux("-f", os.devnull, "new-session", "-d", *self._size, *with_colour, self._command)
-        self.pid = int(self._tmux("display-message", "-p", "#{pane_pid}"))
+        self._terminal.start(self._command, (self.cols, self._rows), COLORTERM="truecolor")
+        self.pid = int(self._terminal.tmux("display-message", "-p", "#{pane_pid}"))
         self.wait_for(lambda lines: any("graphnav spy" in line for line in lines))
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._run("kill-server")
+        self._terminal.close()
         self._folder.cleanup()
-
-    def _tmux(self, *words: str) -> str:
-        command = ["tmux", "-S", self._socket, *words]
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-    def _run(self, *words: str) -> int:
-        return subprocess.run(["tmux", "-S", self._socket, *words], capture_output=True, check=False).returncode

@@ -22,12 +22,19 @@ class Terminal:
         """Run a shell's command on a screen of ``size`` columns and rows."""
         variables = [word for name, value in environment.items() for word in ("-e", f"{name}={value}")]
         width, height = map(str, size)
-        command = f"env -u COLUMNS -u LINES {command}"  # Textual takes them for the terminal's size
+        command = f"unset COLUMNS LINES; {command}"  # Textual takes them for the terminal's size
         self.tmux("-f", os.devnull, "new-session", "-d", "-x", width, "-y", height, *variables, command)
 
     def close(self) -> None:
         """End the server and what runs in it."""
         subprocess.run(["tmux", "-S", self.socket, "kill-server"], capture_output=True, check=False)
+
+    @property
+    def is_running(self) -> bool:
+        """Whether the program goes on: the terminal ends with it."""
+        return (
+            subprocess.run(["tmux", "-S", self.socket, "has-session"], capture_output=True, check=False).returncode == 0
+        )
 
     def tmux(self, *words: str) -> str:
         """Run a command of tmux and return what it prints."""
