@@ -60,7 +60,7 @@ def _mp4(job: Job) -> Written:
             "name one channel with --channel, or leave it out for the panels",
         )
     n_frames, losses = write_video(job.reader, job.selection, job.catalog, job.target, job.channel, force=job.force)
-    return Written(f"{n_frames} frames", losses)
+    return Written("1 frame" if n_frames == 1 else f"{n_frames} frames", losses)
 
 
 def _csv(job: Job) -> Written:

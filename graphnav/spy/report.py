@@ -130,7 +130,7 @@ def volume(channel: ChannelTraffic) -> Iterator[str]:
     if channel.lost:
         yield f"{channel.lost} lost"
     if channel.undecodable:
-        yield f"{channel.undecodable} undecodable" if channel.lcm_class else "type not installed"
+        yield f"{channel.undecodable} undecodable"
 
 
 def size_of(n_bytes: int) -> str:

@@ -9,7 +9,6 @@ from graphnav.codec import codec_of, fields_of, lcm_name, type_of
 
 _STAMP = struct.Struct(">qq")
 _FINGERPRINT_BYTES = 8
-_MAX_UNKNOWN = 4096
 
 
 @dataclass(frozen=True)
@@ -27,30 +26,18 @@ class Kind:
 
 
 class Kinds:
-    """Finds the type of a message; remembers what it found, and a bounded number of unknown fingerprints."""
+    """Finds the type of a message; remembers what it found."""
 
     def __init__(self) -> None:
         self._known: dict[bytes, Kind] = {}
-        self._unknown: set[bytes] = set()
 
     def of(self, data: bytes) -> Kind | None:
         """Return the type that the first bytes name, None for one that is not installed."""
         prefix = data[:_FINGERPRINT_BYTES]
         kind = self._known.get(prefix)
-        if kind is not None or prefix in self._unknown:
-            return kind
-        lcm_class = type_of(data)
-        if lcm_class is None:
-            if len(self._unknown) >= _MAX_UNKNOWN:
-                self._unknown.clear()
-            self._unknown.add(prefix)
-            return None
-        self._known[prefix] = kind = _kind(lcm_class)
+        if kind is None and (lcm_class := type_of(data)) is not None:
+            self._known[prefix] = kind = _kind(lcm_class)
         return kind
-
-    def forget_unknown(self) -> None:
-        """Look again for types that were not installed: a run has announced its own."""
-        self._unknown.clear()
 
 
 def _kind(lcm_class: type) -> Kind:

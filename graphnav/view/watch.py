@@ -92,7 +92,6 @@ class Watch:
 
     def _expect(self, about: About) -> None:
         """Make room for the channels that a run announces, and find their types."""
-        self._kinds.forget_unknown()
         if len(self._announced) > _MAX_ANNOUNCED:
             self._announced.clear()
         for name, type_name in list(zip(about.channels, about.types, strict=False))[:_MAX_ANNOUNCED]:

@@ -40,9 +40,9 @@ def terminal(tmp_path: Path) -> Iterator[Callable[..., Terminal]]:
 def open_image(one: Terminal) -> None:
     """Filter for the image and open it, at a person's pace."""
     one.press("/")
-    one.wait_for(lambda shown: "part of a channel" in shown)
+    one.wait_for(lambda shown: "part of a channel" in shown and "⏎ open" not in shown)
     one.press("image")
-    one.wait_for(lambda shown: "control.twist" not in shown and "robot.image" in shown)
+    one.wait_for(lambda shown: "control.twist" not in shown and "  image  " in shown)
     one.press("Enter")
     one.wait_for(lambda shown: "⏎ open" in shown)
     one.press("Enter")

@@ -117,7 +117,6 @@ class Converter:
         if self._about is not None:
             self._begin_anew()
         self._about = about
-        self._kinds.forget_unknown()
         self.channels.announce(about, arrival.utime)
         if self._foxglove.is_wanted(LOG_TOPIC):
             self._tell([text for text in [heading(about)] if text], Level.INFO)
