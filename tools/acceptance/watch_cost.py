@@ -1,7 +1,8 @@
 """Cost: what `view`, with no browser open, and the full-screen `spy` together take of a run's tick rate.
 
-Both listen to the run's tap on the same machine, so that what they take of the processors counts, too. Runs with and
-without them alternate in pairs; each is several drives of corridor_ccw at full speed, of the same seeds.
+Both listen to the run's tap on the same machine, so that what they take of the processors counts, too. Runs alone, with
+them, and with two bare python-lcm programs that hear the same and do nothing take turns; each is several drives of
+corridor_ccw at full speed, of the same seeds.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ import math
 import os
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,6 +36,17 @@ MAX_COST_RATIO = 0.05
 CONFIDENCE = 0.95
 _START_S = 60.0
 _SETTLE_S = 3.0
+_BARE = """
+import sys, lcm
+bus = lcm.LCM(sys.argv[1])
+bus.subscribe(".*", lambda channel, data: None).set_queue_capacity(0)
+while True:
+    bus.handle()
+"""
+
+
+_Listeners = Callable[[str], AbstractContextManager[dict[str, int]]]
+"""Lets programs listen while it is entered, with a folder to write to; tells the process ids of those to measure."""
 
 
 @dataclass(frozen=True)
@@ -45,16 +58,24 @@ class _Measured:
 
 
 def cost_item(_seeds: Sequence[int], _jobs: int, pairs: int = PAIRS) -> bool:
-    """Print each pair's tick rates, then the mean cost and its upper bound (95 %, one-sided, Student's t)."""
-    costs = []
+    """Print each round's tick rates, then the mean cost and its upper bound (95 %, one-sided, Student's t)."""
+    costs, bare_costs = [], []
+    turns: list[tuple[str, _Listeners]] = [
+        ("alone", lambda _: nullcontext({})),
+        ("watched", _watching),
+        ("bare", _bare),
+    ]
     for pair in range(pairs):
-        runs = {watched: _measure(watched=watched) for watched in ((False, True) if pair % 2 else (True, False))}
-        alone, watched = runs[False], runs[True]
+        runs = {name: _measure(listeners) for name, listeners in (turns if pair % 2 else reversed(turns))}
+        alone, watched, bare = (runs[name] for name, _ in turns)
         costs.append(1 - watched.ticks_per_s / alone.ticks_per_s)
+        bare_costs.append(1 - bare.ticks_per_s / alone.ticks_per_s)
         took = ", ".join(f"{name} took {ratio:.1%} of a core" for name, ratio in watched.core_ratios.items())
         rates = f"{alone.ticks_per_s:.1f} ticks/s alone, {watched.ticks_per_s:.1f} watched"
-        say(f"     {rates}: costs {costs[-1]:+.1%}; {took}")
+        say(f"     {rates}: costs {costs[-1]:+.1%}; {took}; two bare listeners cost {bare_costs[-1]:+.1%}")
     mean, upper = statistics.fmean(costs), upper_bound(costs)
+    bare_mean, bare_upper = statistics.fmean(bare_costs), upper_bound(bare_costs)
+    say(f"     two bare python-lcm listeners cost {bare_mean:+.2%}, upper {CONFIDENCE:.0%} bound {bare_upper:+.2%}")
     good = upper < MAX_COST_RATIO
     bound = f"upper {CONFIDENCE:.0%} bound (one-sided) {upper:+.2%}, to be below {MAX_COST_RATIO:.0%}"
     say(f"{'ok  ' if good else 'MISS'} view and spy together cost {mean:+.2%} of the tick rate, {bound}; {pairs} pairs")
@@ -67,12 +88,12 @@ def upper_bound(values: Sequence[float]) -> float:
     return statistics.fmean(values) + float(stats.t.ppf(CONFIDENCE, len(values) - 1)) * error
 
 
-def _measure(*, watched: bool) -> _Measured:
+def _measure(listeners: _Listeners) -> _Measured:
     """Return the ticks a second over all drives, starting and drawing aside."""
     ticks, wall_s = 0, 0.0
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        pids = stack.enter_context(_watching(str(folder))) if watched else {}
+        pids = stack.enter_context(listeners(str(folder)))
         begin_s, before_s = time.monotonic(), {name: cpu_s(pid) for name, pid in pids.items()}
         for seed in SEEDS:
             command = [str(GRAPHNAV), "run", GRAPH, "--seed", str(seed), "--no-pictures", "-o", str(folder / str(seed))]
@@ -95,3 +116,17 @@ def _watching(folder: str) -> Iterator[dict[str, int]]:
             yield {"view": view.pid, "spy": spy.pid}
         finally:
             view.terminate()
+
+
+@contextmanager
+def _bare(_folder: str) -> Iterator[dict[str, int]]:
+    """Let two programs listen that do nothing with what they hear."""
+    words = [sys.executable, "-c", _BARE, URL]
+    with subprocess.Popen(words) as one, subprocess.Popen(words) as other:
+        try:
+            await_listeners(PORT, 2, _START_S)
+            time.sleep(_SETTLE_S)
+            yield {}
+        finally:
+            one.kill()
+            other.kill()
