@@ -15,10 +15,11 @@ from graphnav.packet_filter import filter_packets
 
 Handler = Callable[[str, bytes], None]
 
-GROUP = "udpm://239.255.76.67:7667?ttl=0"
+_HOST, _PORT = "239.255.76.67", 7667
+GROUP = f"udpm://{_HOST}:{_PORT}?ttl=0"
 """The multicast group where LCM's own tools listen by default; it does not leave the machine."""
 
-MAKE_ROUTE = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
+MAKE_ROUTE = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo"
 """What a machine without a network needs, as root, before multicast works on it."""
 
 RECEIVE_BUFFER_BYTES = 2_097_152
@@ -30,7 +31,6 @@ FRAGMENT_BYTES = 65_487
 _SELF_TEST = "LCM_SELF_TEST"
 _ALL = "(?s).*"
 """Names with line breaks, too: a plain dot does not match those."""
-_PORT = 7667
 _DEFAULTS = {"ttl": "0", "recv_buf_size": str(RECEIVE_BUFFER_BYTES)}
 
 
@@ -128,6 +128,11 @@ class Bus:
     def _subscribe(self, pattern: str, handler: Handler, max_waiting: int = 0) -> None:
         others = frozenset[str]() if self._is_counted else own_sockets()
         subscription = self._lcm.subscribe(pattern, handler)
+        if subscription is None:
+            raise BusError(
+                f"LCM cannot listen on {self.url}: its port is taken, or LCM's self test of the network failed\n"
+                "  choose another port, or run: graphnav doctor"
+            )
         if not self._is_counted:
             self._sockets |= own_sockets() - others  # LCM opens what it listens on at the first subscription
         subscription.set_queue_capacity(max_waiting)
@@ -139,16 +144,20 @@ class Bus:
 def with_defaults(url: str) -> str:
     """Return a URL that keeps `udpm` traffic on this machine and asks for a large receive buffer, unless it says so.
 
-    Raises BusError where it is not a URL.
+    Without a port it gets that of LCM. Raises BusError where it is not a URL.
     """
     try:
         parts = urlsplit(url)
+        port = parts.port
     except ValueError as error:
         raise BusError(f"LCM does not open {url}: {error}") from error
     if parts.scheme != "udpm":
         return url
     options = _DEFAULTS | dict(parse_qsl(parts.query))
-    return f"udpm://{parts.netloc or urlsplit(GROUP).netloc}?{urlencode(options)}"
+    group = parts.netloc or _HOST
+    if port is None:
+        group = f"{group.removesuffix(':')}:{_PORT}"
+    return f"udpm://{group}?{urlencode(options)}"
 
 
 def same_group(one: str, other: str) -> bool:
@@ -159,13 +168,17 @@ def same_group(one: str, other: str) -> bool:
 def require_route(url: str) -> None:
     """Raise NoRouteError, with the command that mends it, where no multicast route leads to the URL's group.
 
-    Raises BusError where it has no multicast group.
+    Raises BusError where it has no multicast group, or port 0.
     """
     parts = urlsplit(url)
     if not _is_multicast(parts.hostname or ""):
         raise BusError(f"'{parts.hostname}' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
+            if parts.port == 0:
+                raise BusError(
+                    f"port 0 of {parts.hostname} is not a port to listen on\n  write {GROUP}, or another port"
+                )
             probe.connect((parts.hostname or "", parts.port or _PORT))
         except OSError as error:
             raise NoRouteError(f"no multicast route to {parts.hostname}\n  run as root: {MAKE_ROUTE}") from error

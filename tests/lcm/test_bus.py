@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import gc
 import shutil
+import socket
 import subprocess
 import sys
 import weakref
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -118,6 +120,8 @@ def test_two_buses_in_a_process_do_not_hear_each_other() -> None:
         ("udpm://", "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"),
         (GROUP, "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"),
         ("udpm://239.1.2.3:99?ttl=1", "udpm://239.1.2.3:99?ttl=1&recv_buf_size=2097152"),
+        ("udpm://239.1.2.3", "udpm://239.1.2.3:7667?ttl=0&recv_buf_size=2097152"),
+        ("udpm://239.1.2.3:?ttl=1", "udpm://239.1.2.3:7667?ttl=1&recv_buf_size=2097152"),
         ("udpm://239.1.2.3:99?recv_buf_size=5", "udpm://239.1.2.3:99?ttl=0&recv_buf_size=5"),
     ],
 )
@@ -161,9 +165,7 @@ def test_a_missing_multicast_route_is_said_with_the_command_that_makes_one() -> 
 
 def test_the_command_that_makes_a_route_mends_it() -> None:
     unshare = shutil.which("unshare")
-    program = (
-        f"ip link set lo up && {MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.bus import *; require_route(GROUP)'"
-    )
+    program = f"{MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.bus import *; require_route(GROUP)'"
     if unshare is None or subprocess.run([unshare, "-rn", "ip", "link"], capture_output=True, check=False).returncode:
         pytest.skip("this machine gives no network namespace to try it in")
     subprocess.run([unshare, "-rn", "sh", "-c", program], check=True)
@@ -177,6 +179,27 @@ def test_a_group_with_a_route_needs_nothing(group: str) -> None:
 def test_what_is_no_multicast_address_is_not_taken_for_a_missing_route(host: str) -> None:
     with pytest.raises(BusError, match=f"'{host}' is no multicast address"):
         require_route(f"udpm://{host}:7667")
+
+
+def test_port_0_is_refused(group: str) -> None:
+    with pytest.raises(BusError) as caught:
+        Bus(f"udpm://{urlsplit(group).hostname}:0")
+    assert str(caught.value) == (
+        f"port 0 of {urlsplit(group).hostname} is not a port to listen on\n  write {GROUP}, or another port"
+    )
+
+
+def test_where_lcm_cannot_listen_it_is_said(group: str) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("", 0))
+        bus = Bus(f"udpm://{urlsplit(group).hostname}:{taken.getsockname()[1]}")
+        with pytest.raises(BusError) as caught:
+            bus.subscribe("x", lambda *_: None)
+        bus.close()
+    assert str(caught.value) == (
+        f"LCM cannot listen on {bus.url}: its port is taken, or LCM's self test of the network failed\n"
+        "  choose another port, or run: graphnav doctor"
+    )
 
 
 def test_a_closed_bus_lets_go_of_its_handlers() -> None:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import socket
+from pathlib import Path
+from urllib.parse import urlsplit
+
 import pytest
 
 from graphnav.bus import GROUP
@@ -18,6 +22,7 @@ _BUFFER = "&recv_buf_size=2097152"
     [
         ("", (), GROUP + _BUFFER),
         ("udpm://239.1.1.1:7001", (), "udpm://239.1.1.1:7001?ttl=0" + _BUFFER),
+        ("udpm://239.1.1.1", (), "udpm://239.1.1.1:7667?ttl=0" + _BUFFER),
         ("udpm://239.1.1.1:7001?ttl=1", (("--url", None),), "udpm://239.1.1.1:7001?ttl=1" + _BUFFER),
         ("udpm://239.1.1.1:7001", (("--url", None), ("run.url", "udpm://239.1.1.2:7002?recv_buf_size=9")), ""),
         ("nonsense", (("--url", "udpm://239.1.1.3:7003"),), "udpm://239.1.1.3:7003?ttl=0" + _BUFFER),
@@ -36,6 +41,7 @@ def test_the_first_that_is_given_is_used(
     [
         ("", GROUP),
         ("udpm://", GROUP),
+        ("udpm://239.1.1.1", "udpm://239.1.1.1:7667?ttl=0"),
         ("udpm://239.1.1.1:7001", "udpm://239.1.1.1:7001?ttl=0"),
         ("udpm://239.1.1.1:7001?ttl=3&recv_buf_size=9", "udpm://239.1.1.1:7001?ttl=0&recv_buf_size=9"),
     ],
@@ -53,6 +59,7 @@ def test_runs_are_tapped_and_watched_on_the_same_group_and_on_this_machine_only(
     [
         ("memq://", "'memq://' is not a udpm:// URL"),
         ("udpm://10.0.0.1:7667", "'10.0.0.1' is no multicast address"),
+        ("udpm://239.1.1.1:0", "port 0 of 239.1.1.1 is not a port to listen on\n  write udpm://239.255.76.67:7667"),
         ("udpm://239.1.1.1:port", "LCM does not open udpm://239.1.1.1:port"),
     ],
 )
@@ -74,3 +81,18 @@ def test_a_run_does_without_the_tap_where_the_environment_leads_nowhere(
     out = f"{tmp_path}/run"
     assert main(["run", "corridor_ccw", "--until", "0.2", "--no-pictures", "-o", out]) == 0
     assert "no tap: LCM_DEFAULT_URL: 'memq://' is not a udpm:// URL" in capsys.readouterr().out
+
+
+def test_where_lcm_cannot_listen_watchers_end_and_a_run_does_without_the_tap(
+    group: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    run = ["run", "corridor_ccw", "--until", "0.2", "--no-pictures", "-o", str(tmp_path / "run")]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("", 0))
+        monkeypatch.setenv("LCM_DEFAULT_URL", f"udpm://{urlsplit(group).hostname}:{taken.getsockname()[1]}")
+        said = f"LCM cannot listen on {lcm_url()}: its port is taken, or LCM's self test of the network failed\n"
+        for words in (["spy", "--once"], ["hz", "x"], ["echo", "x"], ["record", "-o", str(tmp_path / "log")]):
+            assert main([*words, "--for", "1"]) == 1
+            assert capsys.readouterr().err == f"{said}  choose another port, or run: graphnav doctor\n"
+        assert main(run) == 0
+    assert f"no tap: {said}" in capsys.readouterr().out
