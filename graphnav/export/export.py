@@ -47,5 +47,5 @@ def export_log(
     reader = Reader(recording, selection, catalog, on_time)
     selection.check_span(recording)
     written = FORMATS[kind](Job(reader, selection, catalog, target, force))
-    n_bytes = sum(file.stat().st_size for file in target.iterdir()) if target.is_dir() else target.stat().st_size
-    return Exported(n_bytes, *written)
+    n_bytes = sum(file.stat().st_size for file in written.files)
+    return Exported(n_bytes, written.contents, written.losses)

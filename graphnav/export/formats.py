@@ -25,10 +25,11 @@ from graphnav.pictures import Pictures
 
 
 class Written(NamedTuple):
-    """What an export holds, in words, and what of the selection is missing in it, a sentence each."""
+    """What an export holds, in words, what of the selection is missing in it, a sentence each, and its files."""
 
     contents: str
     losses: list[str]
+    files: list[Path]
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,8 @@ def _mp4(job: Job) -> Written:
             "a video shows one channel, or the panels",
             "name one channel with --channel, or leave it out for the panels",
         )
-    n_frames, losses = write_video(job.reader, job.selection, job.catalog, job.target, job.channel, force=job.force)
-    return Written("1 frame" if n_frames == 1 else f"{n_frames} frames", losses)
+    contents, losses = write_video(job.reader, job.selection, job.catalog, job.target, job.channel, force=job.force)
+    return Written(contents, losses, [job.target])
 
 
 def _csv(job: Job) -> Written:
@@ -73,16 +74,16 @@ def _parquet(job: Job) -> Written:
 
 
 def _tables(job: Job, suffix: str, open_table: OpenTable) -> Written:
-    write_tables(job.reader, job.target, job.channel, suffix, open_table, force=job.force)
+    written = write_tables(job.reader, job.target, job.channel, suffix, open_table, force=job.force)
     files = "" if job.channel is not None else ", a file each"
-    return Written(job.contents + files, job.reader.losses())
+    return Written(job.contents + files, job.reader.losses(), written)
 
 
 def _mcap(job: Job) -> Written:
     require("foxglove")
     entries = RunEntries(job.reader, Pictures(job.catalog))
     write_entries(entries, job.target, ".mcap", McapFile, force=job.force)
-    return Written(job.contents, entries.losses())
+    return Written(job.contents, entries.losses(), [job.target])
 
 
 def _rrd(job: Job) -> Written:
@@ -90,7 +91,7 @@ def _rrd(job: Job) -> Written:
     entries = RunEntries(job.reader, Pictures(job.catalog))
     begin_us, blueprint = job.reader.recording.begin_us, blueprint_of(job.reader)
     write_entries(entries, job.target, ".rrd", lambda file: RerunFile(file, begin_us, blueprint), force=job.force)
-    return Written(job.contents, entries.losses())
+    return Written(job.contents, entries.losses(), [job.target])
 
 
 FORMATS: dict[str, Callable[[Job], Written]] = {

@@ -17,18 +17,21 @@ _ELSEWHERE = "choose another place with -o"
 
 
 @contextmanager
-def placed_file(target: Path, suffix: str, *, force: bool) -> Iterator[Path]:
+def placed_file(target: Path, suffix: str, *, source: Path, force: bool) -> Iterator[Path]:
     """Yield a path, ending in ``suffix``, to write to; it becomes ``target`` when the block ends without an error.
+
+    ``source``: the log that is read, which is never replaced.
 
     Raises
     ------
     UserError
-        ``target`` exists and ``force`` is not given, or nothing can be written there.
+        ``target`` is ``source``, exists and ``force`` is not given, or nothing can be written there.
     GraphnavError
         The disk refuses; nothing is left behind.
     """
     if target.is_dir():
         raise UserError.of(f"{target} is a folder", "name a file with -o")
+    _refuse_source(target, source)
     if target.exists() and not force:
         raise UserError.of(f"{target} exists", "add --force to replace it, or choose another name with -o")
     aside = _aside(target, suffix)
@@ -45,10 +48,11 @@ def placed_file(target: Path, suffix: str, *, force: bool) -> Iterator[Path]:
 
 
 @contextmanager
-def placed_folder(target: Path, *, force: bool) -> Iterator[Path]:
+def placed_folder(target: Path, *, source: Path, force: bool) -> Iterator[Path]:
     """Yield a folder to write files into; they are in ``target`` when the block ends without an error.
 
-    With ``force`` they replace those of the same names in a folder that exists; others stay.
+    With ``force`` they replace those of the same names in a folder that exists; others stay. ``source``: the log that
+    is read, which is never replaced.
 
     Raises
     ------
@@ -72,10 +76,18 @@ def placed_folder(target: Path, *, force: bool) -> Iterator[Path]:
             if not target.exists():
                 aside.rename(target)
                 return
-            for file in sorted(aside.iterdir()):
+            files = sorted(aside.iterdir())
+            for file in files:
+                _refuse_source(target / file.name, source)
+            for file in files:
                 file.replace(target / file.name)
     finally:
         shutil.rmtree(aside, ignore_errors=True)
+
+
+def _refuse_source(target: Path, source: Path) -> None:
+    if target.exists() and target.samefile(source):
+        raise UserError.of(f"{target} is the log that is exported", _ELSEWHERE)
 
 
 def _aside(target: Path, suffix: str) -> Path:

@@ -30,8 +30,10 @@ OpenTable = Callable[[Path, list[Leaf]], Table]
 
 def write_tables(
     reader: Reader, target: Path, channel: str | None, suffix: str, open_table: OpenTable, *, force: bool
-) -> None:
+) -> list[Path]:
     """Write the scalars of ``channel`` into the file ``target``, else those of every channel into a folder.
+
+    Returns the files that were written.
 
     Raises
     ------
@@ -42,13 +44,16 @@ def write_tables(
     """
     if not reader.channels:
         raise UserError.of("; ".join(reader.losses()), "install the package of the types, or name other channels")
+    source = reader.recording.path
     if channel is not None:
-        with placed_file(target, suffix, force=force) as file:
+        with placed_file(target, suffix, source=source, force=force) as file:
             _write(reader, channel, file, open_table)
-        return
-    with placed_folder(target, force=force) as folder:
-        for name, file_name in file_names(reader.channels, suffix).items():
+        return [target]
+    names = file_names(reader.channels, suffix)
+    with placed_folder(target, source=source, force=force) as folder:
+        for name, file_name in names.items():
             _write(reader, name, folder / file_name, open_table)
+    return [target / file_name for file_name in names.values()]
 
 
 def _write(reader: Reader, channel: str, file: Path, open_table: OpenTable) -> None:

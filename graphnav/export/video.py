@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 
@@ -15,22 +16,31 @@ from graphnav.export.placing import placed_file
 from graphnav.export.reader import Reader
 from graphnav.export.selection import Selection
 from graphnav.export.walk import Walk
+from graphnav.messages import Image, Message
 from graphnav.pictures import DRAWING_FAMILY, Pictures, VideoFrames, drawing
 
 Bytes = npt.NDArray[np.uint8]
 Frames = Iterator[tuple[int, Bytes]]
 
 _SUFFIX = ".mp4"
-_ROWS, _COLS = 480, 640
-"""The box of one channel's pictures."""
+_MIN_BOX, _MAX_BOX = (480, 640), (1080, 1920)
+"""Rows and columns that one channel's pictures fit: those of its images, but within these."""
 _RATE_HZ = 10.0
 """Of a single picture, which has no rate."""
 
 
+@dataclass
+class _Notes:
+    """What is to be told of a channel's pictures: why some are missing, and their size if it was reduced."""
+
+    undrawn: list[str] = field(default_factory=list)
+    reduced: str = ""
+
+
 def write_video(
     reader: Reader, selection: Selection, catalog: Catalog, target: Path, channel: str | None, *, force: bool
-) -> tuple[int, list[str]]:
-    """Write a video of ``channel``, None for the panels; return the number of frames and what is missing.
+) -> tuple[str, list[str]]:
+    """Write a video of ``channel``, None for the panels; return what it holds in words, and what is missing.
 
     Raises
     ------
@@ -40,7 +50,7 @@ def write_video(
         The disk refuses.
     """
     catalog.load(DRAWING_FAMILY)
-    undrawn: list[str] = []
+    notes = _Notes()
     count = 0
 
     def told(frames: Frames) -> Frames:
@@ -50,19 +60,19 @@ def write_video(
             count += 1
             yield utime, frame
 
-    with placed_file(target, _SUFFIX, force=force) as file:
+    with placed_file(target, _SUFFIX, source=reader.recording.path, force=force) as file:
         if channel is None:
             video = _panels(reader, selection, catalog)
         else:
-            video = _pictures(reader, channel, _drawn(reader, Pictures(catalog), undrawn))
+            video = _pictures(reader, channel, _drawn(reader, Pictures(catalog), notes))
         with drawing():
             video = video._replace(frames=told(video.frames))
             if catalog.hook.graphnav_write_video(frames=video, file=file) is None:
                 raise UserError.of("no plugin that is installed writes videos", "install graphnav's own plugins")
     losses = reader.losses()
-    if undrawn:
-        losses.append(f"channel {channel!r}: {len(undrawn)} pictures are missing: {undrawn[-1]}")
-    return count, losses
+    if notes.undrawn:
+        losses.append(f"channel {channel!r}: {len(notes.undrawn)} pictures are missing: {notes.undrawn[-1]}")
+    return ("1 frame" if count == 1 else f"{count} frames") + notes.reduced, losses
 
 
 def _panels(reader: Reader, selection: Selection, catalog: Catalog) -> VideoFrames:
@@ -86,27 +96,50 @@ def _pictures(reader: Reader, channel: str, frames: Frames) -> VideoFrames:
             f"channel '{channel}' holds no messages that have a picture",
             "name a channel of images, flow, planes or states, or leave --channel out for the panels",
         )
-    rows, cols = (side + side % 2 for side in first[1].shape[:2])
+    rows, cols = _even_size(first[1])
     stamps = reader.recording.utimes(channel)
     period_us = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
     fitted = ((utime, _within(picture, rows, cols)) for utime, picture in chain((first,), frames))
     return VideoFrames(1e6 / period_us if period_us > 0 else _RATE_HZ, len(stamps), fitted)
 
 
-def _drawn(reader: Reader, pictures: Pictures, undrawn: list[str]) -> Frames:
-    """Yield the pictures of the selected messages; why one cannot be drawn is added to ``undrawn``."""
+def _drawn(reader: Reader, pictures: Pictures, notes: _Notes) -> Frames:
+    """Yield the pictures of the selected messages; ``notes`` gets what is to be told of them."""
     walk = Walk(reader)
     for sample in walk:
         message = reader.message(sample.channel, sample.fields)
         if message is None:
             continue
         try:
-            picture = pictures.draw(message, walk.context(_ROWS, _COLS, with_legend=True))
+            picture = pictures.draw(message, walk.context(*_box(message), with_legend=True))
         except DrawingError as error:
-            undrawn.append(str(error))
+            notes.undrawn.append(str(error))
             continue
         if picture is not None:
+            notes.reduced = notes.reduced or _reduced(message, picture)
             yield sample.utime, picture
+
+
+def _box(message: Message) -> tuple[int, int]:
+    """Return the rows and columns that the picture of a message has to fit."""
+    if not isinstance(message, Image):
+        return _MIN_BOX
+    rows, cols = np.clip(message.pixels.shape[:2], _MIN_BOX, _MAX_BOX).tolist()
+    return rows, cols
+
+
+def _reduced(message: Message, picture: Bytes) -> str:
+    """Return the words that tell the size of a picture that is smaller than its image, empty if it is not."""
+    if not isinstance(message, Image) or picture.shape[0] >= message.pixels.shape[0]:
+        return ""
+    (rows, cols), (full_rows, full_cols) = _even_size(picture), message.pixels.shape[:2]
+    return f" of {cols}x{rows}, reduced from {full_cols}x{full_rows}"
+
+
+def _even_size(picture: Bytes) -> tuple[int, int]:
+    """Return the rows and columns of the frame that holds a picture."""
+    rows, cols = picture.shape[:2]
+    return rows + rows % 2, cols + cols % 2
 
 
 def _within(picture: Bytes, rows: int, cols: int) -> Bytes:

@@ -34,7 +34,7 @@ def write_entries(
     GraphnavError
         The disk refuses.
     """
-    with placed_file(target, suffix, force=force) as file:
+    with placed_file(target, suffix, source=entries.reader.recording.path, force=force) as file:
         sink = open_file(file)
         try:
             for entry in entries:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -13,6 +14,7 @@ from graphnav.cli import main
 from graphnav.errors import GraphnavError
 from graphnav.export import FORMATS
 from graphnav.export.placing import placed_file, placed_folder
+from graphnav.runner.log_forecast import size_text
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
@@ -96,9 +98,9 @@ def test_what_is_broken_off_leaves_what_was_there(tmp_path: Path, error: type[Ba
         aside.write_text("half")
         raise error
 
-    with pytest.raises(error), placed_file(file, ".txt", force=True) as aside:
+    with pytest.raises(error), placed_file(file, ".txt", source=tmp_path, force=True) as aside:
         write_half(aside)
-    with pytest.raises(error), placed_folder(folder, force=True) as aside:
+    with pytest.raises(error), placed_folder(folder, source=tmp_path, force=True) as aside:
         write_half(aside / "a")
     assert names(tmp_path) == ["file", "folder"]
     assert file.read_text() == "before"
@@ -117,6 +119,41 @@ def test_a_file_has_the_permissions_of_a_new_one(drive: Path, tmp_path: Path) ->
 
 def test_an_error_of_the_disk_names_the_target(tmp_path: Path) -> None:
     with pytest.raises(GraphnavError, match=r"cannot write .*/a: No space left on device\n  make room"):  # noqa: SIM117
-        with placed_file(tmp_path / "a", "", force=False):
+        with placed_file(tmp_path / "a", "", source=tmp_path, force=False):
             raise OSError(28, os.strerror(28))
     assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_log_itself_is_never_replaced(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
+) -> None:
+    log, link = tmp_path / "run.lcmlog", tmp_path / "link"
+    shutil.copy(drive / "run.lcmlog", log)
+    link.symlink_to(log)
+    channel = "robot.image" if kind == "mp4" else "control.twist"
+    for target in (log, link):
+        words = ["--to", kind, "-o", str(target), "--channel", channel, "--force"]
+        assert main(["export", str(tmp_path), *words]) == 2
+        said = f"{target} is the log that is exported\n  choose another place with -o\n"
+        assert capsys.readouterr().err == said
+    assert log.read_bytes() == (drive / "run.lcmlog").read_bytes()
+
+
+def test_a_log_that_is_called_like_a_table_is_not_replaced_either(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "control.twist.csv"
+    shutil.copy(drive / "run.lcmlog", log)
+    assert main(["export", str(log), "--to", "csv", "-o", str(tmp_path), "--force"]) == 2
+    assert capsys.readouterr().err == f"{log} is the log that is exported\n  choose another place with -o\n"
+    assert names(tmp_path) == ["control.twist.csv"]
+    assert log.read_bytes() == (drive / "run.lcmlog").read_bytes()
+
+
+def test_the_size_is_that_of_what_was_written(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine").write_bytes(bytes(10_000_000))
+    words = ["--channel", "control.twist", "--channel", "steer.steering", "--force"]
+    assert main(["export", str(drive), "--to", "csv", "-o", str(tmp_path), *words]) == 0
+    n_bytes = sum(path.stat().st_size for path in tmp_path.glob("*.csv"))
+    assert capsys.readouterr().out.endswith(f", {size_text(n_bytes)}\n")

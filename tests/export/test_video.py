@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from graphnav import Twist
+from graphnav import Image, Twist
 from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.record import LogWriter, Recording
@@ -94,3 +94,27 @@ def test_what_has_no_picture_is_said(
     assert main(["export", str(tmp_path / "log"), "--to", "mp4", "-o", str(tmp_path / "a.mp4"), *words]) == 2
     assert capsys.readouterr().err == said.replace("{log}", str(tmp_path / "log"))
     assert [path.name for path in tmp_path.iterdir()] == ["log"]
+
+
+@pytest.mark.parametrize(
+    ("shape", "frame", "said"),
+    [
+        ((2160, 3840), (1080, 1920), " of 1920x1080, reduced from 3840x2160"),
+        ((601, 801), (602, 802), ""),
+        ((1080, 1920), (1080, 1920), ""),
+    ],
+)
+def test_a_camera_keeps_its_size_up_to_full_hd(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    shape: tuple[int, int],
+    frame: tuple[int, int],
+    said: str,
+) -> None:
+    target = tmp_path / "a.mp4"
+    with LogWriter(tmp_path / "log") as log:
+        for k in range(2):
+            log.write("cam", 100_000 * k, encode(Image(np.full((*shape, 3), 99, np.uint8)), 100_000 * k, k))
+    assert main(["export", str(tmp_path / "log"), "--to", "mp4", "-o", str(target), "--channel", "cam"]) == 0
+    assert capsys.readouterr().out.startswith(f"{target}: 2 frames{said}, ")
+    assert read(target)[0][0].shape[:2] == frame
