@@ -9,7 +9,7 @@ from pathlib import Path
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError
 from graphnav.pictures import DRAWING_FAMILY, drawing
-from graphnav.record import Recording
+from graphnav.record import LOG, Recording
 
 PNG = ".png"
 
@@ -30,7 +30,7 @@ def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> 
 
 def draw_all(catalog: Catalog, recording: Recording, folder: Path, suffix: str, *, video: bool) -> list[Path]:
     """Draw as `draw_pictures` does, in the format that ``suffix`` says: ``.png``, ``.svg`` or ``.pdf``."""
-    with _drawing_into(catalog, folder):
+    with _drawing_into(catalog, recording, folder):
         drawn = catalog.hook.graphnav_draw(recording=recording, folder=folder, video=video, suffix=suffix)
     return [path for paths in drawn for path in paths]
 
@@ -42,7 +42,7 @@ def draw_frames(
 
     Raises UserError for a time outside of the log.
     """
-    with _drawing_into(catalog, folder):
+    with _drawing_into(catalog, recording, folder):
         drawn = catalog.hook.graphnav_draw_frames(recording=recording, times_s=times_s, folder=folder, suffix=suffix)
     return drawn or []
 
@@ -55,7 +55,7 @@ def draw_sheet(
     Raises UserError for a span without frames, or too many of them.
     """
     from_s, until_s = span_s
-    with _drawing_into(catalog, folder):
+    with _drawing_into(catalog, recording, folder):
         drawn = catalog.hook.graphnav_draw_sheet(
             recording=recording, every_s=every_s, from_s=from_s, until_s=until_s, file=folder / f"sheet{suffix}"
         )
@@ -63,12 +63,15 @@ def draw_sheet(
 
 
 @contextmanager
-def _drawing_into(catalog: Catalog, folder: Path) -> Iterator[None]:
+def _drawing_into(catalog: Catalog, recording: Recording, folder: Path) -> Iterator[None]:
     catalog.load(DRAWING_FAMILY)
     try:
         with drawing():
             yield
     except OSError as error:
+        log = recording.path
+        run = log.parent if log.name == LOG else log
+        elsewhere = f" -o {folder}" if folder != log.parent else ""
         raise GraphnavError(
-            f"cannot draw into {folder}: {error.strerror}\n  make room, then run: graphnav figure {folder}"
+            f"cannot draw into {folder}: {error.strerror}\n  make room, then run: graphnav figure {run}{elsewhere}"
         ) from error

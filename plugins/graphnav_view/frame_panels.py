@@ -10,14 +10,14 @@ from graphnav_view import fields, forces, sights
 from graphnav_view.page import Panel
 from graphnav_view.scene import Scene, draw_scene
 from graphnav_view.telling import Frame
-from graphnav_view.track import Track
+from graphnav_view.track import Track, is_placed
 
 CLOUD = "cloud of gradients"
 
 
 def frame_panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:
     """Yield the panels that the log is enough for: the paper's with their letters, the flow without one."""
-    if world is not None and track is not None and frame.state is not None:
+    if world is not None and track is not None and frame.state is not None and is_placed(frame.state):
         scene = Scene(world, track, frame.state, frame.time_s)
         yield Panel("scene", partial(draw_scene, scene=scene), letter="a")
     if frame.image is not None:

@@ -12,6 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 
+from graphnav_view.written_aside import written_aside
+
 WALL = "#4c566a"
 OBSTACLE = "#c98a4b"
 MOVING = "#8f6bb3"
@@ -76,7 +78,8 @@ _METADATA: dict[str, dict[str, Any]] = {
 
 def save(figure: Figure, path: Path) -> Path:
     """Write the figure as PNG, SVG or PDF, as the suffix says; the same figure gives the same bytes."""
-    figure.savefig(path, format=path.suffix[1:], dpi=DPI, metadata=_METADATA[path.suffix])
+    with written_aside(path) as aside:
+        figure.savefig(aside, format=path.suffix[1:], dpi=DPI, metadata=_METADATA[path.suffix])
     return path
 
 

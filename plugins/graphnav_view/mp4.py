@@ -11,6 +11,7 @@ from pathlib import Path
 import cv2
 
 from graphnav import UserError, VideoFrames
+from graphnav_view.written_aside import written_aside
 
 _CODEC = "mp4v"
 
@@ -25,12 +26,12 @@ def write_frames(video: VideoFrames, path: Path) -> Path:
     OSError
         The file does not hold every frame, as on a disk that is full: the encoder itself raises nothing.
     """
-    with _quiet():
-        count = _write(video, path)
-        held = _count(path)
-    if held != count:
-        free_mb = shutil.disk_usage(path.parent).free / 1e6
-        raise OSError(errno.EIO, f"it holds {held} of {count} frames, and {free_mb:.0f} MB are free there")
+    with _quiet(), written_aside(path) as aside:
+        count = _write(video, aside)
+        held = _count(aside)
+        if held != count:
+            free_mb = shutil.disk_usage(path.parent).free / 1e6
+            raise OSError(errno.EIO, f"it holds {held} of {count} frames, and {free_mb:.0f} MB are free there")
     return path
 
 
@@ -65,7 +66,7 @@ def _open(path: Path, rate_hz: float, rows: int, cols: int) -> cv2.VideoWriter:
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*_CODEC), rate_hz, (cols, rows))
     if not writer.isOpened():
         raise UserError.of(
-            f"this OpenCV ({cv2.__version__}) cannot write {path} as MPEG-4",
+            f"this OpenCV ({cv2.__version__}) cannot write MPEG-4 into {path.parent}",
             "install opencv-python-headless from PyPI, which brings FFmpeg, or leave out the video",
         )
     return writer

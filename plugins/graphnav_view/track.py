@@ -33,9 +33,14 @@ class Track:
         return float(np.hypot(*np.diff(self.pose[:, :2], axis=0).T).sum())
 
 
+def is_placed(state: State) -> bool:
+    """Whether the poses of the robot and of the moving obstacles are finite, so that they can be drawn."""
+    return bool(np.isfinite((state.x_m, state.y_m, state.yaw_rad)).all() and np.isfinite(state.moving).all())
+
+
 def track_of(signals: Signals) -> Track | None:
-    """Return the path of a recorded robot, None where the log has no states."""
-    states = list(signals.all(State))
+    """Return the path of a recorded robot, None where the log has no states; what is not finite is left out."""
+    states = [(utime, state) for utime, state in signals.all(State) if is_placed(state)]
     if not states:
         return None
     return Track(

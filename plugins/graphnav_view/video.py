@@ -16,7 +16,7 @@ from graphnav_view.lettering import write
 from graphnav_view.signals import Signals
 from graphnav_view.tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
 from graphnav_view.topview import TopView
-from graphnav_view.track import track_of
+from graphnav_view.track import is_placed, track_of
 
 Bytes = npt.NDArray[np.uint8]
 Messages = Mapping[type, Any]
@@ -129,8 +129,10 @@ class _Drive:
         self._path: list[tuple[float, float]] = []
 
     def draw(self, of: Messages) -> Bytes:
-        """Return the tile of a frame."""
+        """Return the tile of a frame; the robot is missing where its pose is not finite."""
         state = of[State]
+        if state is not None and not is_placed(state):
+            state = None
         if state is not None:
             self._path.append((state.x_m, state.y_m))
         return self._view.draw(state, np.array(self._path))

@@ -57,6 +57,8 @@ class Drive:
     contact: bool = False
     at_goal: bool = False
     moving: bool = False
+    lost: tuple[int, ...] = ()
+    """Frames in which the pose of the robot is not known: not a number."""
     without: tuple[str, ...] = ()
     graph: dict[str, Any] = field(default_factory=lambda: GRAPH)
     copies: dict[str, str] = field(default_factory=dict)
@@ -127,7 +129,7 @@ def _tick(k: int, drive: Drive) -> dict[str, Message]:
     found["robot.image"] = Image(pixels=_picture(floor))
     last = k == drive.frames - 1
     found["robot.state"] = State(
-        x_m=pose[0],
+        x_m=math.nan if k in drive.lost else pose[0],
         y_m=pose[1],
         yaw_rad=pose[2],
         v_mps=0.3,

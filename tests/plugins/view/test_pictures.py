@@ -9,7 +9,9 @@ import cv2
 import matplotlib as mpl
 import numpy as np
 import pytest
-from graphnav_view import graphnav_draw, ink
+from graphnav_view import graphnav_draw, graphnav_draw_end, graphnav_draw_frames, ink
+from graphnav_view.signals import Signals
+from graphnav_view.track import track_of
 
 from graphnav.record import Recording
 
@@ -96,3 +98,20 @@ def test_loading_the_family_loads_no_drawing_library() -> None:
     code = "import graphnav_view, sys; print(sorted({'matplotlib', 'cv2', 'sklearn'} & set(sys.modules)))"
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout.strip() == "[]"
+
+
+def test_a_pose_that_is_not_finite_is_left_out(record: Record, tmp_path: Path) -> None:
+    recording = record(frames=6, lost=(2, 5), moving=True)
+    track = track_of(Signals(recording))
+    assert track is not None
+    assert track.time_s.tolist() == [0.0, 0.1, 0.3, 0.4]
+    assert np.isfinite(track.pose).all()
+    assert drawn(recording, tmp_path / "out", video=True) == ["map.png", "panels.png", "video.mp4"]
+    assert graphnav_draw_frames(recording, [0.2, 0.5], tmp_path, ".png")
+    assert graphnav_draw_end(recording, tmp_path / "end.png")
+
+
+def test_without_a_finite_pose_there_is_no_map(record: Record, tmp_path: Path) -> None:
+    recording = record(frames=3, lost=(0, 1, 2))
+    assert track_of(Signals(recording)) is None
+    assert drawn(recording, tmp_path / "out", video=True) == ["panels.png", "video.mp4"]

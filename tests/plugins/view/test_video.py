@@ -77,7 +77,7 @@ def test_a_log_without_images_says_what_to_record(record: Record, tmp_path: Path
 
 
 def test_a_file_that_cannot_be_written_is_named(record: Record, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"absent/video\.mp4 as MPEG-4"):
+    with pytest.raises(UserError, match=r"cannot write MPEG-4 into .*/absent"):
         write_video(record(frames=3), tmp_path / "absent" / "video.mp4")
 
 
