@@ -76,7 +76,8 @@ class Ticks:
 
     def __str__(self) -> str:
         count = max(1, self._count)
-        return f"a tick takes {_ms(self._took_s / count)} ms, the pace asks for {_ms(self._due_s / count)} ms"
+        took = f"a tick takes {_ms(self._took_s / count)} ms, the pace asks for {_ms(self._due_s / count)} ms"
+        return took if self._took_s > self._due_s else f"the process was held up ({took})"
 
 
 def _ms(duration_s: float) -> str:

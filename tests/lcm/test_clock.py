@@ -87,6 +87,22 @@ def test_one_long_tick_stays_accounted_for() -> None:
     assert notices == ["behind the wall clock by 3.0 s: a tick takes 59 ms, the pace asks for 0.5 ms"]
 
 
+def test_a_process_that_was_held_up_is_not_called_slow() -> None:
+    wall = Wall()
+    notices: list[str] = []
+
+    def sleep(seconds: float) -> None:
+        wall.sleep(seconds + (60 if len(wall.slept) == 5 else 0))
+
+    clock = SimulatedClock(1.0, lambda: wall.now_s, sleep, notices.append)
+    for k in range(20):
+        clock.advance(100_000 * k)
+        wall.now_s += 0.011
+    assert notices == [
+        "behind the wall clock by 59.9 s: the process was held up (a tick takes 11 ms, the pace asks for 100 ms)"
+    ]
+
+
 def test_a_clock_without_a_pace_is_never_behind() -> None:
     wall = Wall()
     clock = SimulatedClock(None, lambda: wall.now_s, wall.sleep)
