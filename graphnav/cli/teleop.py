@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 
 from graphnav.cli.options import add_url_option, channel_name, positive, seconds, url_of
@@ -67,5 +68,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _show(line: str) -> None:
-    """Print a line in place of the last one."""
-    print(f"\r\x1b[K{line}" if sys.stdout.isatty() else line, end="" if sys.stdout.isatty() else "\n", flush=True)
+    """Print a line, in a terminal in place of the last one; what does not fit there is cut off."""
+    if not sys.stdout.isatty():
+        print(line, flush=True)
+        return
+    columns = shutil.get_terminal_size().columns
+    print(f"\r\x1b[K{line[: columns - 1]}", end="", flush=True)

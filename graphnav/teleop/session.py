@@ -30,7 +30,8 @@ class Keyboard(Protocol):
 class Session:
     """One drive by keys.
 
-    ``show`` gets a line whenever what is published changes; ``now_s`` is a monotonic clock, ``now_ns`` the time of day.
+    ``show`` gets a line whenever what is published changes; it begins with the newest order, stop or arm. ``now_s``
+    is a monotonic clock, ``now_ns`` the time of day.
     """
 
     def __init__(
@@ -49,7 +50,7 @@ class Session:
         self._show, self._now_s, self._now_ns = show, now_s, now_ns
         self._seqs: Counter[str] = Counter()
         self._is_sending = False
-        self._shown = ""
+        self._order = self._shown = ""
 
     def run(self, keyboard: Keyboard) -> None:
         """Publish until the user quits or the keyboard ends; then zero, if it was driving.
@@ -92,9 +93,10 @@ class Session:
         if twist is not None:
             self._publish(self._channel, twist)
         said = f"{twist.v_mps:+.2f} m/s, {twist.omega_radps:+.2f} rad/s" if twist else "nothing"
-        line = f"keys give {self._drive.speed_mps:.2f} m/s, {self._drive.turn_radps:.2f} rad/s; publishing {said}"
         if Key.STOP in keys or Key.ARM in keys:
-            line += "; stop published" if Key.STOP in keys else "; armed again"
+            self._order = "stop published; " if Key.STOP in keys else "armed again; "
+        keys_give = f"keys give {self._drive.speed_mps:.2f} m/s, {self._drive.turn_radps:.2f} rad/s"
+        line = f"{self._order}{keys_give}; publishing {said}"
         if line != self._shown:
             self._shown = line
             self._show(line)

@@ -155,6 +155,15 @@ def test_ctrl_c_typed_ends_it_and_ctrl_z_does_not_halt_it(terminal: Terminal) ->
     assert terminal.attributes() == terminal.before
 
 
+def test_what_is_said_fits_the_terminal_and_begins_with_the_stop(terminal: Terminal) -> None:
+    terminal.type(b"xw")
+    terminal.wait_until_shown(b"stop published; keys give 0.50 m/s, 1.00 rad/s; publishing +0.50")
+    terminal.type(b"q")
+    assert terminal.end() == 0
+    lines = terminal.shown().partition(b"\r\x1b[K")[2].split(b"\r\x1b[K")
+    assert max(len(line.rstrip()) for line in lines) == 79
+
+
 def test_without_a_terminal_it_says_so() -> None:
     done = subprocess.run([GRAPHNAV, "teleop"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
     assert done.returncode == 2

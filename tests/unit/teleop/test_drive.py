@@ -175,6 +175,7 @@ def test_a_stop_is_published_once_and_so_is_arming() -> None:
     heard = Heard(Typist([(1.0, b"w"), (1.1, b"x"), (2.0, b"r"), (3.0, b"q")]))
     assert heard.stops == [(0, True), (1, False)]
     assert (1.1, 0, 0) in heard.twists
+    assert [line.partition(";")[0] for line in heard.lines][2:] == ["stop published"] * 2 + ["armed again"]
 
 
 def test_keys_that_waited_while_the_process_was_halted_do_not_drive() -> None:
