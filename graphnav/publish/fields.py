@@ -34,11 +34,15 @@ def parse_fields(text: str, lcm_class: type) -> Fields:
         It is not YAML, or does not fit the type: all problems with line and column.
     """
     value = _parsed(text)
+    if value.data is not None and not isinstance(value.data, dict):
+        names = ", ".join(field.name for field in fields_of(lcm_class))
+        hint = f"write name: value; fields are {names}"
+        raise UserError.of(f"{SOURCE} must be a mapping, but this is {value.kind}", hint)
     problems: list[Problem] = []
     values = _struct(value, lcm_class, problems)
     if problems:
         raise UserError(problems)
-    given = frozenset(value.data) if isinstance(value.data, dict) else frozenset()
+    given = frozenset(value.data or {})
     try:
         codec_of(lcm_class).encode(values)
     except EncodeError as error:
@@ -49,6 +53,8 @@ def parse_fields(text: str, lcm_class: type) -> Fields:
 def _parsed(text: str) -> Value:
     """Return the mapping; one line without braces gets them, as in ``v_mps: 0.2, omega_radps: 0``."""
     is_bare = not text.lstrip().startswith("{") and "\n" not in text.strip()
+    if is_bare and (other := _not_a_mapping(text)) is not None:
+        return other
     data = (f"{{{text}\n}}" if is_bare else text).encode("utf-8", "surrogateescape")
     try:
         value, problems = parse_yaml(data, SOURCE)
@@ -57,6 +63,15 @@ def _parsed(text: str) -> Value:
     if problems:
         raise UserError([_moved(problem, is_bare=is_bare) for problem in problems])
     return _without_brace(value) if is_bare else value
+
+
+def _not_a_mapping(text: str) -> Value | None:
+    """Return what a line says that is YAML without braces and not a mapping: a number, a list; None for others."""
+    try:
+        value, problems = parse_yaml(text.encode("utf-8", "surrogateescape"), SOURCE)
+    except UserError:
+        return None
+    return None if problems or value.data is None or isinstance(value.data, dict) else value
 
 
 def _moved(problem: Problem, *, is_bare: bool) -> Problem:

@@ -71,6 +71,22 @@ def test_an_array_gives_the_others_their_size() -> None:
                 "FIELDS:1:27: 'omega_radps' is not finite: nan\n  write a finite number"
             ),
         ),
+        (
+            "twist_t",
+            "5",
+            (
+                "FIELDS must be a mapping, but this is the number 5\n"
+                "  write name: value; fields are utime, seq, v_mps, omega_radps"
+            ),
+        ),
+        (
+            "stop_t",
+            "[now]",
+            (
+                "FIELDS must be a mapping, but this is a list\n"
+                "  write name: value; fields are utime, seq, engaged, reason"
+            ),
+        ),
         ("twist_t", "{v_mps: .inf}", "FIELDS:1:9: 'v_mps' is not finite: inf\n  write a finite number"),
         ("twist_t", "v_mps: true", "FIELDS:1:8: 'v_mps' is a number (double), but this is true\n  write a number"),
         (
