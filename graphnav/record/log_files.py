@@ -16,6 +16,8 @@ from graphnav.record.recording import ABOUT
 from graphnav.record.writer import LogWriter
 
 _CHECK_S = 0.5
+_CHECK_BYTES = 1 << 18
+"""The free space is looked at again after so long, or so many bytes, whichever comes first."""
 
 
 class Split(NamedTuple):
@@ -42,7 +44,7 @@ class LogFiles:
     Each file after the first begins with the newest description of a run. ``free_quota_bytes``: ends the recording when
     less is free on the disk. ``free_bytes`` tells how much that is.
 
-    Raises OSError where the first file cannot be opened.
+    Raises OSError where the first file cannot be opened, LogError where less is free from the beginning.
     """
 
     def __init__(
@@ -55,13 +57,16 @@ class LogFiles:
     ) -> None:
         self._path, self._split, self._rotate = path, split, rotate
         self._quota_bytes, self._free_bytes = free_quota_bytes, free_bytes
-        self._checked_s = -_CHECK_S
+        self._checked_s = 0.0
+        self._checked_bytes = 0
         self._number = 0
         self._about = b""
         self._n_events = self._n_bytes = self._n_copies = 0
         self._begin_us: int | None = None
         self.paths = [path if split is None else numbered(path, 0)]
         """The files that there are, oldest first."""
+        if free_quota_bytes is not None:
+            self._look_at_disk(free_quota_bytes)
         self._log = LogWriter(self.paths[0])
 
     @property
@@ -130,8 +135,12 @@ class LogFiles:
                 raise LogError(f"cannot remove {oldest}: {error.strerror}") from error
 
     def _check_quota(self, quota_bytes: int) -> None:
-        if time.monotonic() - self._checked_s < _CHECK_S:
-            return
+        n_bytes = self.n_bytes
+        if time.monotonic() - self._checked_s >= _CHECK_S or n_bytes - self._checked_bytes >= _CHECK_BYTES:
+            self._checked_bytes = n_bytes
+            self._look_at_disk(quota_bytes)
+
+    def _look_at_disk(self, quota_bytes: int) -> None:
         self._checked_s = time.monotonic()
         free_bytes = self._free_bytes(self._path.parent)
         if free_bytes < quota_bytes:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from graphnav.errors import LogError
 from graphnav.record import ABOUT, ThreadedLogWriter
 from graphnav.record.about_first import AboutFirst
 from graphnav.record.channel_filter import ChannelFilter
@@ -21,7 +22,8 @@ class Recorder:
     describes a run is recorded anyway. ``open_files`` opens the log. ``notice`` is told, from another thread, if the
     disk refuses; ``failure`` then says why.
 
-    Raises BusError where LCM cannot be opened, OSError where the log cannot.
+    Raises BusError where LCM cannot be opened, OSError where the log cannot, LogError where the
+    disk has less than its quota from the beginning.
     """
 
     def __init__(
@@ -37,7 +39,7 @@ class Recorder:
         self._listener = Listener(url, self._take)
         try:
             self.files = open_files(path)
-        except OSError:
+        except (LogError, OSError):
             self._listener.close()
             raise
         self._log = ThreadedLogWriter(path, notice=notice, open_log=lambda _: AboutFirst(self.files))

@@ -105,10 +105,18 @@ def test_the_newest_files_are_kept(tmp_path: Path) -> None:
 
 
 def test_a_disk_that_is_nearly_full_ends_it(tmp_path: Path) -> None:
-    log = LogFiles(tmp_path / "log", free_quota_bytes=1000, free_bytes=lambda _: 999)
+    free = iter([10_000_000, 999])
+    log = LogFiles(tmp_path / "log", free_quota_bytes=1000, free_bytes=lambda _: next(free, 999))
     with pytest.raises(LogError, match="999 bytes are free on its disk, less than --quota asks for"):
-        log.write("x", 0, b"")
+        fill(log)
     log.close()
+    assert log.n_bytes < 300_000, "it looks again when so much was written, however fast"
+
+
+def test_a_disk_that_is_nearly_full_from_the_beginning_gets_no_file(tmp_path: Path) -> None:
+    with pytest.raises(LogError, match="999 bytes are free on its disk, less than --quota asks for"):
+        LogFiles(tmp_path / "log", free_quota_bytes=1000, free_bytes=lambda _: 999)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_full_disk_is_an_error_and_the_log_is_complete(tmp_path: Path, disk_of: DiskOf) -> None:
