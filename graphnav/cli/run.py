@@ -66,7 +66,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.api.open_tap import open_tap  # noqa: PLC0415
     from graphnav.lcm_url import tap_url  # noqa: PLC0415
     from graphnav.record import LOG  # noqa: PLC0415
-    from graphnav.report.folder import make_run_folder  # noqa: PLC0415
+    from graphnav.report.folder import make_run_folder, removed_if_empty  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
     from graphnav.runner.log_forecast import size_text  # noqa: PLC0415
@@ -84,10 +84,11 @@ def main(args: argparse.Namespace) -> int:
     if is_live:
         console.print(live_notice, markup=False)
     run_id = new_run_id()
-    tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
-    if tap is not None:
-        console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
-    summary = _run(graph, stages, folder, args, tap, run_id, is_live=is_live)
+    with removed_if_empty(folder):
+        tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
+        if tap is not None:
+            console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
+        summary = _run(graph, stages, folder, args, tap, run_id, is_live=is_live)
     if args.json:
         print(json.dumps(summary.as_json() | {"folder": str(folder)}))
     else:

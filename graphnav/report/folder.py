@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from graphnav.errors import UserError
@@ -26,6 +28,16 @@ def make_run_folder(wanted: Path | None, graph_name: str) -> Path:
     except OSError as error:
         raise UserError.of(f"cannot make {folder}: {error.strerror}", "choose another folder with -o") from error
     return folder
+
+
+@contextmanager
+def removed_if_empty(folder: Path) -> Iterator[None]:
+    """Remove a folder into which the block has written nothing, as where a run does not start."""
+    try:
+        yield
+    finally:
+        with suppress(OSError):  # it holds something
+            folder.rmdir()
 
 
 def _unused(folder: Path) -> Path:
