@@ -23,7 +23,8 @@ def as_text(info: LogInfo) -> list[str]:
     """Return the lines that stand above the table of channels."""
     messages = f"{info.n_messages:,} messages" if info.n_messages != 1 else "1 message"
     channels = f"{len(info.channels)} channels" if len(info.channels) != 1 else "1 channel"
-    lines = [f"{info.path}: {size_text(info.n_bytes)}, {messages} on {channels}, {info.duration_us / 1e6:.3f} s"]
+    log = shown_name(str(info.path))
+    lines = [f"{log}: {size_text(info.n_bytes)}, {messages} on {channels}, {info.duration_us / 1e6:.3f} s"]
     lines.append(_begin(info) if info.n_messages else "it holds no message")
     if info.made_by is not None:
         lines += _made_by(info.made_by)

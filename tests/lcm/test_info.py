@@ -191,6 +191,14 @@ def test_names_are_shown_as_text(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "\x1b" not in out
 
 
+def test_the_name_of_the_file_is_shown_as_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tmp_path / "a\x1b[31m\n.lcmlog"
+    LogWriter(log).close()
+    main(["info", str(log)])
+    out = capsys.readouterr().out
+    assert out.startswith(f"{tmp_path}/a\\x1b[31m\\n.lcmlog: 0 B")
+
+
 @pytest.mark.parametrize(
     ("name", "said"),
     [
