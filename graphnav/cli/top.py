@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=seconds,
         default=2.5,
         metavar="S",
-        help="how long to wait for the first status (default: 2.5 s)",
+        help="how long --once waits for the first status, and when it is said that there is none (default: 2.5 s)",
     )
     add_types_option(parser)
 
@@ -52,14 +52,14 @@ def main(args: argparse.Namespace) -> int:
         console = Console(highlight=False, width=_PIPED_COLS)
     if feed.is_live and not (args.once or args.json):
         _watch(feed, health, console, args.for_s)
-    else:
-        _look(feed, health, args.for_s)
+        return OK
+    _look(feed, health, args.for_s)
     if not health.has_status:
         raise _no_run(feed, health, args.for_s)
     if args.json:
         print(json.dumps(health_as_json(health, feed.name)))
     else:
-        console.print(health_as_text(health))
+        console.print(health_as_text(health, console.width))
     return OK
 
 
@@ -74,29 +74,32 @@ def _look(feed: Feed, health: Health, for_s: float) -> None:
 
 
 def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
-    """Show the runs, as status comes and silence grows, until Ctrl-C; return if there is none."""
+    """Show the runs, as status comes and silence grows, until Ctrl-C; say once, after ``for_s``, that there is none."""
     from rich.live import Live  # noqa: PLC0415
 
+    from graphnav.notices import print_notice  # noqa: PLC0415
     from graphnav.spy import health_as_text  # noqa: PLC0415
 
-    begin_s, shown_s, is_new = time.monotonic(), 0.0, False
+    begin_s, shown_s, is_new, is_told = time.monotonic(), 0.0, False, False
     with Live(console=console, auto_refresh=False) as live:
         for heard in feed.listen(None):
             if heard is not None:
                 is_new |= health.hear(heard)
-            elif not health.has_status and time.monotonic() - begin_s > for_s:
-                return
-            elif health.has_status and (is_new or time.monotonic() - shown_s > _REFRESH_S):
-                shown_s, is_new = time.monotonic(), False
-                live.update(health_as_text(health), refresh=True)
+            elif health.has_status:
+                if is_new or time.monotonic() - shown_s > _REFRESH_S:
+                    shown_s, is_new = time.monotonic(), False
+                    live.update(health_as_text(health, console.width), refresh=True)
+            elif not is_told and time.monotonic() - begin_s > for_s:
+                is_told = True
+                print_notice(f"{_no_run(feed, health, for_s)}\n  waiting for it; Ctrl-C ends")
 
 
 def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:
-    from graphnav.errors import GraphnavError  # noqa: PLC0415
+    from graphnav.errors import GraphnavError, shown_name  # noqa: PLC0415
 
     if not feed.is_live:
         return GraphnavError(f"{feed.name} holds no status of a run: live runs record it")
     if health.runs:
-        runs = ", ".join(sorted(health.runs))
+        runs = ", ".join(map(shown_name, sorted(health.runs)))
         return GraphnavError(f"no status within {for_s:g} s of run {runs}, which is heard on {feed.name}")
     return GraphnavError(f"no run on {feed.name} within {for_s:g} s: start one with 'graphnav run GRAPH --live'")

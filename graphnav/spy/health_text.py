@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from rich import box
@@ -16,21 +16,34 @@ from graphnav.spy.health import GuardHealth, Health, RunHealth
 
 _FORGET_S = 10.0
 """A run that is silent for longer is told in one line."""
-_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
 _INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
 _OUTPUT = ("output", "channel", "", "sent", "latency p50", "p99", "max")
+_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
+_STRINGS = {"stage", "uses", "input", "channel", "output", "fault", "rejected"}
+"""Columns that become narrower where a table is too wide; numbers stay complete."""
+_WIDE_COLS = 100
+"""Narrower terminals show fewer columns."""
+_WIDE_ONLY = {_INPUT: {"channel", "offset"}, _STAGE: {"uses", "deadline"}}
+_WRAPPED = {"fault", "rejected"}
 
 
-def health_as_text(health: Health) -> RenderableType:
-    """Return all that every run and guard said last; silent runs come last, are marked so, and their metrics dim."""
-    parts: list[RenderableType] = []
-    for run in sorted(health.runs.values(), key=lambda run: (health.is_silent(run), run.run_id)):
-        parts += _run(health, run)
-    parts += [_guard(health, health.guards[channel]) for channel in sorted(health.guards)]
+def health_as_text(health: Health, width_cols: int) -> RenderableType:
+    """Return what guards and runs said last, for a terminal of ``width_cols`` columns, the most important first.
+
+    Guards come before the runs, runs with motor outputs before others, inputs and outputs before stages. Silent runs
+    come last, are marked as silent, and their metrics are dim.
+    """
+    parts: list[RenderableType] = [_guard(health, health.guards[channel]) for channel in sorted(health.guards)]
+    for run in sorted(health.runs.values(), key=lambda run: (health.is_silent(run), not _has_motor(run), run.run_id)):
+        parts += _run(health, run, width_cols)
     return Group(*parts)
 
 
-def _run(health: Health, run: RunHealth) -> Iterator[RenderableType]:
+def _has_motor(run: RunHealth) -> bool:
+    return run.status is not None and any(one["motor"] for one in run.status.outputs)
+
+
+def _run(health: Health, run: RunHealth, width_cols: int) -> Iterator[RenderableType]:
     status, silent_s = run.status, health.silent_s(run) or 0.0
     heading = Text.assemble(("run ", "bold"), (shown_name(run.run_id), "bold"))
     if status is not None:
@@ -42,7 +55,7 @@ def _run(health: Health, run: RunHealth) -> Iterator[RenderableType]:
         return
     yield heading.append(f"  {_clock(status)}")
     if silent_s <= _FORGET_S:
-        yield from _tables(status, "dim" if health.is_silent(run) else "")
+        yield from _tables(status, "dim" if health.is_silent(run) else "", width_cols)
 
 
 def _clock(status: Status) -> str:
@@ -53,14 +66,15 @@ def _clock(status: Status) -> str:
     )
 
 
-def _tables(status: Status, style: str) -> Iterator[RenderableType]:
+def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableType]:
     for headings, rows in (
-        (_STAGE, [_stage(one) for one in status.stages]),
         (_INPUT, [_input(one) for one in status.inputs]),
         (_OUTPUT, [_output(one) for one in status.outputs]),
+        (_STAGE, [_stage(one) for one in status.stages]),
     ):
         if rows:
-            yield _table(headings, rows, style)
+            hidden = _WIDE_ONLY.get(headings, ()) if width_cols < _WIDE_COLS else ()
+            yield _table(headings, rows, style, hidden)
     if status.edges:
         overtaken = ", ".join(f"{shown_name(edge['name'])} {edge['overtaken']}" for edge in status.edges)
         yield Text(f"overtaken on edges: {overtaken}", style)
@@ -124,13 +138,24 @@ def _guard(health: Health, guard: GuardHealth) -> Text:
     return text
 
 
-def _table(headings: Sequence[str], rows: Sequence[Sequence[Text]], style: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, style=style, row_styles=[style])
-    for number, heading in enumerate(headings):
-        table.add_column(heading, overflow="fold", no_wrap=number == 0)
+def _table(headings: Sequence[str], rows: Sequence[Sequence[Text]], style: str, hidden: Collection[str]) -> Table:
+    """Return a table without the columns whose headings are ``hidden``; only sentences are wrapped."""
+    table = Table(
+        box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0), style=style, row_styles=[style]
+    )
+    shown = [number for number, heading in enumerate(headings) if heading not in hidden]
+    for number in shown:
+        heading = headings[number]
+        table.add_column(_unbroken(Text(heading)), no_wrap=heading not in _STRINGS)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(row[n] if headings[n] in _WRAPPED else _unbroken(row[n]) for n in shown))
     return table
+
+
+def _unbroken(text: Text) -> Text:
+    """Cut a text, with an ellipsis, where its column is too narrow."""
+    text.no_wrap, text.overflow = True, "ellipsis"
+    return text
 
 
 def _ms(value: float) -> Text:

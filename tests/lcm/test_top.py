@@ -93,7 +93,7 @@ def text_of(health: Health, width: int = 140) -> str:
     """Return what a person reads, in a terminal of some width."""
     console = Console(width=width, color_system=None)
     with console.capture() as said:
-        console.print(health_as_text(health))
+        console.print(health_as_text(health, width))
     return said.get()
 
 
@@ -103,18 +103,60 @@ def test_a_person_reads_all_of_a_status() -> None:
     health.hear(Heard("guard.state", encode(STOPPED, 12_300_000, 12), 10.4))
     lines = [re.sub(r"\s+", " ", line).strip() for line in text_of(health).splitlines()]
     assert [line for line in lines if line and not line.startswith("─")] == [
+        "guard guard.state may not move, stopped until it is armed again",
+        "stale: image, 1.25 (limit 0.5)",
+        "stop: stop",
         "run run-a robot live, 12.3 s of wall time, 0.04 s behind, 152 MB, dropped: tap 1, log 2",
-        "stage uses rate p50 p99 deadline missed overtaken",
-        "flow flow.dis 10.0 Hz 12.2 ms 31.5 ms 80 ms 3 7",
         "input channel accepted lost rate age / max offset fault rejected",
         "camera.image CAMERA 121 4 10.0 Hz 0.04 / 0.50 s -0.012 s undecodable 2, repeated 5",
         "output channel sent latency p50 p99 max",
         "guard.twist BASE_CMD motor 240 22.0 ms 41.5 ms 60.2 ms",
+        "stage uses rate p50 p99 deadline missed overtaken",
+        "flow flow.dis 10.0 Hz 12.2 ms 31.5 ms 80 ms 3 7",
         "overtaken on edges: plane.flow 4",
-        "guard guard.state may not move, stopped until it is armed again",
-        "stale: image, 1.25 (limit 0.5)",
-        "stop: stop",
     ]
+
+
+def test_80_columns_and_24_lines_show_what_matters_most() -> None:
+    stages = tuple({**STAGE, "name": f"a_stage_of_a_long_name_{k}"} for k in range(9))
+    inputs = tuple({**INPUT, "name": name, "reasons": (), "rejected": np.zeros(0, int)} for name in ("image", "stop"))
+    health = Health()
+    health.hear(Heard("graphnav.status", encode(replace(STATUS, stages=stages, inputs=inputs), 0, 0), 0.0))
+    health.hear(Heard("guard.state", encode(STOPPED, 0, 0), 0.0))
+    lines = [line.rstrip() for line in text_of(health, 80).splitlines()]
+    assert lines[:16] == [
+        "guard guard.state  may not move, stopped until it is armed again",
+        "    stale: image, 1.25 (limit 0.5)",
+        "    stop: stop",
+        "run run-a  robot  live, 12.3 s of wall time, 0.04 s behind, 152 MB, dropped: tap",
+        "1, log 2",
+        "input  accepted  lost  rate     age / max      fault  rejected",
+        "─" * 62,
+        "image  121       4     10.0 Hz  0.04 / 0.50 s",
+        "stop   121       4     10.0 Hz  0.04 / 0.50 s",
+        "output       channel          sent  latency p50  p99      max",
+        "─" * 65,
+        "guard.twist  BASE_CMD  motor  240   22.0 ms      41.5 ms  60.2 ms",
+        "stage                     rate     p50      p99      missed  overtaken",
+        "─" * 70,
+        "a_stage_of_a_long_name_0  10.0 Hz  12.2 ms  31.5 ms  3       7",
+        "a_stage_of_a_long_name_1  10.0 Hz  12.2 ms  31.5 ms  3       7",
+    ]
+
+
+def test_long_names_are_cut_and_numbers_are_not() -> None:
+    stage = {**STAGE, "name": "n" * 60}
+    health = Health()
+    health.hear(Heard("graphnav.status", encode(replace(STATUS, stages=(stage,)), 0, 0), 0.0))
+    (line,) = (line for line in text_of(health, 80).splitlines() if "nnn" in line)
+    assert re.fullmatch(r"n+…  10\.0 Hz  12\.2 ms  31\.5 ms  3       7 *", line)
+
+
+def test_runs_that_drive_a_motor_come_first() -> None:
+    health = Health()
+    for run_id, outputs in (("a", ()), ("b", (OUTPUT,)), ("c", ())):
+        health.hear(Heard("graphnav.status", encode(replace(STATUS, run_id=run_id, outputs=outputs), 0, 0), 0.0))
+    assert re.findall(r"^run (\w)", text_of(health), re.MULTILINE) == ["b", "a", "c"]
 
 
 def test_silence_is_shown_as_silence() -> None:
@@ -192,9 +234,9 @@ def test_a_log_without_status_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     assert capsys.readouterr().err == f"{tmp_path / 'log'} holds no status of a run: live runs record it\n"
 
 
-@pytest.mark.parametrize("option", [[], ["--once"], ["--json"]])
-def test_no_run_is_said_in_a_line(group: str, capsys: pytest.CaptureFixture[str], option: list[str]) -> None:
-    assert main(["top", group, "--for", "0.05", *option]) == 1
+@pytest.mark.parametrize("option", ["--once", "--json"])
+def test_no_run_is_said_in_a_line(group: str, capsys: pytest.CaptureFixture[str], option: str) -> None:
+    assert main(["top", group, "--for", "0.05", option]) == 1
     said = f"no run on {group} within 0.05 s: start one with 'graphnav run GRAPH --live'\n"
     assert capsys.readouterr().err == said
 
@@ -275,6 +317,23 @@ def test_it_is_shown_live_until_ctrl_c(group: str, publishing: Publish) -> None:
         assert process.wait(30) == 130
     os.close(terminal)
     assert b"run-a" in shown
+
+
+def test_a_run_that_has_not_begun_is_waited_for(group: str, publishing: Publish) -> None:
+    terminal, screen = pty.openpty()
+    command = [GRAPHNAV, "top", group, "--for", "0.2"]
+    with subprocess.Popen(command, stdin=screen, stdout=screen, stderr=screen, env=WIDE) as process:
+        os.close(screen)
+        shown = b""
+        while b"waiting for it; Ctrl-C ends" not in shown:
+            shown += os.read(terminal, 65536)
+        assert f"no run on {group} within 0.2 s".encode() in shown
+        with publishing(("graphnav.status", STATUS)):
+            while b"overtaken on edges" not in shown:
+                shown += os.read(terminal, 65536)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+    os.close(terminal)
 
 
 REJECTED = {"undecodable": 2, "repeated": 5}
