@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _REFRESH_S = 0.5
 _PRINT_S = 2.0
+_HINT_S = 3.0
+"""A group that is silent for longer is told, once."""
 _PLAIN_TERMINALS = {"dumb", "unknown", ""}
 
 
@@ -86,32 +88,35 @@ def _full_screen(feed: Feed, graphics: str) -> int:
     if not has_colours():
         os.environ["NO_COLOR"] = "1"
     from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.spy.screen import SpyApp, painters, watch_of  # noqa: PLC0415
+    from graphnav.spy.screen import SpyApp, painters, run_app, watch_of  # noqa: PLC0415
 
     gc.freeze()  # what was imported stays: it need not be looked through again and again
     new_painter = painters(graphics)
     watch = watch_of(feed)
     watch.start()
     try:
-        app = SpyApp(watch, Catalog(), Path.cwd(), new_painter)
-        app.run()
+        return run_app(SpyApp(watch, Catalog(), Path.cwd(), new_painter))
     finally:
         watch.close()
-    return app.return_code or OK
 
 
 def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
     """Show what goes by, a line a channel, until Ctrl-C; anew below where a terminal cannot go back."""
     from rich.live import Live  # noqa: PLC0415
 
+    from graphnav.notices import print_notice  # noqa: PLC0415
     from graphnav.spy import as_text, drops_of  # noqa: PLC0415
 
-    shown_s = 0.0
+    begin_s, shown_s, is_told = time.monotonic(), 0.0, False
     with Live(console=console, auto_refresh=False) as live:
         for heard in feed.listen(None):
             if heard is not None:
                 traffic.hear(heard)
-            elif time.monotonic() - shown_s > (_PRINT_S if console.is_dumb_terminal else _REFRESH_S):
+                continue
+            if not is_told and not traffic.channels and time.monotonic() - begin_s > _HINT_S:
+                is_told = True
+                print_notice(str(feed.silence(_HINT_S)))
+            if time.monotonic() - shown_s > (_PRINT_S if console.is_dumb_terminal else _REFRESH_S):
                 shown_s = time.monotonic()
                 heading = "; ".join(filter(None, [f"{feed.name}: {len(traffic.channels)} channels", drops_of(feed)]))
                 text = as_text(traffic, heading, with_fields=False)

@@ -187,6 +187,19 @@ def test_a_silent_group_is_said(group: str, capsys: pytest.CaptureFixture[str]) 
     assert capsys.readouterr().err.startswith(f"no message on {group} within 0.05 s\n  start a run")
 
 
+def test_without_a_terminal_a_silent_group_is_said_once(group: str) -> None:
+    command = [str(Path(sysconfig.get_path("scripts")) / "graphnav"), "spy", group]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        assert [process.stderr.readline(), process.stderr.readline()] == [
+            f"no message on {group} within 3 s\n",
+            "  start a run that can be watched: graphnav run GRAPH --pace 1\n",
+        ]
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+        assert process.stderr.read() == "stopped\n"
+
+
 @pytest.fixture
 def live(group: str) -> Iterator[str]:
     """Return the group of a run that goes on, stamped 10 Hz, until the test ends; one message in 50 is garbage."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 import shutil
+import signal
 import subprocess
 import sysconfig
 from collections.abc import Callable, Iterator
@@ -17,6 +19,8 @@ from .spy_app import publishing
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 TYPED = shlex.quote(GRAPHNAV)
+MODES = "#{alternate_on} #{mouse_any_flag}"
+"""Whether a program has the screen and the mouse for itself."""
 
 pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
 
@@ -75,6 +79,19 @@ def test_without_colour_pictures_are_shades(group: str, terminal: Callable[..., 
         coloured = one.screen("-e")
         assert "38;2;" not in coloured
         assert "48;2;" not in coloured
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_leaves_the_terminal_as_it_was(
+    group: str, terminal: Callable[..., Terminal], tmp_path: Path, number: signal.Signals
+) -> None:
+    script = f'echo $$ > {tmp_path}/pid; exec {TYPED} spy "{group}"'
+    one = terminal(f"sh -c {shlex.quote(script)}; echo status $?; sleep 60", (80, 24))
+    one.wait_for(lambda shown: "no publisher" in shown)
+    assert one.tmux("display-message", "-p", MODES) == "1 1\n"
+    os.kill(int((tmp_path / "pid").read_text()), number)
+    one.wait_for(lambda shown: f"status {128 + number}" in shown)
+    assert one.tmux("display-message", "-p", MODES) == "0 0\n"
 
 
 def test_a_dumb_terminal_gets_the_plain_list(group: str, terminal: Callable[..., Terminal]) -> None:

@@ -5,8 +5,9 @@ from graphnav.spy.live_watch import LiveWatch
 from graphnav.spy.log_watch import LogWatch
 from graphnav.spy.screen.app import SpyApp
 from graphnav.spy.screen.choose_painter import painters
+from graphnav.spy.screen.run_app import run_app
 
-__all__ = ["SpyApp", "painters", "watch_of"]
+__all__ = ["SpyApp", "painters", "run_app", "watch_of"]
 
 
 def watch_of(feed: Feed) -> LiveWatch | LogWatch:

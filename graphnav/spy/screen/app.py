@@ -70,11 +70,16 @@ class SpyApp(App[None]):
         return action not in (_LOG_ONLY if self._watch.is_live else _LIVE_ONLY)
 
     async def action_quit(self) -> None:
-        """Leave; what is not in the cells would outlive the screen."""
+        """Leave."""
+        self.leave()
+
+    def leave(self, return_code: int = 0) -> None:
+        """Leave the terminal as it was; what is not in the cells would outlive the screen."""
         self._session.is_frozen = True
-        for view in self.screen.query(PictureView):
-            view.take_away()
-        self.exit()
+        for screen in self.screen_stack[-1:]:
+            for view in screen.query(PictureView):
+                view.take_away()
+        self.exit(return_code=return_code)
 
     def action_freeze(self) -> None:
         """Let the view stand still, or go on."""
