@@ -26,7 +26,7 @@ class WatchedChannel:
     ``count`` numbers the messages from 1. ``newest`` is the newest one that may be kept, ``history`` the newest small
     ones with their numbers. ``lost``: missing numbers since the publisher began to count. ``undecodable``: messages of
     an unknown type, too short for theirs, or that failed when they were shown. ``is_single``: whether all messages have
-    one number: it was published once, and perhaps repeated for those who join late.
+    one number and stamp: it was published once, and perhaps repeated for those who join late.
     """
 
     def __init__(self, name: str, type_name: str = "") -> None:
@@ -40,7 +40,7 @@ class WatchedChannel:
         self.heard_s = 0.0
         self._history_bytes = 0
         self._window = Window(RECENT_S)
-        self._noted = 0
+        self._noted = self._published = 0
         self._last_seq: int | None = None
         self._last_utime: int | None = None
         self._latencies_s: deque[float] = deque(maxlen=_N_LATENCIES)
@@ -93,14 +93,17 @@ class WatchedChannel:
 
     def _number(self, at_s: float, utime: int, seq: int) -> None:
         gap = 1 if self._last_seq is None else seq - self._last_seq
-        self.is_single &= self._last_seq in (None, seq)
+        self.is_single &= self._last_seq is None or (seq, utime) == (self._last_seq, self._last_utime)
+        if gap == 0 and self._last_utime is not None and utime > self._last_utime:
+            gap = 1  # its sender does not number
         if 0 < gap <= _MAX_GAP:
             self.lost += gap - 1
         else:
             self._window = Window(RECENT_S)
-            self.lost = self.lost if gap == 0 else 0
+            self.lost, gap = self.lost if gap == 0 else 0, 1
         self._last_seq, self._last_utime = seq, utime
-        self._window.add(at_s, utime / 1e6, seq)
+        self._published += gap
+        self._window.add(at_s, utime / 1e6, self._published)
 
     def _begin_again(self) -> None:
         self._last_seq = None

@@ -72,6 +72,11 @@ def text(page: Browser, selector: str) -> str:
     return found
 
 
+@pytest.mark.parametrize("number", [1_795_000_000_123_456, -(2**53) + 1, 0])
+def test_integers_show_all_digits(page: Browser, number: int) -> None:
+    assert page.evaluate(f"import('/format.js').then((format) => format.number({number}))") == str(number)
+
+
 def test_it_shows_graph_channels_map_and_a_picture(page: Browser) -> None:
     assert text(page, "#graph-title").startswith("Follow the free floor")
     assert page.evaluate("edge('flow.flow').getAttribute('aria-label')") == "flow.flow: 10.0 Hz, 0 lost"

@@ -63,7 +63,19 @@ def test_a_repeated_message_is_neither_lost_nor_late(ear: Ear) -> None:
     for _ in range(5):
         ear.hear("control.twist", encode(TWIST, 0, 0), 1.0)
     channel = ear.watch.channels["control.twist"]
-    assert (channel.lost, channel.latency_s) == (0, None)
+    assert (channel.lost, channel.latency_s, channel.is_single) == (0, None, True)
+    assert channel.periods(ear.now_s) is None
+
+
+def test_a_sender_that_does_not_number_has_a_rate(ear: Ear) -> None:
+    for k in range(50):
+        ear.hear("control.twist", encode(TWIST, k * 50_000, 0), 0.05)
+    channel = ear.watch.channels["control.twist"]
+    periods = channel.periods(ear.now_s)
+    assert periods is not None
+    assert periods.rate_hz == pytest.approx(20)
+    assert periods.mean_s == pytest.approx(0.05)
+    assert (channel.lost, channel.is_single) == (0, False)
 
 
 def test_types_of_other_packages_are_known(ear: Ear, tmp_path: Path) -> None:

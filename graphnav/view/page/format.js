@@ -29,7 +29,7 @@ export function count(n) {
 
 export function number(value) {
   if (value === null || value === undefined) return "not finite";
-  if (Number.isInteger(value) && Math.abs(value) < 1e15) return String(value);
+  if (Number.isSafeInteger(value)) return String(value);
   const size = Math.abs(value);
   return size >= 1e5 || size < 1e-4 ? value.toExponential(3) : value.toFixed(size >= 1000 ? 1 : size >= 10 ? 2 : 4);
 }
