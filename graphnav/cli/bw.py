@@ -35,18 +35,18 @@ def main(args: argparse.Namespace) -> int:
 
 def _line(channel: ChannelTraffic) -> str:
     """Return what ``ros2 topic bw`` prints, in one line."""
-    from graphnav.errors import printable  # noqa: PLC0415
+    from graphnav.errors import shown_name  # noqa: PLC0415
     from graphnav.spy import silence_of, size_of  # noqa: PLC0415
 
     sizes = channel.sizes
     bounds = f"size min: {size_of(sizes.min_bytes)} mean: {size_of(round(sizes.mean_bytes))}"
     rate = silence_of(channel) if channel.is_silent else _rate(channel.bytes_per_s) or "no rate yet"
-    return f"{printable(channel.name)}  {rate}, {bounds} max: {size_of(sizes.max_bytes)} window: {sizes.n}"
+    return f"{shown_name(channel.name)}  {rate}, {bounds} max: {size_of(sizes.max_bytes)} window: {sizes.n}"
 
 
 def _table(traffic: Traffic) -> TextTable:
     from graphnav.cli.tables import TextTable  # noqa: PLC0415
-    from graphnav.errors import printable  # noqa: PLC0415
+    from graphnav.errors import shown_name  # noqa: PLC0415
     from graphnav.spy import size_of  # noqa: PLC0415
 
     table = TextTable("channel", "bandwidth", "size min", "mean", "max", "count", "note")
@@ -54,13 +54,13 @@ def _table(traffic: Traffic) -> TextTable:
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
         if not channel.count:
-            table.add_text(printable(name), "", "", "", "", "0", "not heard")
+            table.add_text(shown_name(name), "", "", "", "", "0", "not heard")
             continue
         sizes = channel.sizes
         total += channel.bytes_per_s or 0.0
         bounds = map(size_of, (sizes.min_bytes, round(sizes.mean_bytes), sizes.max_bytes))
         note = f"silent {channel.silent_s or 0.0:.1f} s" if channel.is_silent else ""
-        table.add_text(printable(name), _rate(channel.bytes_per_s), *bounds, str(channel.count), note)
+        table.add_text(shown_name(name), _rate(channel.bytes_per_s), *bounds, str(channel.count), note)
     table.add_text("all", _rate(total), "", "", "", "", "")
     return table
 

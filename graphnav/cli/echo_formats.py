@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from graphnav.codec import lcm_name
-from graphnav.errors import GraphnavError, printable
+from graphnav.errors import GraphnavError, printable, shown_name
 from graphnav.notices import print_notice
 from graphnav.spy import (
     MISSING,
@@ -19,6 +19,7 @@ from graphnav.spy import (
     all_columns,
     columns_of,
     described,
+    nested,
     plain,
     size_of,
     summarised,
@@ -53,7 +54,7 @@ class Lines:
     def show(self, spoken: Spoken) -> bool:
         """Print a message."""
         size = size_of(len(spoken.heard.data))
-        head = f"{printable(spoken.heard.channel)}  {printable(spoken.type_name or 'unknown type')}, {size}"
+        head = f"{shown_name(spoken.heard.channel)}  {shown_name(spoken.type_name or 'unknown type')}, {size}"
         print("\n".join([head, *self._contents(spoken)]), flush=True)
         return True
 
@@ -68,7 +69,7 @@ class Lines:
         fields = self._selection.of(spoken.lcm_class, spoken.values)
         if fields is None:
             return ["    another type: it has no such fields"]
-        return described(plain(fields) if self._full else summarised(fields))
+        return described(nested(fields) if self._full else summarised(fields))
 
 
 class JsonLines:
@@ -83,7 +84,7 @@ class JsonLines:
         if spoken.values is not None and spoken.lcm_class is not None:
             fields = self._selection.of(spoken.lcm_class, spoken.values)
         if fields is not None:
-            fields = plain(fields) if self._full else summarised(fields)
+            fields = plain(fields if self._full else summarised(fields))
         told = {
             "at_s": round(self._epoch_s + spoken.heard.at_s, 6),
             "type": spoken.type_name,
@@ -106,6 +107,7 @@ class CsvRows:
         self._columns: list[FieldPath] = []
         self._lcm_class: type | None = None
         self._n_skipped = 0
+        self._skipped_type: type | None = None
 
     def show(self, spoken: Spoken) -> bool:
         """Print a row; a message that cannot be decoded, or has another type than the first, has none."""
@@ -113,6 +115,7 @@ class CsvRows:
             self._begin(spoken.lcm_class)
         if spoken.values is None or spoken.lcm_class is not self._lcm_class:
             self._n_skipped += 1
+            self._skipped_type = spoken.lcm_class
             return False
         cells = [_cell(column.pick(spoken.values)) for column in self._columns]
         self._writer.writerow([f"{self._epoch_s + spoken.heard.at_s:.6f}", *cells])
@@ -122,10 +125,16 @@ class CsvRows:
     def close(self) -> None:
         """Say how many messages have no row; raise GraphnavError where that is all of them."""
         if self._lcm_class is None:
-            hint = "\n  name its package or its .lcm files: --types PACKAGE_OR_DIR"
-            raise GraphnavError(f"none of {self._n_skipped} messages could be decoded{hint}")
+            raise GraphnavError(self._undecodable())
         if self._n_skipped:
             print_notice(f"{self._n_skipped} messages left out: undecodable, or not {lcm_name(self._lcm_class)}")
+
+    def _undecodable(self) -> str:
+        if self._skipped_type is None:
+            hint = "name its package or its .lcm files: --types PACKAGE_OR_DIR"
+            return f"none of {self._n_skipped} messages could be decoded\n  {hint}"
+        hint = "check the program that sends them: they are truncated, or of another type"
+        return f"none of {self._n_skipped} messages is a complete {lcm_name(self._skipped_type)}\n  {hint}"
 
     def _begin(self, lcm_class: type) -> None:
         if self._paths:

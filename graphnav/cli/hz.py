@@ -34,10 +34,10 @@ def main(args: argparse.Namespace) -> int:
 
 def _lines(channel: ChannelTraffic) -> str:
     """Return the periods by stamps and, where that is not the same, by arrival; or how long nothing has come."""
-    from graphnav.errors import printable  # noqa: PLC0415
+    from graphnav.errors import shown_name  # noqa: PLC0415
     from graphnav.spy import silence_of, volume  # noqa: PLC0415
 
-    name, heard = printable(channel.name), ", ".join(volume(channel))
+    name, heard = shown_name(channel.name), ", ".join(volume(channel))
     if channel.is_silent:
         return f"{name}  {silence_of(channel)}; {heard}"
     by_stamp, by_arrival = _text(channel.published), _text(channel.arriving)
@@ -59,7 +59,7 @@ def _text(periods: Periods | None) -> str:
 def _table(traffic: Traffic) -> TextTable:
     """Return a row for each channel; periods are those of the stamps."""
     from graphnav.cli.tables import TextTable  # noqa: PLC0415
-    from graphnav.errors import printable  # noqa: PLC0415
+    from graphnav.errors import shown_name  # noqa: PLC0415
 
     table = TextTable("channel", "stamp Hz", "arrival", "min ms", "max ms", "std ms", "count", "note")
     for name in sorted(traffic.channels):
@@ -67,7 +67,7 @@ def _table(traffic: Traffic) -> TextTable:
         periods, arriving = channel.published, channel.arriving
         steps = (None,) * 3 if periods is None else (periods.min_s, periods.max_s, periods.std_s)
         cells = (_rate(periods), _rate(arriving), *map(_ms, steps), str(channel.count), _note(channel))
-        table.add_text(printable(name), *cells)
+        table.add_text(shown_name(name), *cells)
     return table
 
 

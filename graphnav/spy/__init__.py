@@ -1,17 +1,16 @@
 """Watching: which channels there are, what goes over them and how fast, live or in a log."""
 
 from graphnav.spy.contents import described, summarised
-from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed import Feed, Heard, drops_of
 from graphnav.spy.field_columns import all_columns, columns_of
 from graphnav.spy.field_path import MISSING, FieldPath, parse_field
 from graphnav.spy.health import Health
 from graphnav.spy.health_json import health_as_json
 from graphnav.spy.health_text import health_as_text
-from graphnav.spy.plain_values import plain
+from graphnav.spy.plain_values import nested, plain
 from graphnav.spy.report import (
     as_json,
     as_text,
-    drops_of,
     rates_as_json,
     silence_of,
     size_of,
@@ -40,6 +39,7 @@ __all__ = [
     "drops_of",
     "health_as_json",
     "health_as_text",
+    "nested",
     "parse_field",
     "plain",
     "rates_as_json",

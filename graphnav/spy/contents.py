@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,11 +17,11 @@ _FEW = 4
 
 
 def summarised(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a message's fields as JSON can hold them.
+    """Return a message's fields in few words.
 
     An array becomes its type, shape, least, mean and greatest, and its values where they are few; what marks validity
-    also its share of ones, floats that are not finite their share of finite ones. Long texts are cut. Numbers that
-    JSON lacks become null.
+    also its share of ones, floats that are not finite their share of finite ones. Long texts are cut. NaN and
+    infinities stay: `plain` makes JSON of it.
     """
     return {name: _summary(name, value) for name, value in values.items()}
 
@@ -63,7 +62,7 @@ def _summary(name: str, value: Any) -> Any:
         return summarised(value)
     if isinstance(value, str) and len(value) > _LONGEST_TEXT:
         return f"{value[:_LONGEST_TEXT]}... ({len(value)} characters)"
-    return _number(value) if isinstance(value, float) else value
+    return value
 
 
 def _array(name: str, value: np.ndarray[Any, Any]) -> dict[str, Any]:
@@ -71,7 +70,7 @@ def _array(name: str, value: np.ndarray[Any, Any]) -> dict[str, Any]:
     if not value.size:
         return summary
     if value.ndim == 1 and value.size <= _FEW:
-        summary["values"] = [_number(float(number)) for number in value]
+        summary["values"] = [float(number) for number in value]
     finite = np.isfinite(value)
     share = float(finite.mean())
     if share < 1:
@@ -83,10 +82,6 @@ def _array(name: str, value: np.ndarray[Any, Any]) -> dict[str, Any]:
     if name == "valid" or name.endswith("_valid"):
         summary["valid_ratio"] = float(np.count_nonzero(value)) / value.size
     return summary
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _text(value: Any) -> str:
@@ -101,7 +96,7 @@ def _text(value: Any) -> str:
     shape = ", ".join(map(str, value["shape"]))
     said = [f"{value['dtype']} ({shape})"]
     if "values" in value:
-        return "[" + ", ".join("not finite" if number is None else f"{number:.6g}" for number in value["values"]) + "]"
+        return "[" + ", ".join(f"{number:.6g}" for number in value["values"]) + "]"
     if "min" in value and "valid_ratio" not in value:
         said.append(f"{value['min']:.4g} to {value['max']:.4g}, mean {value['mean']:.4g}")
     if "valid_ratio" in value:

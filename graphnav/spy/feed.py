@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.bus import Bus, require_route, with_defaults
-from graphnav.errors import GraphnavError
+from graphnav.errors import GraphnavError, shown_name
 from graphnav.lcm_url import tap_url
 from graphnav.record import Recording, find_log
 
@@ -69,10 +69,10 @@ class Feed:
 
     def silence(self, for_s: float | None, channel: str | None = None) -> GraphnavError:
         """Return the error to raise where nothing was heard, or nothing on a channel."""
+        what = f"no message on channel '{shown_name(channel or '')}'"
         if not self.is_live:
-            what = f"no message on channel '{channel}' in {self.name}" if channel else f"{self.name} is empty"
-            return GraphnavError(what)
-        what = f"no message on channel '{channel}' of {self.name}" if channel else f"no message on {self.name}"
+            return GraphnavError(f"{what} in {self.name}" if channel else f"{self.name} is empty")
+        what = f"{what} of {self.name}" if channel else f"no message on {self.name}"
         within = f" within {for_s:g} s" if for_s is not None else ""
         hint = "" if channel else "\n  start a run that can be watched: graphnav run GRAPH --pace 1"
         return GraphnavError(what + within + hint)
@@ -101,3 +101,11 @@ class Feed:
             self.torn = str(recording.torn or "")
             for event in recording.events():
                 yield Heard(event.channel, event.data, event.utime / 1e6)
+
+
+def drops_of(feed: Feed) -> str:
+    """Return what the kernel dropped of a feed, in words; empty where it dropped nothing."""
+    dropped = feed.dropped_packets()
+    if not dropped:
+        return ""
+    return f"{dropped} packet{'s' if dropped > 1 else ''} dropped by the kernel"

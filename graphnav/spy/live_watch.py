@@ -12,7 +12,6 @@ from graphnav.errors import GraphnavError, shown_name
 from graphnav.record import ABOUT, ThreadedLogWriter
 from graphnav.spy.feed import Feed, Heard
 from graphnav.spy.reasons import nothing_heard, why_empty
-from graphnav.spy.report import drops_of
 from graphnav.spy.row import Row, row_of
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch import Memory, Sample
@@ -97,12 +96,17 @@ class LiveWatch:
             return "" if self._memory.traffic.channels else nothing_heard(self.name, for_s)
 
     def heading(self) -> str:
-        """Return what the kernel dropped, the feed, its runs, all counts, what is not kept and what is recorded."""
+        """Return the feed, its channels and runs, what the kernel dropped, all counts, and what is recorded.
+
+        In short words, that they are seen in 80 columns.
+        """
         with self._memory.lock:
             traffic = self._memory.traffic
-            said = [*filter(None, [drops_of(self._feed)]), self.name, f"{len(traffic.channels)} channels"]
+            said = [self.name.partition("?")[0], f"{len(traffic.channels)} channels"]
             if traffic.runs:
                 said.append(_named(traffic.current_runs(time.monotonic())))
+            if dropped := self._feed.dropped_packets():
+                said.append(f"{dropped} dropped")
             said.append(f"{traffic.count} messages")
             if traffic.undecodable:
                 said.append(f"{traffic.undecodable} undecodable")

@@ -1,8 +1,9 @@
-"""A message's values as JSON can hold them, complete."""
+"""A message's values with arrays as lists, complete."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,19 @@ import numpy as np
 
 def plain(value: Any) -> Any:
     """Return a value with arrays as nested lists; numbers that JSON lacks become null."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return _nested(value, plain)
+
+
+def nested(value: Any) -> Any:
+    """Return a value with arrays as nested lists, NaN and infinities included, for people."""
+    return _nested(value, nested)
+
+
+def _nested(value: Any, item_of: Callable[[Any], Any]) -> Any:
     if isinstance(value, dict):
-        return {name: plain(item) for name, item in value.items()}
+        return {name: item_of(item) for name, item in value.items()}
     if isinstance(value, tuple | list):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        return [item_of(item) for item in value]
+    return item_of(value.tolist()) if isinstance(value, np.ndarray) else value

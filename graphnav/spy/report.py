@@ -7,9 +7,10 @@ from typing import Any
 
 from rich.text import Text
 
-from graphnav.errors import printable
+from graphnav.errors import shown_name
 from graphnav.spy.contents import declared, described, summarised
 from graphnav.spy.feed import Feed
+from graphnav.spy.plain_values import plain
 from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
 
@@ -36,7 +37,7 @@ def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
         **rates_as_json(channel),
         **sizes_as_json(channel),
         "undecodable": channel.undecodable,
-        "fields": fields_of_channel(channel),
+        "fields": plain(fields_of_channel(channel)),
     }
 
 
@@ -77,10 +78,10 @@ def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | 
 
 def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
     """Return everything that was heard, for people; without the fields one line a channel."""
-    lines = [Text(heading), *(Text(f"run {printable(run)}", "bold") for run in traffic.runs)]
+    lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in traffic.runs)]
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
-        lines.append(Text(printable(name), "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
+        lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
         if with_fields:
             lines += map(Text, described(fields_of_channel(channel)))
     if traffic.overflow:
@@ -95,17 +96,9 @@ def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
     return declared(channel.lcm_class) if channel.lcm_class is not None else {}
 
 
-def drops_of(feed: Feed) -> str:
-    """Return what the kernel dropped of a feed, in words; empty where it dropped nothing."""
-    dropped = feed.dropped_packets()
-    if not dropped:
-        return ""
-    return f"{dropped} packet{'s' if dropped > 1 else ''} dropped by the kernel"
-
-
 def figures(channel: ChannelTraffic) -> Iterator[str]:
     """Yield what is known of one channel, in words."""
-    yield printable(channel.type_name or "unknown type")
+    yield shown_name(channel.type_name or "unknown type")
     if channel.is_silent:
         yield silence_of(channel)
     elif channel.rate_hz is not None:

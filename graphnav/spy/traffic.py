@@ -7,11 +7,11 @@ from contextlib import suppress
 from typing import Any
 
 from graphnav.codec import DecodeError, codec_of, decode, lcm_name, type_named, type_of
-from graphnav.errors import UserError, did_you_mean
+from graphnav.errors import UserError, did_you_mean, shown_name
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.adapted_types import load_adapted_types
-from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed import Feed, Heard, drops_of
 from graphnav.spy.rate_history import RateHistory
 from graphnav.spy.window import RECENT_S, Periods, Sizes, Window
 
@@ -77,7 +77,10 @@ class Traffic:
             raise self._unknown(name, feed)
 
     def _unknown(self, name: str, feed: Feed) -> UserError:
-        hint = did_you_mean(name, self.channels) or f"channels are {', '.join(sorted(self.channels))}"
+        name, names = shown_name(name), sorted(map(shown_name, self.channels))
+        hint = did_you_mean(name, names) or f"channels are {', '.join(names)}"
+        if dropped := drops_of(feed):
+            hint += f"\n{dropped}, perhaps of this channel: run 'graphnav doctor'"
         return UserError.of(f"{feed.name} has no channel '{name}'", hint)
 
     def hear(self, heard: Heard) -> ChannelTraffic:
@@ -138,7 +141,7 @@ class ChannelTraffic:
         self._values: dict[str, Any] | None = None
         self._recent_s = None if clock is None else RECENT_S
         self._arrivals, self._stamps = Window(self._recent_s), Window(self._recent_s)
-        self._first_seq = self._last_seq = self._numbered = 0
+        self._last_seq = self._last_utime = self._published = self._numbered = 0
 
     def hear(self, heard: Heard) -> None:
         """Count a message."""
@@ -160,11 +163,19 @@ class ChannelTraffic:
         self._newest, self._values = data, None
         utime, seq = codec.peek(data, "utime"), codec.peek(data, "seq")
         if utime is not None and seq is not None:
-            if not self._numbered or not 0 < seq - self._last_seq <= _MAX_GAP:
-                self._stamps, self._first_seq, self._numbered = Window(self._recent_s), seq, 0
-            self._stamps.add(heard.at_s, utime / 1e6, seq, len(data))
-            self._last_seq = seq
-            self._numbered += 1
+            self._number(heard, utime, seq)
+
+    def _number(self, heard: Heard, utime: int, seq: int) -> None:
+        """Count what was published, the lost ones included; one by one where stamps advance and numbers do not."""
+        step = seq - self._last_seq
+        if step == 0 and utime > self._last_utime:
+            step = 1
+        if not self._numbered or not 0 < step <= _MAX_GAP:
+            self._stamps, self._published, self._numbered, step = Window(self._recent_s), 0, 0, 1
+        self._published += step
+        self._numbered += 1
+        self._last_seq, self._last_utime = seq, utime
+        self._stamps.add(heard.at_s, utime / 1e6, self._published, len(heard.data))
 
     def _take_type(self, lcm_class: type) -> None:
         """Let the channel be of a type; what came of another one is forgotten."""
@@ -194,7 +205,7 @@ class ChannelTraffic:
     @property
     def lost(self) -> int:
         """How many messages are missing between the first and the last since numbering began anew."""
-        return max(0, self._last_seq - self._first_seq + 1 - self._numbered) if self._numbered else 0
+        return self._published - self._numbered
 
     @property
     def silent_s(self) -> float | None:

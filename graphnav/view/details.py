@@ -13,7 +13,7 @@ import numpy.typing as npt
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of
 from graphnav.messages import Message
 from graphnav.pictures import PictureContext, Pictures
-from graphnav.spy import Heard, summarised
+from graphnav.spy import Heard, plain, summarised
 from graphnav.view.kinds import Kind
 from graphnav.view.moment import Moment
 
@@ -46,7 +46,7 @@ def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
             plotted = _series(found)
             points.append([heard.at_s, *(plotted.get(name) for name in series)])
     return {
-        "fields": summarised(values),
+        "fields": plain(summarised(values)),
         "series": list(series),
         "points": points,
         "has_cells": bool(getattr(message_class_of(moment.kind.lcm_class), "grid", ())),

@@ -8,9 +8,12 @@ from collections.abc import Callable
 from contextlib import closing
 from urllib.parse import urlsplit
 
+import pytest
+
 from graphnav.bus import Bus
+from graphnav.errors import UserError
 from graphnav.recorder.listener import Listener
-from graphnav.spy import Feed, Traffic, as_json, drops_of
+from graphnav.spy import Feed, Heard, Traffic, as_json, drops_of
 from graphnav.spy.live_watch import LiveWatch
 
 DROPPED = b"LC02\0\0\0\1"
@@ -62,7 +65,22 @@ def test_a_feed_tells_it_also_after_its_end(group: str) -> None:
     assert as_json(Traffic(), feed)["dropped_packets"] == 2
 
 
-def test_the_heading_of_the_spy_begins_with_it(group: str) -> None:
+def test_a_channel_that_is_not_heard_may_be_what_was_dropped(group: str) -> None:
+    feed, traffic = Feed(group), Traffic()
+    traffic.hear(Heard("control.twist", b"", 0.0))
+    with closing(feed.listen(None)) as heard:
+        next(heard)
+        send(group, DROPPED)
+        until(lambda: feed.dropped_packets() == 1)
+        with pytest.raises(UserError) as raised:
+            traffic.find("BIG", feed, None)
+    assert str(raised.value) == (
+        f"{group} has no channel 'BIG'\n  channels are control.twist\n"
+        "  1 packet dropped by the kernel, perhaps of this channel: run 'graphnav doctor'"
+    )
+
+
+def test_the_heading_of_the_spy_says_it_within_80_columns(group: str) -> None:
     feed = Feed(group)
     watch = LiveWatch(feed)
     watch.start()
@@ -74,7 +92,8 @@ def test_the_heading_of_the_spy_begins_with_it(group: str) -> None:
 
     until(is_listening)
     send(group, DROPPED)
-    until(lambda: watch.heading().startswith("1 packet dropped by the kernel  "))
+    until(lambda: "dropped" in watch.heading())
+    assert watch.heading().startswith(f"{group.partition('?')[0]}  1 channels  1 dropped  ")
     bus.close()
     watch.close()
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from graphnav.messages import Flow
-from graphnav.spy import described, summarised
+from graphnav.spy import described, nested, plain, summarised
 
 FLOW = Flow(
     uv_px=np.linspace(-1, 1, 24, dtype=np.float32).reshape(3, 4, 2),
@@ -33,9 +33,16 @@ def test_arrays_are_summarised() -> None:
 def test_what_is_not_finite_is_left_out_and_said() -> None:
     summary = summarised({"depth_m": np.array([1, np.inf, np.nan, 3, np.nan, 2], np.float32), "x_m": float("nan")})
     assert summary["depth_m"] == {"dtype": "float32", "shape": [6], "finite_ratio": 0.5, "min": 1, "mean": 2, "max": 3}
-    assert summary["x_m"] is None
-    json.dumps(summary, allow_nan=False)
+    assert plain(summary)["x_m"] is None
+    json.dumps(plain(summary), allow_nan=False)
     assert summarised({"all": np.full(3, np.nan)})["all"]["finite_ratio"] == 0
+
+
+def test_a_person_reads_which_number_is_not_finite() -> None:
+    values = {"a": float("nan"), "b": float("inf"), "c": -float("inf"), "few": np.array([1, np.nan, -np.inf])}
+    said = ["    a    nan", "    b    inf", "    c    -inf", "    few  [1, nan, -inf]"]
+    assert described(summarised(values)) == said
+    assert described(nested(values)) == [*said[:3], "    few  [1.0, nan, -inf]"]
 
 
 def test_texts_and_structs_are_short() -> None:

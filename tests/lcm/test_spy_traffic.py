@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import About, Twist
-from graphnav.record import ABOUT
+from graphnav.record import ABOUT, LogWriter
 from graphnav.spy import Heard, Traffic, as_text
 
+NASTY = "x\nALL IS WELL\x1b[2J"
+SHOWN = r"x\nALL IS WELL\x1b[2J"
 SAID = About("stages: {}\n", "", "", 7, (), ())
 
 
@@ -51,6 +56,25 @@ def test_a_jump_of_the_numbers_is_a_new_numbering() -> None:
         traffic.hear(Heard("x", encode(Twist(0.1, 0.2), 0, k), 0))
         assert traffic.channels["x"].lost <= 1
     assert traffic.channels["x"].lost == 0
+
+
+def test_a_sender_that_does_not_number_has_a_rate() -> None:
+    traffic = Traffic()
+    for k in range(21):
+        traffic.hear(Heard("x", encode(Twist(0.1, 0.2), 100_000 * k, 0), k))
+    channel = traffic.channels["x"]
+    assert channel.rate_hz == pytest.approx(10)
+    assert channel.published is not None
+    assert channel.published.n == 21
+    assert channel.lost == 0
+
+
+def test_a_repeated_message_has_no_rate_of_stamps() -> None:
+    traffic = Traffic()
+    for k in range(5):
+        traffic.hear(Heard("x", twist_at(3), k))
+    channel = traffic.channels["x"]
+    assert (channel.rate_hz, channel.lost) == (None, 0)
 
 
 def test_what_cannot_be_decoded_is_counted() -> None:
@@ -126,6 +150,18 @@ def test_a_slow_channel_is_silent_after_three_of_its_periods() -> None:
     assert not channel.is_silent
     now_s = 22.1
     assert channel.is_silent
+
+
+def test_a_name_stays_on_its_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with LogWriter(tmp_path / "log") as writer:
+        for k in range(2):
+            writer.write(NASTY, 100_000 * k, twist_at(k))
+    for words in (["spy"], ["hz"], ["bw"], ["hz", NASTY], ["bw", NASTY], ["echo", NASTY, "-n", "1"]):
+        assert main([*words, str(tmp_path / "log")]) == 0
+        assert capsys.readouterr().out.count(SHOWN) == 1
+    assert main(["echo", "y\ny", str(tmp_path / "log")]) == 2
+    error = f"{tmp_path / 'log'} has no channel 'y\\ny'\n  channels are {SHOWN}\n"
+    assert capsys.readouterr().err == error
 
 
 def test_the_rate_of_arrivals_stands_beside_that_of_the_stamps() -> None:

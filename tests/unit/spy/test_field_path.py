@@ -266,6 +266,17 @@ def test_a_table_of_what_cannot_be_decoded_fails(log: Path, capsys: pytest.Captu
     )
 
 
+def test_a_table_of_truncated_messages_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with LogWriter(tmp_path / "log") as writer:
+        for k in range(3):
+            writer.write("cut", k, encode(Twist(0.5, 0.5), k, k)[:-1])
+    assert main(["echo", "cut", str(tmp_path / "log"), "--csv"]) == 1
+    assert capsys.readouterr().err == (
+        "none of 3 messages is a complete graphnav_lcm.twist_t\n"
+        "  check the program that sends them: they are truncated, or of another type\n"
+    )
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
