@@ -172,7 +172,9 @@ def require_route(url: str) -> None:
     """
     parts = urlsplit(url)
     if not _is_multicast(parts.hostname or ""):
-        raise BusError(f"'{parts.hostname}' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8")
+        raise BusError(
+            f"'{parts.hostname}' is not a multicast address\n  write {GROUP}, or another group of 239.0.0.0/8"
+        )
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             if parts.port == 0:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from graphnav.errors import UserError
+from graphnav.extras import install_command
 
 
 def import_pandas(who: str) -> Any:
@@ -18,5 +19,5 @@ def import_pandas(who: str) -> Any:
     try:
         import pandas  # noqa: PLC0415, ICN001 - an extra
     except ImportError as error:
-        raise UserError.of(f"{who} needs pandas", 'pip install "graphnav[pandas]"') from error
+        raise UserError.of(f"{who} needs pandas", install_command("pandas")) from error
     return pandas

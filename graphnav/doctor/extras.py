@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, metadata, requires, version
+from importlib.metadata import PackageNotFoundError, metadata, version
 
 from packaging.requirements import Requirement
 
 from graphnav.doctor.finding import Finding
+from graphnav.extras import install_command, requirements_of
 
 _OF_DEVELOPERS = {"dev"}
 
 
 def extras() -> Iterator[Finding]:
     """Look at each extra that graphnav's package declares."""
-    needed = [Requirement(line) for line in requires("graphnav") or ()]
     for extra in sorted(set(metadata("graphnav").get_all("Provides-Extra") or ()) - _OF_DEVELOPERS):
-        own = [one for one in needed if one.marker is not None and one.marker.evaluate({"extra": extra})]
+        own = requirements_of(extra)
         lacking = [problem for one in own if (problem := _problem(one))]
         seen = "; ".join(lacking) or ", ".join(f"{one.name} {version(one.name)}" for one in own)
-        fix = f"pip install 'graphnav[{extra}]'" if lacking else ""
+        fix = install_command(extra) if lacking else ""
         yield Finding(f"extra {extra}", fine=not lacking, seen=seen, fix=fix, needed=False)
 
 

@@ -6,6 +6,7 @@ import importlib
 from typing import Any
 
 from graphnav.errors import UserError
+from graphnav.extras import install_command
 
 _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-sdk"), "pyarrow": ("parquet", "pyarrow")}
 """Of the package that is imported: the extra of graphnav that brings it, and its name in package indexes."""
@@ -20,6 +21,5 @@ def require(module: str, user: str = "this export") -> Any:
         if (error.name or "").partition(".")[0] != package:
             raise
         extra, name = _EXTRAS[package]
-        raise UserError.of(
-            f"{user} needs {name}, which is not installed", f"install it: pip install 'graphnav[{extra}]'"
-        ) from error
+        hint = f"install it: {install_command(extra)}"
+        raise UserError.of(f"{user} needs {name}, which is not installed", hint) from error

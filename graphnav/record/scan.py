@@ -78,7 +78,7 @@ def _rest(path: Path, reader: _Reader, begin: int, n_events: int) -> Damaged | T
     if reader.begins_event(begin):
         return Torn(begin, reader.size - begin)
     if not n_events and not begin:
-        raise LogError(f"{path} is no LCM log")
+        raise LogError(f"{path} is not an LCM log")
     return Damaged(begin, reader.size - begin)
 
 

@@ -2,6 +2,7 @@
 
 from graphnav.spy.contents import described, summarised
 from graphnav.spy.feed import Feed, Heard, drops_of
+from graphnav.spy.feed_listener import FeedListener
 from graphnav.spy.field_columns import all_columns, columns_of
 from graphnav.spy.field_path import MISSING, FieldPath, parse_field
 from graphnav.spy.health import Health
@@ -25,6 +26,7 @@ __all__ = [
     "MISSING",
     "ChannelTraffic",
     "Feed",
+    "FeedListener",
     "FieldPath",
     "Health",
     "Heard",

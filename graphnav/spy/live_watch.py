@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import threading
 import time
-from contextlib import closing
 from pathlib import Path
 
 from graphnav.bus import require_route, with_defaults
 from graphnav.errors import GraphnavError, shown_name
 from graphnav.record import ABOUT, ThreadedLogWriter
 from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed_listener import FeedListener
 from graphnav.spy.reasons import nothing_heard, why_empty
 from graphnav.spy.row import Row, row_of
 from graphnav.spy.traffic import ChannelTraffic, Traffic
@@ -35,9 +34,8 @@ class LiveWatch:
         self._memory = Memory(Traffic(feed.clock))
         self._begin_s = time.monotonic()
         self._clock_offset_s = time.time() - self._begin_s
-        self._closing = threading.Event()
         self._writer: ThreadedLogWriter | None = None
-        self._thread = threading.Thread(target=self._listen, name="graphnav spy", daemon=True)
+        self._listener = FeedListener(feed, self._take, self._fail, "graphnav-spy")
 
     @property
     def version(self) -> object:
@@ -52,13 +50,11 @@ class LiveWatch:
     def start(self) -> None:
         """Begin to listen; raises BusError where there is no multicast route."""
         require_route(with_defaults(self.name))
-        self._thread.start()
+        self._listener.start()
 
     def close(self) -> None:
         """Stop listening, and recording."""
-        self._closing.set()
-        if self._thread.is_alive():
-            self._thread.join()
+        self._listener.close()
         self.stop_recording()
 
     def rows(self) -> list[Row]:
@@ -144,16 +140,8 @@ class LiveWatch:
         writer.close()
         return writer.failure or f"{writer.path}: {_recorded(writer)}"
 
-    def _listen(self) -> None:
-        try:
-            with closing(self._feed.listen(None)) as heard_all:
-                for heard in heard_all:
-                    if self._closing.is_set():
-                        return
-                    if heard is not None:
-                        self._take(heard)
-        except (GraphnavError, OSError) as error:
-            self.failure = str(error)
+    def _fail(self, error: GraphnavError | OSError) -> None:
+        self.failure = str(error)
 
     def _take(self, heard: Heard) -> None:
         self._memory.hear(heard)

@@ -98,5 +98,5 @@ class Window:
         steps = np.diff(times)[np.diff(numbers) == 1]
         if not steps.size:
             return Periods(rate_hz, None, None, None, len(times))
-        least_s, most_s = float(steps.min()), float(steps.max())
-        return Periods(rate_hz, least_s, most_s, float(steps.std()), len(times), float(steps.mean()))
+        min_s, max_s = float(steps.min()), float(steps.max())
+        return Periods(rate_hz, min_s, max_s, float(steps.std()), len(times), float(steps.mean()))

@@ -6,12 +6,12 @@ import threading
 import time
 
 from graphnav.errors import GraphnavError, one_line
-from graphnav.spy import Feed
+from graphnav.spy import Feed, FeedListener, Heard
 from graphnav.view.watch import Watch
 
 
 class LiveSource:
-    """Listens on a group; it may start before anybody publishes there, and outlives those who do."""
+    """Listens on a group; it may start before anything is published there, and outlives those who publish."""
 
     def __init__(self, feed: Feed) -> None:
         self.lock = threading.Lock()
@@ -19,8 +19,7 @@ class LiveSource:
         self.name = feed.name
         self.failure = ""
         self._feed = feed
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._listen, name="graphnav-view", daemon=True)
+        self._listener = FeedListener(feed, self._take, self._fail, "graphnav-view")
 
     def dropped_packets(self) -> int:
         """Return how many packets the kernel dropped before they could be heard."""
@@ -28,20 +27,15 @@ class LiveSource:
 
     def start(self) -> None:
         """Begin to listen."""
-        self._thread.start()
+        self._listener.start()
 
     def close(self) -> None:
         """Stop listening."""
-        self._closing.set()
-        self._thread.join()
+        self._listener.close()
 
-    def _listen(self) -> None:
-        try:
-            for heard in self._feed.listen(None):
-                if self._closing.is_set():
-                    return
-                if heard is not None:
-                    with self.lock:
-                        self.watch.hear(heard)
-        except GraphnavError as error:
-            self.failure = one_line(error)
+    def _take(self, heard: Heard) -> None:
+        with self.lock:
+            self.watch.hear(heard)
+
+    def _fail(self, error: GraphnavError | OSError) -> None:
+        self.failure = one_line(error)

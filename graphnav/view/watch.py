@@ -102,7 +102,7 @@ class Watch:
                 self.channels[name] = WatchedChannel(name, type_name)
 
     def _admit(self, heard: Heard) -> WatchedChannel | None:
-        """Return a new channel, None where there is no room for it."""
+        """Return a new channel, None when full."""
         if heard.channel in self._announced:
             room = _MAX_ANNOUNCED
         else:

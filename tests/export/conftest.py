@@ -1,4 +1,4 @@
-"""What the tests of exports share: a drive that was recorded, and LCM types that nobody else has."""
+"""What the tests of exports share: a drive that was recorded, and LCM types of their own."""
 
 from __future__ import annotations
 

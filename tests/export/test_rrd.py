@@ -1,4 +1,4 @@
-"""A recording for Rerun passes Rerun's own check and holds what the log holds, and nobody is told of it."""
+"""A recording for Rerun passes Rerun's own check and holds what the log holds, and nothing is sent over the network."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_names_and_numbers_of_any_program_are_survived(tmp_path: Path) -> None:
     assert rows(tmp_path, tmp_path / "rrd")["/scene/robot"] == 1
 
 
-def test_nobody_is_told(drive: Path, tmp_path: Path) -> None:
+def test_nothing_is_sent_over_the_network(drive: Path, tmp_path: Path) -> None:
     """Rerun's analytics begin with a file in the user's configuration; an export makes none."""
     environment = {name: value for name, value in os.environ.items() if name != "CI"}
     environment |= {name: str(tmp_path / "home") for name in ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME")}

@@ -177,7 +177,7 @@ def test_a_group_with_a_route_needs_nothing(group: str) -> None:
 
 @pytest.mark.parametrize("host", ["nope", "1.2.3.4", "localhost"])
 def test_what_is_no_multicast_address_is_not_taken_for_a_missing_route(host: str) -> None:
-    with pytest.raises(BusError, match=f"'{host}' is no multicast address"):
+    with pytest.raises(BusError, match=f"'{host}' is not a multicast address"):
         require_route(f"udpm://{host}:7667")
 
 

@@ -177,7 +177,7 @@ def test_info_and_play_take_flipped_bits(
 @pytest.mark.parametrize("command", ["info", "play"])
 @pytest.mark.parametrize(
     ("data", "said"),
-    [(b"stages: {}\n", "{log} is no LCM log\n"), (b"\0" * 100, "{log} is no LCM log\n")],
+    [(b"stages: {}\n", "{log} is not an LCM log\n"), (b"\0" * 100, "{log} is not an LCM log\n")],
 )
 def test_what_is_not_a_log_is_said(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, data: bytes, said: str

@@ -58,7 +58,7 @@ def test_runs_are_tapped_and_watched_on_the_same_group_and_on_this_machine_only(
     ("environment", "what"),
     [
         ("memq://", "'memq://' is not a udpm:// URL"),
-        ("udpm://10.0.0.1:7667", "'10.0.0.1' is no multicast address"),
+        ("udpm://10.0.0.1:7667", "'10.0.0.1' is not a multicast address"),
         ("udpm://239.1.1.1:0", "port 0 of 239.1.1.1 is not a port to listen on\n  write udpm://239.255.76.67:7667"),
         ("udpm://239.1.1.1:port", "LCM does not open udpm://239.1.1.1:port"),
     ],

@@ -156,7 +156,7 @@ def test_garbage_in_a_log_is_told_with_its_place(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["stages: {}\n" * 9, "x", "\0" * 64])
 def test_a_foreign_file_is_no_log(tmp_path: Path, text: str) -> None:
     (tmp_path / "graph.yaml").write_text(text)
-    with pytest.raises(LogError, match=r"graph\.yaml is no LCM log"):
+    with pytest.raises(LogError, match=r"graph\.yaml is not an LCM log"):
         Recording(tmp_path / "graph.yaml")
 
 

@@ -153,7 +153,7 @@ def test_a_graph_of_another_shape_has_no_motors(
         ),
         (
             ["--url", "udpm://1.2.3.4"],
-            f"--url: '1.2.3.4' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+            f"--url: '1.2.3.4' is not a multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
         ),
     ],
 )

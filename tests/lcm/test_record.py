@@ -327,7 +327,7 @@ def test_parts_of_an_older_recording_are_kept_unless_they_are_to_be_replaced(
         ),
         (
             ["udpm://127.0.0.1:7667"],
-            f"URL: '127.0.0.1' is no multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+            f"URL: '127.0.0.1' is not a multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
         ),
         (["--rotate", "3"], "--rotate: there is only one file\n  add --split SIZE, or leave it out\n"),
         (["--invert"], "--invert: there is no filter to invert\n  add --channel GLOB or --regex RE\n"),

@@ -170,7 +170,7 @@ def test_a_promised_channel_without_messages_is_said(log: Path, capsys: pytest.C
         ("nothing", 2, "there is no {}\n  name a run folder, a log or a udpm:// URL\n"),
         (".", 2, "{} holds no run.lcmlog\n  name a run folder, a log or a udpm:// URL\n"),
         ("empty", 1, "{} is empty\n"),
-        ("foreign", 1, "{} is no LCM log\n"),
+        ("foreign", 1, "{} is not an LCM log\n"),
     ],
 )
 def test_a_source_that_is_none_is_said(

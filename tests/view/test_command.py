@@ -52,7 +52,7 @@ def test_a_port_that_is_taken(log: Path, capsys: pytest.CaptureFixture[str]) -> 
     ("arguments", "said"),
     [
         (["nowhere"], "there is no nowhere\n  name a run folder, a log or a udpm:// URL\n"),
-        (["udpm://127.0.0.1:7667"], "'127.0.0.1' is no multicast address\n  write udpm://"),
+        (["udpm://127.0.0.1:7667"], "'127.0.0.1' is not a multicast address\n  write udpm://"),
     ],
 )
 def test_what_cannot_be_watched(arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -66,7 +66,7 @@ def test_an_empty_log_and_a_file_that_is_no_log(tmp_path: Path, capsys: pytest.C
     assert capsys.readouterr().err == f"{tmp_path / 'empty.lcmlog'} is empty\n"
     (tmp_path / "other.lcmlog").write_text("not a log\n" * 10)
     assert main(["view", str(tmp_path / "other.lcmlog")]) == 1
-    assert capsys.readouterr().err == f"{tmp_path / 'other.lcmlog'} is no LCM log\n"
+    assert capsys.readouterr().err == f"{tmp_path / 'other.lcmlog'} is not an LCM log\n"
 
 
 @pytest.mark.parametrize("port", ["-1", "65536", "http", "٣", ""])

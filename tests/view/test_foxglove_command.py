@@ -63,7 +63,7 @@ def test_an_empty_log_and_a_file_that_is_no_log(tmp_path: Path, capsys: pytest.C
     assert capsys.readouterr().err == f"{tmp_path / 'empty.lcmlog'} is empty\n"
     (tmp_path / "other.lcmlog").write_text("not a log\n" * 10)
     assert main(["view", "--foxglove", str(tmp_path / "other.lcmlog")]) == 1
-    assert capsys.readouterr().err == f"{tmp_path / 'other.lcmlog'} is no LCM log\n"
+    assert capsys.readouterr().err == f"{tmp_path / 'other.lcmlog'} is not an LCM log\n"
 
 
 def test_the_extra_is_named_where_it_is_missing(
@@ -74,7 +74,7 @@ def test_the_extra_is_named_where_it_is_missing(
     monkeypatch.setattr(sys, "meta_path", [_Without(), *sys.meta_path])
     assert main(["view", "--foxglove", str(log)]) == 2
     assert capsys.readouterr().err == (
-        "'--foxglove' needs foxglove-sdk, which is not installed\n  install it: pip install 'graphnav[foxglove]'\n"
+        "'--foxglove' needs foxglove-sdk, which is not installed\n  install it: pip install 'foxglove-sdk>=0.25'\n"
     )
 
 

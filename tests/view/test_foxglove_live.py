@@ -47,7 +47,7 @@ class Run:
 
 @pytest.fixture
 def client(serve_foxglove: Serve, group: str) -> Iterator[FoxgloveClient]:
-    """Return a client of a group on which nobody has published yet."""
+    """Return a client of a group on which nothing was published yet."""
     with FoxgloveClient(serve_foxglove(group).url) as client:
         yield client
 
@@ -190,7 +190,7 @@ def test_names_that_anybody_invents_are_bounded(client: FoxgloveClient, group: s
     run.close()
 
 
-def test_a_client_that_does_not_read_holds_up_nobody(serve_foxglove: Serve, group: str) -> None:
+def test_a_client_that_does_not_read_holds_up_no_other(serve_foxglove: Serve, group: str) -> None:
     url = serve_foxglove(group).url
     run = Run(group, "run")
     run.more = {"big": Image(np.random.default_rng(1).integers(0, 255, (200, 200), np.uint8))}

@@ -43,7 +43,7 @@ class Run:
 
 @pytest.fixture
 def page(serve: Serve, group: str) -> Iterator[Page]:
-    """Return the page of a group on which nobody has published yet."""
+    """Return the page of a group on which nothing was published yet."""
     with Page(serve(group)) as page:
         yield page
 

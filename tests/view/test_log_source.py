@@ -86,7 +86,7 @@ def test_rates_and_losses_are_those_of_the_log(source: LogSource) -> None:
     periods = channel.periods(source.at_s)
     assert periods is not None
     assert periods.rate_hz == pytest.approx(10)
-    assert source.watch.channels["steer.steering"].lost == 7, "the first one is missed by nobody"
+    assert source.watch.channels["steer.steering"].lost == 7, "the first one is not counted as lost"
 
 
 def test_a_jump_far_ahead_still_knows_the_path_and_the_map(tmp_path: Path, log: Path) -> None:

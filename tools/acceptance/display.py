@@ -1,4 +1,4 @@
-"""A display that nobody sees, for programs with windows."""
+"""A virtual display for programs with windows."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ class _Watched:
         command = f"env {variables} {shlex.quote(str(GRAPHNAV))} spy; echo ended with $?; sleep 3600"
         self._spy.start(f"env LCM_DEFAULT_URL={shlex.quote(self._url)} sh -c {shlex.quote(command)}", self._look.size)
         self._spy.wait_for(lambda shown: "no publisher" in shown)
-        self._keep("0-nobody")
+        self._keep("0-no-publisher")
         self._start_run("first", seeds[0], _FIRST_S)
         errors = self._rates_when_steady("1-table")
         for place, channel in enumerate(_PICTURES, start=2):

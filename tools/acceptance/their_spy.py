@@ -1,4 +1,4 @@
-"""LCM's own spy shows our channels, on a display that nobody sees: two screenshots to look at."""
+"""LCM's own spy shows our channels, on a virtual display: two screenshots to look at."""
 
 from __future__ import annotations
 

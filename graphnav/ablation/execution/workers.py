@@ -18,6 +18,7 @@ from joblib import Parallel, delayed, parallel_config
 from graphnav.ablation.execution.process_pool import ProcessPool
 from graphnav.ablation.worker import Result, Task
 from graphnav.errors import GraphnavError, UserError
+from graphnav.extras import install_command
 
 _PATIENCE_S = 5
 """How long a scheduler may take to answer."""
@@ -99,7 +100,7 @@ def cluster_workers(address: str) -> Iterator[Workers]:
     try:
         from distributed import Client  # noqa: PLC0415 - an extra, and slow to import
     except ImportError as error:
-        raise UserError.of("--cluster needs Dask", 'pip install "graphnav[cluster]"') from error
+        raise UserError.of("--cluster needs Dask", install_command("cluster")) from error
     for name in logging.root.manager.loggerDict:
         if name.startswith("distributed"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said once, by graphnav
@@ -114,7 +115,7 @@ def cluster_workers(address: str) -> Iterator[Workers]:
 
 
 def _knock(address: str) -> None:
-    """Raise OSError or ValueError where nobody listens: a Dask client would try for long."""
+    """Raise OSError or ValueError where no scheduler listens: a Dask client would try for long."""
     parts = urlsplit(address)
     if not parts.hostname or not parts.port:
         raise ValueError(address)

@@ -53,7 +53,7 @@ def estimate(values: Values, *, is_binary: bool) -> Estimate:
 
 
 def difference(values: Values, base: Values, better: Better, *, is_binary: bool) -> Difference | None:
-    """Return how ``values`` differ from ``base`` in the worlds that both have; None where there is no such world."""
+    """Return how ``values`` differ from ``base`` in the worlds that both have; None if they share none."""
     seeds = [seed for seed in values if seed in base]
     if not seeds:
         return None

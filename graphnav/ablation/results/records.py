@@ -49,7 +49,7 @@ class Record:
     def counted(self, name: str) -> float | None:
         """Return what the run counts for in a comparison, None where it says nothing about ``stage.metric``.
 
-        Nobody gains by breaking down: a failed run has `ZERO_IF_FAILED`, and its other metrics, which speak of the
+        A failure never improves a result: a failed run has `ZERO_IF_FAILED`, and its other metrics, which speak of the
         part before the failure only, do not count.
         """
         if self.outcome != Outcome.FAILED:

@@ -130,7 +130,7 @@ def _prepare(converter: Converter, player: LogPlayer) -> None:
 
 
 def _probe(host: str, port: int) -> None:
-    """Raise OSError, with its number, where nobody can listen: the SDK gives no more than a text."""
+    """Raise OSError, with its number, where the address cannot be bound: the SDK gives only a string."""
     family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     with socket.socket(family, kind, protocol) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

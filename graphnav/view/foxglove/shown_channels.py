@@ -20,7 +20,7 @@ _MAX_KEPT_BYTES = 64 << 20
 
 @dataclass
 class ShownChannel:
-    """A channel of a known type; ``newest``: its newest message, unless there is no room to keep it."""
+    """A channel of a known type; ``newest``: its newest message, unless the store is full."""
 
     name: str
     lcm_class: type
@@ -50,7 +50,7 @@ class ShownChannels:
         return self._by_name.get(name)
 
     def hear(self, arrival: Arrival, lcm_class: type) -> ShownChannel | None:
-        """Return the channel of a message, on offer from now on; None where there is no room for it."""
+        """Return the channel of a message, on offer from now on; None when full."""
         channel = self.offer(arrival.channel, lcm_class, arrival.utime)
         if channel is None:
             return None

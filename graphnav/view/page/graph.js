@@ -4,7 +4,7 @@ import { setClass, setText, svg } from "./dom.js";
 import * as format from "./format.js";
 
 const HEAD = 36;
-// Smaller than this nobody can read it: a narrow window scrolls.
+// Smaller than this it cannot be read: a narrow window scrolls.
 const MIN_SCALE = 0.76;
 const MAX_SCALE = 1.15;
 

@@ -283,7 +283,7 @@ def test_what_is_no_motor_channel_is_a_mistake(make: Make, name: str) -> None:
 @pytest.mark.parametrize(
     ("url", "what"),
     [
-        ("udpm://10.0.0.1:7667?ttl=0", "'10.0.0.1' is no multicast address"),
+        ("udpm://10.0.0.1:7667?ttl=0", "'10.0.0.1' is not a multicast address"),
         ("nothing://", "LCM does not open nothing://"),
     ],
 )

@@ -27,7 +27,8 @@ def test_a_log_is_drawn_into_a_new_folder(record: Record, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("name", "said"), [("absent", "there is no {}/absent"), ("", "{} holds no run.lcmlog"), ("text", "is no LCM log")]
+    ("name", "said"),
+    [("absent", "there is no {}/absent"), ("", "{} holds no run.lcmlog"), ("text", "is not an LCM log")],
 )
 def test_what_cannot_be_drawn_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, said: str

@@ -96,7 +96,7 @@ def test_without_pandas_the_comparison_is_still_there(toy: dict[str, Any], monke
     study = graphnav.ablate(**toy)
     monkeypatch.setitem(sys.modules, "pandas", None)
     for name in ("runs", "table"):
-        with pytest.raises(UserError, match=rf"^Study.{name} needs pandas\n  pip install \"graphnav\[pandas\]\"$"):
+        with pytest.raises(UserError, match=rf"^Study.{name} needs pandas\n  pip install 'pandas>=2\.1'$"):
             getattr(study, name)
     assert study.comparison.rows[0].estimates["drive.way_m"].n == 4
     assert "4" in str(study)

@@ -189,7 +189,7 @@ def test_options_that_are_no_values(
     [
         ("none", "there is no none\n  name a run folder or a log\n"),
         (".", ". holds no run.lcmlog\n  name a run folder or a log\n"),
-        ("graph.yaml", "graph.yaml is no LCM log\n  name a run folder, or a log\n"),
+        ("graph.yaml", "graph.yaml is not an LCM log\n  name a run folder, or a log\n"),
     ],
 )
 def test_what_is_no_log_is_refused(folder: Path, capsys: pytest.CaptureFixture[str], name: str, said: str) -> None:

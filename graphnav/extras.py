@@ -1,0 +1,19 @@
+"""The optional parts of graphnav: what each brings, and the command that installs it."""
+
+from __future__ import annotations
+
+import shlex
+from importlib.metadata import requires
+
+from packaging.requirements import Requirement
+
+
+def requirements_of(extra: str) -> list[Requirement]:
+    """Return the packages that an extra of graphnav brings."""
+    needed = [Requirement(line) for line in requires("graphnav") or ()]
+    return [one for one in needed if one.marker is not None and one.marker.evaluate({"extra": extra})]
+
+
+def install_command(extra: str) -> str:
+    """Return the shell command that installs what an extra brings, wherever graphnav itself came from."""
+    return f"pip install {shlex.join(f'{one.name}{one.specifier}' for one in requirements_of(extra))}"
