@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from graphnav.adapter import Adapter
-    from graphnav.api.ablating import ablate
-    from graphnav.api.drawing import Drawing, draw
+    from graphnav.api.draw import Drawing, draw
     from graphnav.api.finished_run import Run, RunError
-    from graphnav.api.finished_study import Study
-    from graphnav.api.loading import check, load
-    from graphnav.api.log import Log, open_log
-    from graphnav.api.running import run
+    from graphnav.api.load import check, load
+    from graphnav.api.logs.log import Log, open_log
+    from graphnav.api.run import run
+    from graphnav.api.studies.ablate import ablate
+    from graphnav.api.studies.finished_study import Study
     from graphnav.continuity import Continuity
     from graphnav.errors import (
         DeclarationError,
@@ -55,13 +55,13 @@ __version__ = "0.2.0"
 
 _HOMES = {
     "graphnav.adapter": ("Adapter",),
-    "graphnav.api.ablating": ("ablate",),
-    "graphnav.api.drawing": ("Drawing", "draw"),
+    "graphnav.api.studies.ablate": ("ablate",),
+    "graphnav.api.draw": ("Drawing", "draw"),
     "graphnav.api.finished_run": ("Run", "RunError"),
-    "graphnav.api.finished_study": ("Study",),
-    "graphnav.api.loading": ("check", "load"),
-    "graphnav.api.log": ("Log", "open_log"),
-    "graphnav.api.running": ("run",),
+    "graphnav.api.studies.finished_study": ("Study",),
+    "graphnav.api.load": ("check", "load"),
+    "graphnav.api.logs.log": ("Log", "open_log"),
+    "graphnav.api.run": ("run",),
     "graphnav.continuity": ("Continuity",),
     "graphnav.errors": (
         "DeclarationError",

@@ -10,8 +10,8 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from graphnav.errors import BusError, NoRouteError
-from graphnav.packet_drops import dropped_packets, own_sockets
-from graphnav.packet_filter import filter_packets
+from graphnav.machine.packet_drops import dropped_packets, own_sockets
+from graphnav.machine.packet_filter import filter_packets
 
 Handler = Callable[[str, bytes], None]
 

@@ -66,7 +66,7 @@ BREAKS = {
         "No folder in ablation has a cycle",
     ),
     "ablation-exports": (
-        "graphnav/api/study_plan.py",
+        "graphnav/api/studies/study_plan.py",
         "import graphnav.ablation.plan.variants",
         "Ablations are used through what their folders export",
     ),

@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
-from graphnav.runner.recorded import run_recorded
+from graphnav.runner.recording.run_recorded import run_recorded
 
 REPORTING_SEEDS = range(1000, 1020)
 GRAPH = "corridor_ccw"

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 import numpy.typing as npt
-from graphnav_world import outlines
-from graphnav_world.atlas import Atlas, floor_texels
-from graphnav_world.camera import Camera
-from graphnav_world.placed import Placed
-from graphnav_world.render import Frame, Renderer
-from graphnav_world.scene import Body, Faces, faces_of
-from graphnav_world.textures import Texture
+from graphnav_world.geometry import outlines
+from graphnav_world.geometry.scene import Body, Faces, faces_of
+from graphnav_world.rendering.atlas import Atlas, floor_texels
+from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.placed_faces import Placed
+from graphnav_world.rendering.render import Frame, Renderer
+from graphnav_world.rendering.textures import Texture
 
 
 @dataclass(frozen=True)

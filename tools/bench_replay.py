@@ -11,7 +11,7 @@ from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 from graphnav.record import LOG
 from graphnav.replay import ReplayOptions, graph_to_replay, replay
-from graphnav.runner.recorded import run_recorded
+from graphnav.runner.recording.run_recorded import run_recorded
 
 GRAPH = "corridor_ccw"
 UNTIL_S = 60

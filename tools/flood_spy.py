@@ -18,8 +18,8 @@ from graphnav.catalog import Catalog
 from graphnav.codec import encode
 from graphnav.messages import About, Message, Status, Stop, Twist
 from graphnav.spy import Feed
-from graphnav.spy.live_watch import LiveWatch
 from graphnav.spy.screen import SpyApp
+from graphnav.spy.watch.live_watch import LiveWatch
 
 GROUP = "udpm://239.255.78.9:7709?ttl=0"
 _MAGIC = 0x4C433032

@@ -9,8 +9,8 @@ from pathlib import Path
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph
 from graphnav.live import run_live
-from graphnav.runner.recorded import LiveSink, run_recorded
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.run_recorded import LiveSink, run_recorded
+from graphnav.runner.recording.summary import Summary
 from graphnav.stage import Stage
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from graphnav.errors import UserError
-from graphnav.extras import install_command
+from graphnav.machine.extras import install_command
 
 
 def import_pandas(who: str) -> Any:

@@ -9,14 +9,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Self
 
-from graphnav.api.kept_folder import KeptFolder
-from graphnav.api.log import Log
+from graphnav.api.logs.log import Log
+from graphnav.api.result_folder import KeptFolder
 from graphnav.api.run_html import run_html
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
 from graphnav.record import Recording, find_log
 from graphnav.runner import Outcome
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.summary import Summary
 
 
 class RunError(GraphnavError):

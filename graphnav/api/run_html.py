@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.summary import Summary
 
 _COLOURS = {"goal": "#2e7d4f", "end": "#2e7d4f", "contact": "#c0392b", "failed": "#c0392b", "timeout": "#b8860b"}
 _STYLE = 'style="max-width:100%;max-height:480px;display:block"'

@@ -12,7 +12,7 @@ from typing import Any
 
 from graphnav.cli.lasting_output import lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
-from graphnav.single_thread import ONE_THREAD
+from graphnav.machine.single_thread import ONE_THREAD
 
 COMMANDS = {
     "run": "run a graph and leave a run folder: log, summary, pictures",

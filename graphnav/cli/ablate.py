@@ -140,7 +140,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
 def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
     """Return the checked plan of the study that the command line says."""
     from graphnav.ablation.study import study_of_command  # noqa: PLC0415
-    from graphnav.api.study_plan import checked_plan  # noqa: PLC0415
+    from graphnav.api.studies.study_plan import checked_plan  # noqa: PLC0415
 
     study = study_of_command(
         args.names,

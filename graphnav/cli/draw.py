@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.api.drawing import Drawing  # noqa: PLC0415
+    from graphnav.api.draw import Drawing  # noqa: PLC0415
 
     _, graph = load(args)
     drawing = Drawing(graph)

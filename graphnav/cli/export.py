@@ -60,7 +60,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
     from graphnav.export import Selection, duration_s, export_log  # noqa: PLC0415
     from graphnav.record import Recording, find_log  # noqa: PLC0415
-    from graphnav.runner.log_forecast import size_text  # noqa: PLC0415
+    from graphnav.runner.recording.log_forecast import size_text  # noqa: PLC0415
 
     catalog = catalog_of(args)
     load_types_of(args)

@@ -20,8 +20,8 @@ def main(args: argparse.Namespace) -> int:
     """Run the command: build the jar of all types unless the cache has it, then become lcm-spy, signals and all."""
     from graphnav.cli.type_names import listed_types  # noqa: PLC0415
     from graphnav.errors import UserError  # noqa: PLC0415
-    from graphnav.jdk import require_jdk  # noqa: PLC0415
     from graphnav.lcm_url import lcm_url  # noqa: PLC0415
+    from graphnav.machine.jdk import require_jdk  # noqa: PLC0415
     from graphnav.typeinfo import file_of_lcm, types_jar  # noqa: PLC0415
 
     url = lcm_url(("URL", args.url))

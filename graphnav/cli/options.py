@@ -72,7 +72,7 @@ def positive(text: str) -> float:
 
 def channel_name(text: str) -> str:
     """Return the name of a channel on which LCM can publish and that is not reserved."""
-    from graphnav.graph.channels import MAX_NAME, RESERVED  # noqa: PLC0415
+    from graphnav.graph.wiring.channels import MAX_NAME, RESERVED  # noqa: PLC0415
 
     if not text or not text.isascii() or not text.isprintable() or " " in text:
         raise argparse.ArgumentTypeError(f"{text!r} cannot be a channel's name: use ASCII characters without spaces")
@@ -207,7 +207,7 @@ def channels_of(args: argparse.Namespace) -> ChannelFilter:
 
 def catalog_of(args: argparse.Namespace) -> Catalog:
     """Return the catalog with the ``--plugin`` files."""
-    from graphnav.api.loading import add_plugins  # noqa: PLC0415
+    from graphnav.api.load import add_plugins  # noqa: PLC0415
     from graphnav.catalog import Catalog  # noqa: PLC0415
 
     return add_plugins(Catalog(), args.plugins)
@@ -221,7 +221,7 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
     UserError
         Everything that is wrong with the graph or the options.
     """
-    from graphnav.api.loading import load_with, with_run_options  # noqa: PLC0415
+    from graphnav.api.load import load_with, with_run_options  # noqa: PLC0415
 
     catalog = catalog_of(args)
     graph = load_with(catalog, args.graph, args.sets, args.plugins)

@@ -114,7 +114,7 @@ def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
 def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> None:
     """Show how it goes until it is to end, or the disk refuses."""
     from graphnav.cli.record_summary import losses  # noqa: PLC0415
-    from graphnav.runner.log_forecast import size_text  # noqa: PLC0415
+    from graphnav.runner.recording.log_forecast import size_text  # noqa: PLC0415
 
     begin_s = shown_s = time.monotonic()
     end_s = begin_s + for_s if for_s is not None else math.inf

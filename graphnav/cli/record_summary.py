@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from graphnav.cli.quantities import counted
 from graphnav.codec import lcm_name, type_of
 from graphnav.errors import shown_name
-from graphnav.runner.log_forecast import size_text
+from graphnav.runner.recording.log_forecast import size_text
 
 if TYPE_CHECKING:
     from graphnav.recorder import Recorder

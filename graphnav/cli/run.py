@@ -17,8 +17,8 @@ from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
     from graphnav.graph import Graph
-    from graphnav.runner.recorded import LiveSink
-    from graphnav.runner.summary import Summary
+    from graphnav.runner.recording.run_recorded import LiveSink
+    from graphnav.runner.recording.summary import Summary
     from graphnav.stage import Stage
 
 
@@ -69,9 +69,9 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.folder import make_run_folder, removed_if_empty  # noqa: PLC0415
     from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
     from graphnav.report.table import print_summary  # noqa: PLC0415
-    from graphnav.runner.log_forecast import size_text  # noqa: PLC0415
-    from graphnav.runner.recorded import SUMMARY, new_run_id  # noqa: PLC0415
-    from graphnav.runner.saved_graph import GRAPH  # noqa: PLC0415
+    from graphnav.runner.recording.log_forecast import size_text  # noqa: PLC0415
+    from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id  # noqa: PLC0415
+    from graphnav.runner.recording.saved_graph import GRAPH  # noqa: PLC0415
 
     catalog, graph = load(args)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")

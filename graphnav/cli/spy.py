@@ -83,7 +83,7 @@ def _has_screen() -> bool:
 
 def _full_screen(feed: Feed, graphics: str) -> int:
     """Show the feed until the user leaves."""
-    from graphnav.spy.terminal_colours import has_colours  # noqa: PLC0415
+    from graphnav.spy.graphics.terminal_colours import has_colours  # noqa: PLC0415
 
     if not has_colours():
         os.environ["NO_COLOR"] = "1"

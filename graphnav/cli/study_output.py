@@ -17,7 +17,7 @@ from graphnav.ablation.report import (
     print_paired_studies,
 )
 from graphnav.ablation.results import metric_columns, pair_studies, read_records
-from graphnav.api.study_files import write_study_files
+from graphnav.api.studies.study_files import write_study_files
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError, did_you_mean
 

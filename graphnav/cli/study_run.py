@@ -20,7 +20,7 @@ from graphnav.ablation.execution import (
 )
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.results import read_records, worst_failures
-from graphnav.api.ablating import study_workers
+from graphnav.api.studies.ablate import study_workers
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
 

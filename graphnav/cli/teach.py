@@ -15,7 +15,7 @@ from graphnav.errors import UserError
 
 if TYPE_CHECKING:
     from graphnav.graph import Graph
-    from graphnav.runner.summary import Summary
+    from graphnav.runner.recording.summary import Summary
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -93,7 +93,7 @@ def _run(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> 
 
     from graphnav.cli.progress import progress_bar  # noqa: PLC0415
     from graphnav.live import live_url, run_live  # noqa: PLC0415
-    from graphnav.runner.recorded import run_recorded  # noqa: PLC0415
+    from graphnav.runner.recording.run_recorded import run_recorded  # noqa: PLC0415
 
     stages = graph.make_stages()
     if not (args.live or graph.is_live):

@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, metadata, version
 from packaging.requirements import Requirement
 
 from graphnav.doctor.finding import Finding
-from graphnav.extras import install_command, requirements_of
+from graphnav.machine.extras import install_command, requirements_of
 
 _OF_DEVELOPERS = {"dev"}
 

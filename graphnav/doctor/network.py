@@ -14,7 +14,7 @@ from graphnav.doctor.message_sizes import MessageSize, message_sizes
 from graphnav.errors import BusError, GraphnavError, NoRouteError, UserError
 from graphnav.graph import Graph
 from graphnav.lcm_url import tap_url
-from graphnav.runner.log_forecast import size_text
+from graphnav.runner.recording.log_forecast import size_text
 
 _RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
 _PROBE_PORT = 17667

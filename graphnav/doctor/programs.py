@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from packaging.requirements import Requirement
 
 from graphnav.doctor.finding import Finding
-from graphnav.jdk import find_jdk, install_jdk
+from graphnav.machine.jdk import find_jdk, install_jdk
 
 _TIMEOUT_S = 20.0
 

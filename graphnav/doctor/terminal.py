@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from graphnav.doctor.finding import Finding
-from graphnav.terminal import ask_terminal
+from graphnav.machine.terminal_graphics import ask_terminal
 
 _SUBJECT = "terminal graphics"
 

@@ -1,6 +1,6 @@
 """Logs in the formats of other programs: video, tables, Foxglove, Rerun."""
 
-from graphnav.export.export import Exported, export_log
+from graphnav.export.export_log import Exported, export_log
 from graphnav.export.formats import FORMATS
 from graphnav.export.selection import Selection, duration_s
 

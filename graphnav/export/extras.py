@@ -6,7 +6,7 @@ import importlib
 from typing import Any
 
 from graphnav.errors import UserError
-from graphnav.extras import install_command
+from graphnav.machine.extras import install_command
 
 _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-sdk"), "pyarrow": ("parquet", "pyarrow")}
 """Of the package that is imported: the extra of graphnav that brings it, and its name in package indexes."""

@@ -9,18 +9,18 @@ from typing import NamedTuple
 
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
-from graphnav.export.csv_table import open_csv
+from graphnav.export.entries.run_entries import RunEntries
+from graphnav.export.entries.viewer_file import write_entries
 from graphnav.export.extras import require
-from graphnav.export.mcap_file import McapFile
-from graphnav.export.parquet_table import open_parquet
+from graphnav.export.foxglove.mcap_file import McapFile
 from graphnav.export.reader import Reader
-from graphnav.export.rerun_blueprint import blueprint_of
-from graphnav.export.rerun_file import RerunFile
-from graphnav.export.run_entries import RunEntries
+from graphnav.export.rerun.rerun_blueprint import blueprint_of
+from graphnav.export.rerun.rerun_file import RerunFile
 from graphnav.export.selection import Selection
-from graphnav.export.tables import OpenTable, write_tables
+from graphnav.export.tables.csv_table import open_csv
+from graphnav.export.tables.parquet_table import open_parquet
+from graphnav.export.tables.tables import OpenTable, write_tables
 from graphnav.export.video import write_video
-from graphnav.export.viewer_file import write_entries
 from graphnav.pictures import Pictures
 
 

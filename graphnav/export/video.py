@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, UserError
-from graphnav.export.placing import placed_file
+from graphnav.export.files.atomic_path import placed_file
+from graphnav.export.log_pass import Walk
 from graphnav.export.reader import Reader
 from graphnav.export.selection import Selection
-from graphnav.export.walk import Walk
 from graphnav.messages import Image, Message
 from graphnav.pictures import DRAWING_FAMILY, Pictures, VideoFrames, drawing
 

@@ -5,8 +5,8 @@ from graphnav.graph.graph import Graph
 from graphnav.graph.load import graph_of, load_graph
 from graphnav.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
 from graphnav.graph.resolved import resolved_yaml
-from graphnav.graph.schema import graph_schema
-from graphnav.graph.stop_message import stop_fields
+from graphnav.graph.schema.graph_schema import graph_schema
+from graphnav.graph.wiring.stop_message import stop_fields
 from graphnav.spec import RunOptions
 
 __all__ = [

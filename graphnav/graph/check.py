@@ -7,16 +7,16 @@ from typing import Any
 
 from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Problem, did_you_mean
-from graphnav.graph.channels import channels_of
 from graphnav.graph.graph import Graph
-from graphnav.graph.inputs import inputs_of
 from graphnav.graph.node import Channel, Input, Node
-from graphnav.graph.order import firing_order
-from graphnav.graph.outputs import outputs_of
-from graphnav.graph.outside_names import check_outside_names
-from graphnav.graph.settings import SET, is_from_set, run_options, settings_of
-from graphnav.graph.stamps import check_stamps
-from graphnav.graph.wires import Wires
+from graphnav.graph.wiring.channels import channels_of
+from graphnav.graph.wiring.firing_order import firing_order
+from graphnav.graph.wiring.inputs import inputs_of
+from graphnav.graph.wiring.join_stamps import check_stamps
+from graphnav.graph.wiring.outputs import outputs_of
+from graphnav.graph.wiring.outside_names import check_outside_names
+from graphnav.graph.wiring.settings import SET, is_from_set, run_options, settings_of
+from graphnav.graph.wiring.wires import Wires
 from graphnav.spec import Spec, StageSpec
 from graphnav.stage import Source, Stage, ports_of
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph.check import check
-from graphnav.graph.extend import merge_files, rewire_merged
-from graphnav.graph.files import read_bytes, read_files
 from graphnav.graph.find import find_graph
 from graphnav.graph.graph import Graph
-from graphnav.graph.plugin_files import load_plugins
-from graphnav.graph.swap import apply_sets
+from graphnav.graph.overrides.swap import apply_sets
+from graphnav.graph.read.extend import merge_files, rewire_merged
+from graphnav.graph.read.graph_files import read_bytes, read_files
+from graphnav.graph.read.plugin_files import load_plugins
 from graphnav.spec import parse_spec
 
 

@@ -11,7 +11,7 @@ from graphnav.graph import Graph
 from graphnav.live.firing import FIRED
 from graphnav.messages import About
 from graphnav.runner.lockstep_status import STATUS
-from graphnav.runner.recorded import about_of
+from graphnav.runner.recording.run_recorded import about_of
 
 
 def live_about(graph: Graph, *, by_outside_names: bool) -> About:

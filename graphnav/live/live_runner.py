@@ -13,7 +13,7 @@ from graphnav.codec import EncodeError, decode, encode
 from graphnav.graph import Channel, Graph
 from graphnav.live.clock import LiveClock
 from graphnav.live.firing import FIRED, Used, encoded_firing
-from graphnav.live.intake import Intake, Received
+from graphnav.live.inputs.intake import Intake, Received
 from graphnav.live.live_unit import LiveUnit
 from graphnav.live.outlet import Outlet
 from graphnav.live.timer import Timer

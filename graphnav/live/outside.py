@@ -10,10 +10,10 @@ from contextlib import ExitStack, contextmanager, suppress
 from graphnav.bus import Bus
 from graphnav.errors import BusError
 from graphnav.graph import Graph
+from graphnav.live.health.observer import Observer
+from graphnav.live.inputs.receiver import Receiver, Takes
 from graphnav.live.live_runner import LiveRunner
-from graphnav.live.observer import Observer
 from graphnav.live.outlet import Outlet, bus_send, motor_channel
-from graphnav.live.receiver import Receiver, Takes
 from graphnav.motors.sender import MotorSender
 
 _STOPS_S = 1.0

@@ -13,25 +13,25 @@ from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
 from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
-from graphnav.live.intake import Intake
+from graphnav.live.health.observer import Observer
+from graphnav.live.health.watchdog import Watchdog
+from graphnav.live.inputs.intake import Intake
+from graphnav.live.inputs.playback import Playback
 from graphnav.live.live_runner import LiveRunner
-from graphnav.live.observer import Observer
 from graphnav.live.outside import opened, send_stops
-from graphnav.live.playback import Playback
 from graphnav.live.url import live_url
-from graphnav.live.watchdog import Watchdog
 from graphnav.messages import Status
 from graphnav.motors.sender import MotorSender
 from graphnav.notices import print_notice
 from graphnav.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.runner.interrupt import Interrupt
-from graphnav.runner.kept import ChannelsExcept, ChannelsOnly, SmallOnly
 from graphnav.runner.lockstep import Outcome
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.owned_stages import Sink
-from graphnav.runner.recorded import LiveSink, note_failure, write_summary
-from graphnav.runner.saved_graph import save_graph
-from graphnav.runner.summary import Summary, figures_of, scores_of, versions
+from graphnav.runner.recording.kept_messages import ChannelsExcept, ChannelsOnly, SmallOnly
+from graphnav.runner.recording.run_recorded import LiveSink, note_failure, write_summary
+from graphnav.runner.recording.saved_graph import save_graph
+from graphnav.runner.recording.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
 
 

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from graphnav.errors import shown_name
 from graphnav.loginfo.made_by import MadeBy
 from graphnav.loginfo.survey import ChannelInfo, LogInfo
-from graphnav.runner.log_forecast import size_text
+from graphnav.runner.recording.log_forecast import size_text
 
 HEADINGS = ("channel", "type", "messages", "rate", "size", "total", "lost")
 """Of the columns of `rows`."""

@@ -12,7 +12,7 @@ from graphnav.errors import LogError
 from graphnav.messages import Status
 from graphnav.record import LOG, Recording
 from graphnav.runner.lockstep_status import STATUS
-from graphnav.runner.recorded import SUMMARY
+from graphnav.runner.recording.run_recorded import SUMMARY
 
 
 @dataclass(frozen=True)

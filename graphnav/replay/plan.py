@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from graphnav.errors import UserError, did_you_mean
 from graphnav.graph import Channel, Graph, Node
-from graphnav.graph.settings import SET
+from graphnav.graph.wiring.settings import SET
 
 
 @dataclass(frozen=True)

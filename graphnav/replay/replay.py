@@ -11,20 +11,20 @@ from typing import Protocol
 
 from graphnav.codec import DecodeError, encode
 from graphnav.errors import GraphnavError, StageError, UserError
-from graphnav.graph.channels import RESERVED
+from graphnav.graph.wiring.channels import RESERVED
 from graphnav.live.about import live_about
 from graphnav.record import ABOUT, LogWriter, Recording
-from graphnav.replay.comparison import Comparison, Scope
-from graphnav.replay.contents import read_contents
-from graphnav.replay.field_differences import Tolerance
-from graphnav.replay.log_graph import LogGraph
-from graphnav.replay.message_counts import MessageCounts
+from graphnav.replay.comparison.comparison import Comparison, Scope
+from graphnav.replay.comparison.field_differences import Tolerance
+from graphnav.replay.comparison.result import ReplayResult
+from graphnav.replay.log.contents import read_contents
+from graphnav.replay.log.log_graph import LogGraph
+from graphnav.replay.log.recorded_metrics import recorded_scores
 from graphnav.replay.plan import make_plan
-from graphnav.replay.recorded_scores import recorded_scores
-from graphnav.replay.result import ReplayResult
 from graphnav.replay.session import live_session, lockstep_session
-from graphnav.runner.recorded import about_of
-from graphnav.runner.summary import scores_of
+from graphnav.replay.stepping.message_counts import MessageCounts
+from graphnav.runner.recording.run_recorded import about_of
+from graphnav.runner.recording.summary import scores_of
 from graphnav.runner.unit import Unit
 
 

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 from graphnav.bus import Bus
 from graphnav.errors import UserError
 from graphnav.record import Recording
-from graphnav.replay.check_log import reach_of, refuse_unlogged, refuse_unreadable
-from graphnav.replay.contents import Contents
-from graphnav.replay.firing_log import FiringLog
-from graphnav.replay.firing_runner import FiringRunner
-from graphnav.replay.firings import read_firings
-from graphnav.replay.log_graph import LogGraph
+from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unreadable
+from graphnav.replay.log.contents import Contents
+from graphnav.replay.log.firings import read_firings
+from graphnav.replay.log.log_graph import LogGraph
+from graphnav.replay.log.schedule import ticks_of
 from graphnav.replay.plan import Plan
-from graphnav.replay.renumbered import Renumbered
-from graphnav.replay.replay_runner import ReplayRunner
-from graphnav.replay.schedule import ticks_of
+from graphnav.replay.stepping.firing_log import FiringLog
+from graphnav.replay.stepping.firing_runner import FiringRunner
+from graphnav.replay.stepping.renumbered import Renumbered
+from graphnav.replay.stepping.replay_runner import ReplayRunner
 from graphnav.runner.owned_stages import Sink
 from graphnav.stage import Stage
 

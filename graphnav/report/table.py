@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from graphnav.clock import MAX_LATE_S
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.summary import Summary
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
 _MOST_COLS = 1000

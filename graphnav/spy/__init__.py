@@ -1,14 +1,15 @@
 """Watching: which channels there are, what goes over them and how fast, live or in a log."""
 
-from graphnav.spy.contents import described, summarised
 from graphnav.spy.feed import Feed, Heard, drops_of
 from graphnav.spy.feed_listener import FeedListener
-from graphnav.spy.field_columns import all_columns, columns_of
-from graphnav.spy.field_path import MISSING, FieldPath, parse_field
-from graphnav.spy.health import Health
-from graphnav.spy.health_json import health_as_json
-from graphnav.spy.health_text import health_as_text
-from graphnav.spy.plain_values import nested, plain
+from graphnav.spy.fields.field_columns import all_columns, columns_of
+from graphnav.spy.fields.field_path import MISSING, FieldPath, parse_field
+from graphnav.spy.fields.field_summary import described, summarised
+from graphnav.spy.fields.plain_values import nested, plain
+from graphnav.spy.fields.selection import Selection
+from graphnav.spy.health.health import Health
+from graphnav.spy.health.health_json import health_as_json
+from graphnav.spy.health.health_text import health_as_text
 from graphnav.spy.report import (
     as_json,
     as_text,
@@ -18,7 +19,6 @@ from graphnav.spy.report import (
     sizes_as_json,
     volume,
 )
-from graphnav.spy.selection import Selection
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
 

@@ -8,9 +8,9 @@ from typing import Any
 from rich.text import Text
 
 from graphnav.errors import shown_name
-from graphnav.spy.contents import declared, described, summarised
 from graphnav.spy.feed import Feed
-from graphnav.spy.plain_values import plain
+from graphnav.spy.fields.field_summary import declared, described, summarised
+from graphnav.spy.fields.plain_values import plain
 from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
 from graphnav.spy.window import Periods
 

@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from graphnav.errors import UserError
-from graphnav.jdk import require_jdk
+from graphnav.machine.jdk import require_jdk
 from graphnav.typeinfo.definitions import definition_files
 from graphnav.typeinfo.java import write_java
 

@@ -7,7 +7,7 @@ from statistics import median
 
 from graphnav.spy import Heard, Periods
 from graphnav.spy.window import RECENT_S, Window
-from graphnav.view.kinds import Kind
+from graphnav.view.message_types import Kind
 
 _SILENT_S = 1.0
 _SILENT_PERIODS = 3

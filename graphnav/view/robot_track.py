@@ -8,7 +8,7 @@ import graphnav_lcm
 
 from graphnav.codec import DecodeError, codec_of
 from graphnav.spy import Heard
-from graphnav.view.kinds import Kind
+from graphnav.view.message_types import Kind
 
 _RANKS: dict[type, int] = {graphnav_lcm.odometry_t: 1, graphnav_lcm.state_t: 2}
 """What is believed more where both are published."""

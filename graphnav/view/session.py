@@ -12,17 +12,17 @@ from graphnav.errors import GraphnavError
 from graphnav.messages import About
 from graphnav.pictures import Pictures
 from graphnav.spy import plain
-from graphnav.view.announced_graph import announced_graph
 from graphnav.view.channel import WatchedChannel
-from graphnav.view.details import details_of, picture_of
-from graphnav.view.floor_map import floor_map
-from graphnav.view.layout import layout_of
+from graphnav.view.content.announced_graph import announced_graph
+from graphnav.view.content.details import details_of, picture_of
+from graphnav.view.content.floor_map import floor_map
+from graphnav.view.content.layout import layout_of
+from graphnav.view.content.moment import Moment, moment_of
+from graphnav.view.content.state import state_of
 from graphnav.view.log_source import LogSource
-from graphnav.view.moment import Moment, moment_of
-from graphnav.view.orders import View
 from graphnav.view.source import Source
-from graphnav.view.state import state_of
 from graphnav.view.watch import Watch
+from graphnav.view.web.page_requests import View
 
 _STATE_S = 0.5
 

@@ -8,14 +8,14 @@ from collections.abc import Callable
 import graphnav_lcm
 
 from graphnav.codec import type_named
-from graphnav.graph.channels import RESERVED
+from graphnav.graph.wiring.channels import RESERVED
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy import Health, Heard
 from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.view.announcements import Announcements
 from graphnav.view.channel import WatchedChannel
-from graphnav.view.kinds import Kind, Kinds
+from graphnav.view.message_types import Kind, Kinds
 from graphnav.view.robot_track import RobotTrack
 
 _MAX_CHANNELS = 256

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Planar, Role, param
+from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX, agreement
 from graphnav_planar.fitted import fitted
 from graphnav_planar.mean import Mean
-from graphnav_planar.robust import NOISE_DOC, NOISE_PX, agreement
 from graphnav_planar.taught import Doubles
 
 _ITERATIONS = 10

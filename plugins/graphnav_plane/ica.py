@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 
 from graphnav import Flow, Planar, Plane, Stamp, param
-from graphnav_plane import closed_form, iterated, robust_contrast
 from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
-from graphnav_plane.iterated import Nonlinearity
-from graphnav_plane.whitening import Doubles, Whitened, whiten
+from graphnav_plane.separation import closed_form, iterated, robust_contrast
+from graphnav_plane.separation.iterated import Nonlinearity
+from graphnav_plane.separation.whitening import Doubles, Whitened, whiten
 
 
 class Ica(Detector):

@@ -37,7 +37,7 @@ def graphnav_draw_end(recording: Recording, file: Path) -> Path | None:
 @hookimpl
 def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], file: Path) -> Path | None:
     """Draw one map with all paths; None where no log has a map and states."""
-    from graphnav_view.paths import draw_paths  # noqa: PLC0415 - Matplotlib only when something is drawn
+    from graphnav_view.maps.paths import draw_paths  # noqa: PLC0415 - Matplotlib only when something is drawn
 
     return draw_paths(recordings, colours, file)
 
@@ -55,7 +55,7 @@ def graphnav_draw_frames(
     recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
 ) -> list[Path] | None:
     """Draw the panels of each frame; None where the log holds nothing that a camera saw."""
-    from graphnav_view.frames import draw_frames  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
+    from graphnav_view.panels.frames import draw_frames  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
     from graphnav_view.signals import Signals  # noqa: PLC0415
 
     return draw_frames(Signals(recording), times_s, folder, suffix)
@@ -64,7 +64,7 @@ def graphnav_draw_frames(
 @hookimpl
 def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
     """Draw the dominant plane over the picture and the control force, a frame every so many seconds."""
-    from graphnav_view.sheet import draw_sheet  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
+    from graphnav_view.panels.contact_sheet import draw_sheet  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
     from graphnav_view.signals import Signals  # noqa: PLC0415
 
     return draw_sheet(Signals(recording), every_s, from_s, until_s, file)
@@ -74,7 +74,7 @@ def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, unt
 def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -> VideoFrames | None:
     """Return camera, flow, dominant plane and map side by side, a frame for each image."""
     from graphnav_view.signals import Signals  # noqa: PLC0415
-    from graphnav_view.video import video_frames  # noqa: PLC0415 - OpenCV only when something is drawn
+    from graphnav_view.video.video_frames import video_frames  # noqa: PLC0415 - OpenCV only when something is drawn
 
     return video_frames(Signals(recording), from_s, until_s)
 
@@ -82,6 +82,6 @@ def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -
 @hookimpl
 def graphnav_write_video(frames: VideoFrames, file: Path) -> Path:
     """Write MPEG-4 by OpenCV."""
-    from graphnav_view.mp4 import write_frames  # noqa: PLC0415 - OpenCV only when something is drawn
+    from graphnav_view.video.mp4 import write_frames  # noqa: PLC0415 - OpenCV only when something is drawn
 
     return write_frames(frames, file)

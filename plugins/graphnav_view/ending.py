@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import Flow, Image, Map, Plane, State
-from graphnav_view import ink
-from graphnav_view.frame_panels import CLOUD, frame_panels
+from graphnav_view import style
+from graphnav_view.maps.map_panel import draw_whole
 from graphnav_view.outcome import outcome_text
-from graphnav_view.page import Panel, draw_page
+from graphnav_view.panels.frame_panels import CLOUD, frame_panels
+from graphnav_view.panels.keyframe import Frame, frame_at, frame_texts
+from graphnav_view.panels.panel_page import Panel, draw_page
 from graphnav_view.signals import Signals
-from graphnav_view.telling import Frame, frame_at, frame_texts
 from graphnav_view.track import Track, track_of
-from graphnav_view.whole import draw_whole
 
 if TYPE_CHECKING:
     from graphnav import Recording
@@ -36,11 +36,11 @@ def draw_ending(recording: Recording, file: Path) -> Path | None:
     frame = frame_at(signals, utime)
     rows_px, cols_px = frame.shape_px
     about = str(signals.graph.get("about") or "").strip()
-    with ink.style():
+    with style.style():
         panels = list(_panels(world, track, frame))
         if not panels:
             return None
-        return ink.save(draw_page(panels, rows_px / cols_px, _headline(signals, track, frame), about), file)
+        return style.save(draw_page(panels, rows_px / cols_px, _headline(signals, track, frame), about), file)
 
 
 def _last_utime(signals: Signals) -> int | None:

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth
-from graphnav_view.flowcolour import flow_scale_px
-from graphnav_view.tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
-from graphnav_view.topview import TopView, view_size_px
+from graphnav_view.flow_colour import flow_scale_px
+from graphnav_view.video.camera_tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
+from graphnav_view.video.map_tile import TopView, view_size_px
 
 if TYPE_CHECKING:
     from graphnav import PictureContext

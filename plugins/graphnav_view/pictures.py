@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import UserError
-from graphnav_view.mp4 import write_frames
-from graphnav_view.overview import draw_overview
-from graphnav_view.panels import draw_panels
+from graphnav_view.maps.overview import draw_overview
+from graphnav_view.panels.key_panels import draw_panels
 from graphnav_view.signals import Signals
-from graphnav_view.video import video_frames
+from graphnav_view.video.mp4 import write_frames
+from graphnav_view.video.video_frames import video_frames
 
 if TYPE_CHECKING:
     from graphnav import Recording

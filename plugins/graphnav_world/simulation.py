@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 
 from graphnav import Goal, Image, Map, ParamError, Source, State, Truth, param
-from graphnav_world import outlines
-from graphnav_world.atlas import Atlas, floor_texels
-from graphnav_world.camera import Camera
-from graphnav_world.exposure import moments
+from graphnav_world.geometry import outlines
+from graphnav_world.geometry.scene import faces_of
+from graphnav_world.maps.world_map import WorldMap, load_map
 from graphnav_world.odometry import OdometryErrors
-from graphnav_world.placed import Placed
-from graphnav_world.render import Frame, Renderer, level_count
-from graphnav_world.scene import faces_of
+from graphnav_world.rendering.atlas import Atlas, floor_texels
+from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.exposure import moments
+from graphnav_world.rendering.placed_faces import Placed
+from graphnav_world.rendering.render import Frame, Renderer, level_count
 from graphnav_world.vehicle import Limits, Pose, Vehicle
-from graphnav_world.world_map import WorldMap, load_map
 
 MIN_FLOOR_M = 10.0
 BEYOND_BODIES_M = 2.0

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pymunk
 
-from graphnav_world.scene import Body
+from graphnav_world.geometry.scene import Body
 
 SUBSTEP_S = 0.01
 FARTHEST_M = 1000.0

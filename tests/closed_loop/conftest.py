@@ -11,8 +11,8 @@ from graphnav import Recording
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 from graphnav.record import LOG
-from graphnav.runner.recorded import run_recorded
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 

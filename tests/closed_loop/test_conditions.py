@@ -16,7 +16,7 @@ from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Finished, Latest, Map, Recording, Stamp, State, Twist, coarsen
 from graphnav.graph.find import shipped_folder
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 MODELS = {

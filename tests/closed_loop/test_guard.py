@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 from graphnav import GuardState, Recording, State, Twist
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 

@@ -13,7 +13,7 @@ from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 from graphnav.record import LOG
 from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
-from graphnav.runner.recorded import run_recorded
+from graphnav.runner.recording.run_recorded import run_recorded
 
 Again = Callable[..., ReplayResult]
 

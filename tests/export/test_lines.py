@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from graphnav import GuardState, Message, State, Stop
-from graphnav.export.entries import Level
-from graphnav.export.lines import SUMMARY, Lines, outcome_lines
+from graphnav.export.entries.entries import Level
+from graphnav.export.entries.event_lines import SUMMARY, Lines, outcome_lines
 from graphnav.record import LogWriter, Recording
 
 

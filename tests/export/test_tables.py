@@ -18,7 +18,7 @@ from graphnav import Twist
 from graphnav.cli import main
 from graphnav.codec import codec_of, encode, type_named
 from graphnav.export import export_log
-from graphnav.export.leaves import leaves_of
+from graphnav.export.tables.scalar_fields import leaves_of
 from graphnav.record import ABOUT, LogWriter, Recording
 
 INTS = {

@@ -13,8 +13,8 @@ import pytest
 from graphnav.cli import main
 from graphnav.errors import GraphnavError
 from graphnav.export import FORMATS
-from graphnav.export.placing import placed_file, placed_folder
-from graphnav.runner.log_forecast import size_text
+from graphnav.export.files.atomic_path import placed_file, placed_folder
+from graphnav.runner.recording.log_forecast import size_text
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 

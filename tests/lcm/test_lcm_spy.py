@@ -19,7 +19,7 @@ import pytest
 from graphnav.bus import Bus
 from graphnav.cli import main
 from graphnav.codec import SHIPPED, encode
-from graphnav.jdk import find_jdk
+from graphnav.machine.jdk import find_jdk
 from graphnav.messages import Flow, Twist
 from graphnav.record import LogWriter
 from graphnav.typeinfo import file_of_lcm, types_jar

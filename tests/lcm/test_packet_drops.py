@@ -14,7 +14,7 @@ from graphnav.bus import Bus
 from graphnav.errors import UserError
 from graphnav.recorder.listener import Listener
 from graphnav.spy import Feed, Heard, Traffic, as_json, drops_of
-from graphnav.spy.live_watch import LiveWatch
+from graphnav.spy.watch.live_watch import LiveWatch
 
 DROPPED = b"LC02\0\0\0\1"
 """A packet that the bus has the kernel drop: LCM would crash on it."""

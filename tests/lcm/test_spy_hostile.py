@@ -19,10 +19,10 @@ from graphnav.catalog import Catalog
 from graphnav.codec import encode
 from graphnav.messages import Flow, Image, Map, Message, Plane, State, Status, Steering
 from graphnav.spy import Feed, Heard, Traffic
-from graphnav.spy.live_watch import LiveWatch
 from graphnav.spy.screen import SpyApp
 from graphnav.spy.traffic import MAX_CHANNELS
-from graphnav.spy.watch import Memory
+from graphnav.spy.watch.live_watch import LiveWatch
+from graphnav.spy.watch.watch import Memory
 
 from .spy_app import until
 

@@ -25,7 +25,7 @@ from graphnav.codec import encode
 from graphnav.messages import About, GuardState, Message, Status
 from graphnav.record import ABOUT, LogWriter
 from graphnav.spy import Health, Heard, health_as_text
-from graphnav.spy.health import MAX_RUNS
+from graphnav.spy.health.health import MAX_RUNS
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 STAGE = {

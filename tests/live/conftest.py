@@ -21,7 +21,7 @@ from graphnav.live import run_live
 from graphnav.messages import Message
 from graphnav.record import LOG
 from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.summary import Summary
 
 STAGES = Path(__file__).parent / "stages.py"
 PATIENCE_S = 20.0

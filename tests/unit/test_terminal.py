@@ -10,7 +10,10 @@ import threading
 
 import pytest
 
-ASK = "from graphnav.terminal import ask_terminal; import os; os.write({fd}, repr(ask_terminal()).encode())"
+ASK = (
+    "from graphnav.machine.terminal_graphics import ask_terminal; import os; "
+    "os.write({fd}, repr(ask_terminal()).encode())"
+)
 
 
 class PlayedTerminal:

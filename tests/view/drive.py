@@ -11,7 +11,7 @@ from graphnav.codec import encode
 from graphnav.graph import load_graph
 from graphnav.messages import About, Flow, Image, Map, Message, Plane, State, Status, Steering, Stop, Twist
 from graphnav.record import ABOUT
-from graphnav.runner.recorded import about_of
+from graphnav.runner.recording.run_recorded import about_of
 
 N_FRAMES = 40
 PERIOD_US = 100_000

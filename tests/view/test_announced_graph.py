@@ -16,9 +16,9 @@ from graphnav.graph import load_graph, shipped_graphs
 from graphnav.messages import About
 from graphnav.render.boxes import boxes_of
 from graphnav.render.geometry import geometry_of
-from graphnav.runner.recorded import about_of
-from graphnav.view.announced_graph import announced_graph
-from graphnav.view.layout import layout_of
+from graphnav.runner.recording.run_recorded import about_of
+from graphnav.view.content.announced_graph import announced_graph
+from graphnav.view.content.layout import layout_of
 
 CATALOG = Catalog()
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphnav.view.hosts import Hosts, is_loopback, url_of
+from graphnav.view.web.hosts import Hosts, is_loopback, url_of
 
 OWN = ["127.0.0.1:7667", "localhost:7667", "LOCALHOST:7667", "[::1]:7667"]
 STRANGE = [

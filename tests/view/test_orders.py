@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphnav.view.details import Cursor
-from graphnav.view.orders import LogOrder, OrderError, Shown, View, parse_order
+from graphnav.view.content.details import Cursor
+from graphnav.view.web.page_requests import LogOrder, OrderError, Shown, View, parse_order
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats() | st.integers() | st.text(),

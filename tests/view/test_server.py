@@ -12,7 +12,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from graphnav.view import LogSource
-from graphnav.view.page_files import page_files
+from graphnav.view.web.page_files import page_files
 
 from .drive import MARKUP
 from .served import Page, Served

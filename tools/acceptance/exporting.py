@@ -24,9 +24,9 @@ from mcap_protobuf.decoder import DecoderFactory
 from acceptance.display import display
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
-from graphnav.export.foxglove_channels import TOPICS
-from graphnav.export.leaves import Scalar, leaves_of
-from graphnav.export.topics import Topics
+from graphnav.export.entries.topics import Topics
+from graphnav.export.foxglove.foxglove_channels import TOPICS
+from graphnav.export.tables.scalar_fields import Scalar, leaves_of
 from graphnav.record import ABOUT, LOG
 
 _UNTIL_S = 60

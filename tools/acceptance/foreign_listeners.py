@@ -13,7 +13,7 @@ import lcm
 from acceptance.drives import GRAPHNAV
 from graphnav import Recording
 from graphnav.codec import lcm_name
-from graphnav.jdk import find_jdk
+from graphnav.machine.jdk import find_jdk
 from graphnav.typeinfo import file_of_lcm
 
 _SOURCES = Path(__file__).with_name("foreign")

@@ -14,7 +14,7 @@ from graphnav_score.plane import Plane
 from acceptance.drives import say
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
-from graphnav.runner.recorded import run_recorded
+from graphnav.runner.recording.run_recorded import run_recorded
 
 Scores = dict[str, Plane]
 

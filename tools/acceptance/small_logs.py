@@ -8,7 +8,7 @@ from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 from graphnav.live import run_live
 from graphnav.record import LOG
-from graphnav.runner.recorded import run_recorded
+from graphnav.runner.recording.run_recorded import run_recorded
 
 STAGES = Path(__file__).with_name("tiny_stages.py")
 GRAPH = """\

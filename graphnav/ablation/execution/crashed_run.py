@@ -8,9 +8,9 @@ from pathlib import Path
 
 from graphnav.ablation.worker import Task
 from graphnav.runner import Outcome
-from graphnav.runner.recorded import SUMMARY
-from graphnav.runner.saved_graph import GRAPH
-from graphnav.runner.summary import Summary, versions
+from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.saved_graph import GRAPH
+from graphnav.runner.recording.summary import Summary, versions
 
 DIED = "its process died, twice: it takes more memory than there is, or a stage crashes it"
 

@@ -13,7 +13,7 @@ from typing import Self
 
 from graphnav.ablation.plan import RUNS, Plan, check_compatible
 from graphnav.errors import GraphnavError, UserError
-from graphnav.runner.recorded import SUMMARY
+from graphnav.runner.recording.run_recorded import SUMMARY
 
 PLAN = "plan.json"
 LOCK = ".lock"

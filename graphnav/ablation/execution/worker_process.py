@@ -11,7 +11,7 @@ from multiprocessing.connection import Pipe
 
 from graphnav.ablation import worker
 from graphnav.ablation.worker import IDLE_S, Result, Task
-from graphnav.single_thread import ONE_THREAD
+from graphnav.machine.single_thread import ONE_THREAD
 
 
 class WorkerProcess:

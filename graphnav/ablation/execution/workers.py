@@ -18,7 +18,7 @@ from joblib import Parallel, delayed, parallel_config
 from graphnav.ablation.execution.process_pool import ProcessPool
 from graphnav.ablation.worker import Result, Task
 from graphnav.errors import GraphnavError, UserError
-from graphnav.extras import install_command
+from graphnav.machine.extras import install_command
 
 _PATIENCE_S = 5
 """How long a scheduler may take to answer."""

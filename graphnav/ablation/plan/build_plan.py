@@ -16,7 +16,7 @@ from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import resolved_yaml
-from graphnav.runner.summary import versions
+from graphnav.runner.recording.summary import versions
 
 
 def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Path] = ()) -> Plan:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from graphnav.ablation.plan.variants import Variant
 from graphnav.ablation.study import Axis
 from graphnav.errors import Place, Problem, UserError
-from graphnav.graph.settings import SET
+from graphnav.graph.wiring.settings import SET
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from graphnav.ablation.plan.plan import Plan
 from graphnav.catalog import GROUP
-from graphnav.runner.summary import versions
+from graphnav.runner.recording.summary import versions
 
 _CODE = "code of "
 _HASH_LETTERS = 12

@@ -8,7 +8,7 @@ from typing import Any
 from graphnav.ablation.study import targets_of
 from graphnav.errors import Place, UserError
 from graphnav.graph import Graph
-from graphnav.graph.assignment import Assignment
+from graphnav.graph.overrides.assignment import Assignment
 from graphnav.graph.paths import has_path
 from graphnav.spec import write_value
 from graphnav.stage import params_of

@@ -12,7 +12,7 @@ from typing import Any
 from graphnav.ablation.plan import Case, Plan
 from graphnav.errors import Problem, UserError, shown_path
 from graphnav.runner import Outcome
-from graphnav.runner.recorded import SUMMARY
+from graphnav.runner.recording.run_recorded import SUMMARY
 
 ZERO_IF_FAILED = frozenset({"success", "spl", "barn"})
 """Metrics that a run which broke down has earned nothing of: success, and what success multiplies."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from graphnav.ablation.study.study import Axis, Choice
 from graphnav.errors import Place, UserError
-from graphnav.graph.assignment import ADD, Assignment
+from graphnav.graph.overrides.assignment import ADD, Assignment
 
 Target = tuple[str, str]
 """A stage (or ``run``) and what of it: a parameter, ``in.port``, or nothing for the whole stage."""

@@ -16,7 +16,7 @@ from graphnav.pictures import drawing
 from graphnav.record import LOG, Recording
 from graphnav.report.pictures import draw_pictures
 from graphnav.runner import Outcome
-from graphnav.runner.recorded import run_recorded
+from graphnav.runner.recording.run_recorded import run_recorded
 
 ENDING = "end.png"
 """The picture of how a run ended: the map, and the panels of the last frame."""

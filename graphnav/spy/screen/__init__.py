@@ -1,11 +1,11 @@
 """``graphnav spy`` on a full screen: the table of channels, and one channel with its fields, plots and picture."""
 
 from graphnav.spy.feed import Feed
-from graphnav.spy.live_watch import LiveWatch
-from graphnav.spy.log_watch import LogWatch
 from graphnav.spy.screen.app import SpyApp
-from graphnav.spy.screen.choose_painter import painters
+from graphnav.spy.screen.painters.choose_painter import painters
 from graphnav.spy.screen.run_app import run_app
+from graphnav.spy.watch.live_watch import LiveWatch
+from graphnav.spy.watch.log_watch import LogWatch
 
 __all__ = ["SpyApp", "painters", "run_app", "watch_of"]
 

@@ -12,15 +12,15 @@ from textual.app import App
 from textual.binding import Binding, BindingType
 
 from graphnav.catalog import Catalog
-from graphnav.spy.live_watch import LiveWatch
-from graphnav.spy.log_watch import LogWatch
-from graphnav.spy.screen.block_painter import BlockPainter
 from graphnav.spy.screen.channel_screen import ChannelScreen
 from graphnav.spy.screen.channels_screen import ChannelsScreen
-from graphnav.spy.screen.painter import Painter
+from graphnav.spy.screen.painters.block_painter import BlockPainter
+from graphnav.spy.screen.painters.painter import Painter
 from graphnav.spy.screen.picture_view import PictureView
 from graphnav.spy.screen.screen_image import screen_image
 from graphnav.spy.screen.session import Session
+from graphnav.spy.watch.live_watch import LiveWatch
+from graphnav.spy.watch.log_watch import LogWatch
 
 _TICK_S = 0.1
 _LIVE_ONLY = {"freeze", "record"}

@@ -9,9 +9,9 @@ from typing import Any
 from rich.cells import cell_len, set_cell_size
 
 from graphnav.errors import shown_name
+from graphnav.spy.graphics.sparkline import sparkline
 from graphnav.spy.report import size_of
-from graphnav.spy.row import Row
-from graphnav.spy.sparkline import sparkline
+from graphnav.spy.watch.row import Row
 
 GAP = 1
 _MAX_NAME, _MAX_SPARK = 40, 60

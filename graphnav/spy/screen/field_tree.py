@@ -8,10 +8,10 @@ from typing import Any
 from rich.segment import Segment
 from rich.style import Style
 
-from graphnav.spy.field_lines import FieldLine, field_lines
+from graphnav.spy.fields.field_lines import FieldLine, field_lines
 from graphnav.spy.screen.columns import fitted
 from graphnav.spy.screen.lines import HEADING, PLAIN, QUIET, Line, Lines
-from graphnav.spy.series import Path
+from graphnav.spy.watch.series import Path
 
 _NAME = Style(color="cyan")
 _PLOTTED = Style(color="green", bold=True)

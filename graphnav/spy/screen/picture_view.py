@@ -8,7 +8,7 @@ from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
-from graphnav.spy.screen.painter import Bytes, Cells, Painter
+from graphnav.spy.screen.painters.painter import Bytes, Cells, Painter
 
 
 class PictureView(Widget):

@@ -17,7 +17,7 @@ from textual.geometry import Region
 from textual.screen import Screen
 from textual.widget import Widget
 
-from graphnav.spy.half_blocks import UPPER_HALF
+from graphnav.spy.graphics.half_blocks import UPPER_HALF
 from graphnav.spy.screen.picture_view import PictureView
 
 _FONT = Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSansMono.ttf"

@@ -9,10 +9,10 @@ from rich.text import Text
 
 from graphnav.catalog import Catalog
 from graphnav.pictures import Pictures
-from graphnav.spy.live_watch import LiveWatch
-from graphnav.spy.log_watch import LogWatch
-from graphnav.spy.moment import Moment
-from graphnav.spy.screen.painter import Painter
+from graphnav.spy.screen.painters.painter import Painter
+from graphnav.spy.watch.live_watch import LiveWatch
+from graphnav.spy.watch.log_watch import LogWatch
+from graphnav.spy.watch.moment import Moment
 
 
 class Session:

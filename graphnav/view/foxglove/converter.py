@@ -8,11 +8,11 @@ from collections.abc import Collection, Iterable
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, codec_of
 from graphnav.errors import GraphnavError
-from graphnav.export.entries import Level, Line, Scalars, World
-from graphnav.export.foxglove_channels import LOG_TOPIC, TOPICS, FoxgloveChannels
-from graphnav.export.foxglove_scene import MAP_TOPIC, PATH_TOPIC, POSE_TOPIC, ROBOT_TOPIC, TRANSFORM_TOPIC
-from graphnav.export.lines import LINE_TYPES, Lines, heading
-from graphnav.export.message_entries import MessageEntries
+from graphnav.export.entries.entries import Level, Line, Scalars, World
+from graphnav.export.entries.event_lines import LINE_TYPES, Lines, heading
+from graphnav.export.entries.message_entries import MessageEntries
+from graphnav.export.foxglove.foxglove_channels import LOG_TOPIC, TOPICS, FoxgloveChannels
+from graphnav.export.foxglove.foxglove_scene import MAP_TOPIC, PATH_TOPIC, POSE_TOPIC, ROBOT_TOPIC, TRANSFORM_TOPIC
 from graphnav.export.message_types import MessageTypes
 from graphnav.messages import About, Map, Message, Odometry, State
 from graphnav.pictures import Pictures
@@ -23,7 +23,7 @@ from graphnav.view.foxglove.arrivals import Arrival, Batch
 from graphnav.view.foxglove.heard_past import HeardPast
 from graphnav.view.foxglove.losses import Losses, Reason
 from graphnav.view.foxglove.shown_channels import ShownChannel, ShownChannels
-from graphnav.view.kinds import Kinds
+from graphnav.view.message_types import Kinds
 
 _PATH_EVERY_S = 1.0
 _POSE_TOPICS = (POSE_TOPIC, TRANSFORM_TOPIC)

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav.codec import DecodeError, codec_of
+from graphnav.export.log_pass import POSES
 from graphnav.export.message_types import MessageTypes
-from graphnav.export.walk import POSES
 from graphnav.messages import Message, Odometry, State
 from graphnav.view.foxglove.arrivals import Arrival
 

@@ -7,8 +7,8 @@ from bisect import bisect_left, bisect_right
 from pathlib import Path
 
 from graphnav.codec import message_class_of
-from graphnav.export.run_entries import MAX_UTIME
-from graphnav.export.walk import POSES
+from graphnav.export.entries.run_entries import MAX_UTIME
+from graphnav.export.log_pass import POSES
 from graphnav.player import Pace
 from graphnav.record import Recording
 from graphnav.view.foxglove.arrivals import Arrival, Arrivals

@@ -11,16 +11,16 @@ from typing import Any
 
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
+from graphnav.export.entries.event_lines import outcome_lines
 from graphnav.export.extras import require
-from graphnav.export.foxglove_channels import FoxgloveChannels
-from graphnav.export.lines import outcome_lines
+from graphnav.export.foxglove.foxglove_channels import FoxgloveChannels
 from graphnav.view.foxglove.converter import Converter
 from graphnav.view.foxglove.listener import Listener
 from graphnav.view.foxglove.live_feed import LiveFeed
 from graphnav.view.foxglove.log_player import LogPlayer
 from graphnav.view.foxglove.losses import Reason
 from graphnav.view.foxglove.playback import Playback, Status
-from graphnav.view.hosts import bracketed
+from graphnav.view.web.hosts import bracketed
 
 _WAIT_S = 0.05
 _COUNT_S = 1.0

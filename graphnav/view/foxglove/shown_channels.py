@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from graphnav.codec import type_named
-from graphnav.export.foxglove_channels import FoxgloveChannels
-from graphnav.export.message_entries import may_have_picture
+from graphnav.export.entries.message_entries import may_have_picture
+from graphnav.export.foxglove.foxglove_channels import FoxgloveChannels
 from graphnav.export.message_types import MessageTypes
 from graphnav.messages import About, Message
 from graphnav.view.foxglove.arrivals import Arrival

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from graphnav_planar.truth import Truth
-from graphnav_world.camera import Camera
+from graphnav_world.rendering.camera import Camera
 from graphnav_world.world import Pymunk
 
 import graphnav

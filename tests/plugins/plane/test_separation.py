@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from graphnav_plane import closed_form, iterated, robust_contrast
 from graphnav_plane.ica import Ica
-from graphnav_plane.iterated import Nonlinearity
-from graphnav_plane.whitening import Doubles, whiten
+from graphnav_plane.separation import closed_form, iterated, robust_contrast
+from graphnav_plane.separation.iterated import Nonlinearity
+from graphnav_plane.separation.whitening import Doubles, whiten
 
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scenes

@@ -7,7 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 import numpy.typing as npt
-from graphnav_view import graphnav_draw_end, ink
+from graphnav_view import graphnav_draw_end, style
 
 from graphnav.record import Recording
 
@@ -23,7 +23,7 @@ def shown(file: Path) -> npt.NDArray[Any]:
 
 def marked(file: Path) -> bool:
     """Return whether the picture has a cross of a contact."""
-    return bool((np.abs(shown(file).astype(int) - ink.rgb(ink.CONTACT)).max(axis=-1) < 12).sum() > 30)
+    return bool((np.abs(shown(file).astype(int) - style.rgb(style.CONTACT)).max(axis=-1) < 12).sum() > 30)
 
 
 def test_a_contact_is_marked_on_the_map_beside_the_panels(record: Record, tmp_path: Path) -> None:

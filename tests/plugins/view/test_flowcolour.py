@@ -2,7 +2,7 @@
 
 import cv2
 import numpy as np
-from graphnav_view.flowcolour import INVALID, flow_rgb, flow_scale_px, wheel_rgb
+from graphnav_view.flow_colour import INVALID, flow_rgb, flow_scale_px, wheel_rgb
 from hypothesis import given
 from hypothesis import strategies as st
 

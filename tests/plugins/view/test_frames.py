@@ -8,7 +8,7 @@ from pathlib import Path
 
 import cv2
 import pytest
-from graphnav_view.frame_times import nearest
+from graphnav_view.panels.frame_times import nearest
 
 from graphnav.cli import main
 from graphnav.record import LogWriter, Recording

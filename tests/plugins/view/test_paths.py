@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from graphnav_view import graphnav_draw_paths, ink
+from graphnav_view import graphnav_draw_paths, style
 
 from graphnav.record import Recording
 
@@ -23,14 +23,14 @@ def has(file: Path, colour: str) -> bool:
     """Return whether a picture has a colour."""
     pixels = cv2.imread(str(file))
     assert pixels is not None
-    return bool((np.abs(pixels[..., ::-1].astype(int) - ink.rgb(colour)).max(axis=-1) < 6).sum() > 20)
+    return bool((np.abs(pixels[..., ::-1].astype(int) - style.rgb(colour)).max(axis=-1) < 6).sum() > 20)
 
 
 def test_each_path_has_its_colour(tmp_path: Path) -> None:
     found = drives(tmp_path, one=Drive(frames=40), two=Drive(frames=15, contact=True))
     file = tmp_path / "paths.png"
     assert graphnav_draw_paths(found, COLOURS, file) == file
-    assert all(has(file, colour) for colour in (*COLOURS.values(), ink.WALL, ink.OBSTACLE))
+    assert all(has(file, colour) for colour in (*COLOURS.values(), style.WALL, style.OBSTACLE))
 
 
 def test_the_same_logs_give_the_same_bytes(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import cv2
 import matplotlib as mpl
 import numpy as np
 import pytest
-from graphnav_view import graphnav_draw, graphnav_draw_end, graphnav_draw_frames, ink
+from graphnav_view import graphnav_draw, graphnav_draw_end, graphnav_draw_frames, style
 from graphnav_view.signals import Signals
 from graphnav_view.track import track_of
 
@@ -29,7 +29,7 @@ def share_of(colour: str, path: Path) -> float:
     """Return the share of a picture's pixels that have a colour."""
     pixels = cv2.imread(str(path))
     assert pixels is not None
-    return float((np.abs(pixels[..., ::-1].astype(int) - ink.rgb(colour)).max(axis=-1) < 12).mean())
+    return float((np.abs(pixels[..., ::-1].astype(int) - style.rgb(colour)).max(axis=-1) < 12).mean())
 
 
 def test_a_drive_gives_a_map_and_panels(record: Record, tmp_path: Path) -> None:
@@ -51,8 +51,8 @@ def test_the_same_log_gives_the_same_bytes_whatever_the_user_has_set(record: Rec
 def test_only_a_contact_is_marked(record: Record, tmp_path: Path) -> None:
     drawn(record(frames=12), tmp_path / "free")
     drawn(record(frames=12, contact=True), tmp_path / "hit")
-    assert share_of(ink.CONTACT, tmp_path / "free" / "map.png") == 0
-    assert share_of(ink.CONTACT, tmp_path / "hit" / "map.png") > 1e-4
+    assert share_of(style.CONTACT, tmp_path / "free" / "map.png") == 0
+    assert share_of(style.CONTACT, tmp_path / "hit" / "map.png") > 1e-4
 
 
 def test_moving_obstacles_are_drawn_at_several_times(record: Record, tmp_path: Path) -> None:

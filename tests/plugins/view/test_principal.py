@@ -5,7 +5,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from graphnav_steer.pca import Pca
-from graphnav_view.fields import principal
+from graphnav_view.panels.potential_panels import principal
 
 from graphnav import Latest, Plane
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from graphnav_view import ink
-from graphnav_view.fields import draw_gradient, draw_potential
-from graphnav_view.telling import Frame
+from graphnav_view import style
+from graphnav_view.panels.keyframe import Frame
+from graphnav_view.panels.potential_panels import draw_gradient, draw_potential
 
 from graphnav import Potential
 
@@ -13,7 +13,7 @@ from graphnav import Potential
 def test_a_field_that_is_too_flat_has_no_arrows(shape: tuple[int, int]) -> None:
     potential = Potential(np.zeros(shape, np.float32), np.ones((*shape, 2), np.float32), step_px=4)
     frame = Frame(0, None, None, None, potential, None, None)
-    axes = ink.new_figure(4, 4).add_subplot()
+    axes = style.new_figure(4, 4).add_subplot()
     caption = draw_gradient(axes, frame)
     n_arrows = sum(np.shape(drawn.get_offsets())[0] for drawn in axes.collections)
     assert (n_arrows > 0) == (shape == (1, 1))
@@ -23,6 +23,6 @@ def test_a_field_that_is_too_flat_has_no_arrows(shape: tuple[int, int]) -> None:
 def test_a_field_of_one_row_has_no_lines() -> None:
     row = np.arange(100, dtype=np.float32)[np.newaxis]
     frame = Frame(0, None, None, None, Potential(row, np.ones((1, 100, 2), np.float32), step_px=4), None, None)
-    axes = ink.new_figure(4, 4).add_subplot()
+    axes = style.new_figure(4, 4).add_subplot()
     assert "black 0.0, white 99.0" in draw_potential(axes, frame)
     assert not axes.collections

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable
 
-from graphnav_view.signals import Signals
-from graphnav_view.telling import (
+from graphnav_view.panels.keyframe import (
     LEAST_RATIO,
     MOST_RATIO,
     MOST_SPIN_RADPS,
@@ -12,6 +11,7 @@ from graphnav_view.telling import (
     telling_utime,
     theta_text,
 )
+from graphnav_view.signals import Signals
 
 from graphnav import Plane, State, Steering
 from graphnav.record import Recording

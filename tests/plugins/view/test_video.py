@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from graphnav_view import graphnav_draw, ink
-from graphnav_view.mp4 import write_frames
+from graphnav_view import graphnav_draw, style
 from graphnav_view.signals import Signals
-from graphnav_view.video import caption, video_frames
+from graphnav_view.video.mp4 import write_frames
+from graphnav_view.video.video_frames import caption, video_frames
 
 from graphnav import Flow, Image, Plane, Potential, State, Steering, Twist, UserError
 from graphnav.record import Recording
@@ -35,7 +35,7 @@ def write_video(recording: Recording, path: Path) -> Path:
 
 
 def near(frame: Bytes, colour: str) -> npt.NDArray[np.bool_]:
-    return np.asarray(np.abs(frame.astype(int) - ink.rgb(colour)).max(axis=-1) < 40)
+    return np.asarray(np.abs(frame.astype(int) - style.rgb(colour)).max(axis=-1) < 40)
 
 
 def test_it_has_every_frame_at_the_camera_s_rate(record: Record, tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_it_has_every_frame_at_the_camera_s_rate(record: Record, tmp_path: Path)
 
 def test_the_robot_moves_on_the_map(record: Record, tmp_path: Path) -> None:
     frames, _ = read(write_video(record(frames=80), tmp_path / "video.mp4"))
-    ink_of = [near(frame[frame.shape[0] // 2 + 10 : -40, frame.shape[1] // 2 :], ink.ROBOT).sum() for frame in frames]
+    ink_of = [near(frame[frame.shape[0] // 2 + 10 : -40, frame.shape[1] // 2 :], style.ROBOT).sum() for frame in frames]
     assert ink_of[-1] > 1.5 * ink_of[1]
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import pytest
-from graphnav_world import outlines
 from graphnav_world.drive import Drive
-from graphnav_world.scene import Body
+from graphnav_world.geometry import outlines
+from graphnav_world.geometry.scene import Body
 from graphnav_world.vehicle import Limits, Vehicle
 
 from graphnav import Latest, Twist

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from graphnav_world import outlines
-from graphnav_world.passage import Passage
-from graphnav_world.scene import Kind
-from graphnav_world.world_map import WorldMap, load_map
+from graphnav_world.geometry import outlines
+from graphnav_world.geometry.scene import Kind
+from graphnav_world.maps.passage import Passage
+from graphnav_world.maps.world_map import WorldMap, load_map
 
 from graphnav import UserError
 

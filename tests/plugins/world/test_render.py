@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from graphnav_world import outlines
-from graphnav_world.camera import Camera
-from graphnav_world.placed import Placed
-from graphnav_world.render import Frame
-from graphnav_world.scene import Body
+from graphnav_world.geometry import outlines
+from graphnav_world.geometry.scene import Body
+from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.placed_faces import Placed
+from graphnav_world.rendering.render import Frame
 
 CAMERA = Camera()
 Make = Callable[..., tuple[Any, Any]]

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from graphnav_world import outlines
-from graphnav_world.patrol import Patrol
-from graphnav_world.scene import Body
+from graphnav_world.geometry import outlines
+from graphnav_world.geometry.patrol import Patrol
+from graphnav_world.geometry.scene import Body
 from graphnav_world.vehicle import Limits, Vehicle
 
 QUICK = Limits(speed_mps=1.0, turn_radps=2.0, speed_up_s=1e-6, turn_up_s=1e-6)

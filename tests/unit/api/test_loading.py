@@ -15,7 +15,7 @@ import graphnav
 from graphnav import Place, UserError
 from graphnav.api.arguments import value_text
 from graphnav.cli import main
-from graphnav.graph.assignment import Assignment
+from graphnav.graph.overrides.assignment import Assignment
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]))
 SCALARS = st.none() | st.booleans() | st.integers(-(2**40), 2**40) | st.floats(allow_nan=False, allow_infinity=False)

@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from graphnav.report.table import print_summary
-from graphnav.runner.summary import StageFigures, Summary
+from graphnav.runner.recording.summary import StageFigures, Summary
 
 SUMMARY = Summary(
     outcome="goal",

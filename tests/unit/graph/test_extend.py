@@ -8,8 +8,8 @@ import pytest
 from graphnav.catalog import Catalog
 from graphnav.errors import Problem, UserError
 from graphnav.graph import Graph, load_graph, resolved_yaml
-from graphnav.graph.extend import merge_files
-from graphnav.graph.files import GraphFile
+from graphnav.graph.read.extend import merge_files
+from graphnav.graph.read.graph_files import GraphFile
 from graphnav.spec import parse_yaml
 
 BASE = """\

@@ -9,7 +9,7 @@ import pytest
 from graphnav.codec import codec_of
 from graphnav.errors import UserError
 from graphnav.graph import Graph
-from graphnav.graph.stop_message import stop_fields
+from graphnav.graph.wiring.stop_message import stop_fields
 from graphnav.messages import Image, Motion
 
 Load = Callable[..., Graph]

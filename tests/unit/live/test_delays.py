@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from graphnav.live.sender import SenderMonitor
+from graphnav.live.inputs.sender import SenderMonitor
 
 from .camera import Camera, reasons
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.live.receiver import MAX_OF_OTHERS, Mailbox
+from graphnav.live.inputs.receiver import MAX_OF_OTHERS, Mailbox
 
 MARK = b"fingerpr"
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.live.sender import SenderMonitor
+from graphnav.live.inputs.sender import SenderMonitor
 
 from .camera import Camera, reasons
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graphnav.live.sender import SenderMonitor, Verdict
+from graphnav.live.inputs.sender import SenderMonitor, Verdict
 
 from .camera import Camera, reasons
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from graphnav.replay.field_differences import Difference, Tolerance, field_differences
+from graphnav.replay.comparison.field_differences import Difference, Tolerance, field_differences
 
 EXACT = Tolerance()
 floats = st.floats(width=32, allow_nan=True)

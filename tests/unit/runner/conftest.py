@@ -12,8 +12,8 @@ from graphnav import Recording
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph, load_graph
 from graphnav.record import LOG
-from graphnav.runner.recorded import run_recorded
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.runner.recording.summary import Summary
 
 STAGES = Path(__file__).parent / "stages.py"
 Run = Callable[..., tuple[Summary, Recording]]

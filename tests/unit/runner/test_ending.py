@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from graphnav import Recording
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.summary import Summary
 
 STAGES = Path(__file__).parent / "stages.py"
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"

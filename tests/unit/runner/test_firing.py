@@ -9,8 +9,8 @@ from graphnav import Twist
 from graphnav.graph import Graph, resolved_yaml
 from graphnav.record import ABOUT, LOG, Recording
 from graphnav.runner import seed_of
-from graphnav.runner.recorded import run_recorded
-from graphnav.runner.summary import Summary
+from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.runner.recording.summary import Summary
 
 Run = Callable[..., tuple[Summary, Recording]]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from graphnav.graph import Graph
-from graphnav.runner.recorded import SUMMARY, run_recorded
+from graphnav.runner.recording.run_recorded import SUMMARY, run_recorded
 
 Load = Callable[[str], Graph]
 

@@ -10,8 +10,8 @@ from typing import Literal
 import pytest
 
 from graphnav.graph import Graph
-from graphnav.runner.log_forecast import LogForecast, size_text
-from graphnav.runner.recorded import run_recorded
+from graphnav.runner.recording.log_forecast import LogForecast, size_text
+from graphnav.runner.recording.run_recorded import run_recorded
 
 SMALLER = "; for small messages only: --set run.record=small"
 

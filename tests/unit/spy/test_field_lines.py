@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.spy.field_lines import field_lines
-from graphnav.spy.series import Series, numbers_of, path_text
-from graphnav.spy.watch import KEPT_MESSAGES, Sample
+from graphnav.spy.fields.field_lines import field_lines
+from graphnav.spy.watch.series import Series, numbers_of, path_text
+from graphnav.spy.watch.watch import KEPT_MESSAGES, Sample
 
 VALUES: dict[str, Any] = {
     "utime": 5,

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from graphnav.spy.kitty import delete, put
+from graphnav.spy.graphics.kitty import delete, put
 
 _SEQUENCE = re.compile(r"\x1b_G([^;]*)(?:;([A-Za-z0-9+/=]*))?\x1b\\")
 _CHUNK = 4096

@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from graphnav.spy.graphics.sparkline import sparkline
 from graphnav.spy.rate_history import SECONDS, RateHistory
-from graphnav.spy.sparkline import sparkline
 
 
 def test_whole_seconds_are_counted_and_the_one_that_runs_is_not() -> None:

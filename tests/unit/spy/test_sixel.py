@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from graphnav.spy.sixel import SCALES, sixels
+from graphnav.spy.graphics.sixel import SCALES, sixels
 
 Bytes = npt.NDArray[np.uint8]
 

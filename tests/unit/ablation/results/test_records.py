@@ -11,7 +11,7 @@ import pytest
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.results.records import Record, in_plan_order, read_records
 from graphnav.errors import UserError
-from graphnav.runner.summary import StageFigures, Summary
+from graphnav.runner.recording.summary import StageFigures, Summary
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -1,0 +1,1 @@
+"""Logs for notebooks: messages, arrays and tables."""

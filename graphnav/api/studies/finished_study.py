@@ -1,0 +1,114 @@
+"""A finished study: its tables as DataFrames, and the report."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.report import print_comparison
+from graphnav.ablation.results import Comparison, Record, Row, in_plan_order, metric_columns, shown_metrics
+from graphnav.api.extras import import_pandas
+from graphnav.api.result_folder import KeptFolder
+from graphnav.api.studies.study_files import StudyFiles
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Study:
+    """What a study came to; in a notebook, its table. A temporary folder lives as long as this does."""
+
+    def __init__(self, plan: Plan, files: StudyFiles, folder: KeptFolder) -> None:
+        self.plan = plan
+        """What was run: variants, seeds, versions, and the command that runs it again."""
+        self.comparison: Comparison = files.comparison
+        """The comparison without pandas."""
+        self.records: tuple[Record, ...] = files.records
+        """The runs without pandas."""
+        self._files = files
+        self._folder = folder
+
+    @property
+    def folder(self) -> Path:
+        """Every run, ``results.csv``, ``timing.csv``, ``table.md``, the report."""
+        return self._folder.path
+
+    @property
+    def report(self) -> Path:
+        """``report.html``: one page that needs nothing else."""
+        return self._files.report
+
+    @cached_property
+    def runs(self) -> pd.DataFrame:
+        """A row a run: graph, variant, a column an axis, seed, outcome, failure, frames, sim_s, a column a metric.
+
+        What ``results.csv`` holds; a metric that a run does not have is NaN. Raises UserError without pandas.
+        """
+        pandas = import_pandas("Study.runs")
+        metrics = metric_columns(self.plan, self.records)
+        columns = ["graph", "variant", *self.plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *metrics]
+        rows = [self._run(record) for record in in_plan_order(self.plan, self.records)]
+        return pandas.DataFrame(rows, columns=columns)
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """The comparison: a row for each graph, metric and variant (the index), the base first.
+
+        ``worlds``: how many have the metric; ``mean`` with its 95 % interval ``low`` to ``high``; the mean paired
+        ``difference`` from the base in the same worlds with its interval; ``won`` and ``lost``: in how many worlds it
+        was better and worse; ``clear``: whether the interval of the difference excludes 0, over enough worlds. The base
+        has no difference: NaN, 0, 0 and False.
+
+        Raises UserError without pandas.
+        """
+        pandas = import_pandas("Study.table")
+        rows = list(self._comparisons())
+        index = pandas.MultiIndex.from_tuples([key for key, _ in rows], names=["graph", "metric", "variant"])
+        return pandas.DataFrame([row for _, row in rows], index=index, columns=list(_COLUMNS))
+
+    def _run(self, record: Record) -> dict[str, Any]:
+        case = self.plan.case(record.graph, record.variant)
+        told = {name: getattr(record, name) for name in ("seed", "outcome", "failure", "frames", "sim_s")}
+        return {"graph": case.source, "variant": record.variant, **case.labels, **told, **record.metrics}
+
+    def _comparisons(self) -> Iterator[tuple[tuple[str, str, str], dict[str, Any]]]:
+        for graph in self.plan.graphs:
+            for metric in shown_metrics(self.plan, self.comparison):
+                for row in self.comparison.of_graph(graph):
+                    if metric in row.estimates:
+                        yield (graph, metric, row.case.variant), _cells(row, metric)
+
+    def __repr__(self) -> str:
+        n_runs = sum(not self.plan.case(record.graph, record.variant).same_as for record in self.records)
+        return f"<graphnav.Study {self.plan.name}: {n_runs} runs, {len(self.plan.variants)} variants, {self.report}>"
+
+    def __str__(self) -> str:
+        text = io.StringIO()
+        console = Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False)
+        print_comparison(console, self.comparison, self.plan)
+        return text.getvalue().rstrip()
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(self.plan.about)}</p><pre>{escape(str(self))}</pre><p>{escape(str(self.report))}</p>"
+
+
+_COLUMNS = (
+    "worlds", "mean", "low", "high", "difference", "difference_low", "difference_high", "won", "lost", "clear",
+)  # fmt: skip
+
+
+def _cells(row: Row, metric: str) -> dict[str, Any]:
+    found, other = row.estimates[metric], row.differences.get(metric)
+    cells: dict[str, Any] = {"worlds": found.n, "mean": found.mean, "low": found.low, "high": found.high}
+    cells |= {"won": 0, "lost": 0, "clear": False}
+    if other is not None:
+        cells |= {"difference": other.mean, "difference_low": other.low, "difference_high": other.high}
+        cells |= {"won": other.won, "lost": other.lost, "clear": other.is_clear}
+    return cells

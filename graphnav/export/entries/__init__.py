@@ -1,0 +1,1 @@
+"""Entries: what every viewer takes of a run, whatever its file format."""

@@ -1,0 +1,94 @@
+"""What happened in a run, as lines of text: contact, goal, what the guard says, stops, notices, the outcome."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from graphnav.errors import UserError
+from graphnav.export.entries.entries import Level, Line
+from graphnav.messages import About, GuardState, Message, State, Stop
+from graphnav.record import ABOUT, Recording
+from graphnav.spec import parse_yaml
+
+SUMMARY = "summary.json"
+"""What a run folder holds beside the log."""
+
+
+LINE_TYPES: tuple[type[Message], ...] = (State, Stop, GuardState)
+"""The messages that may tell something."""
+
+
+class Lines:
+    """Turns messages into lines where something has changed since the message before."""
+
+    def __init__(self) -> None:
+        self._told: dict[tuple[str, str], Any] = {}
+
+    def of(self, channel: str, utime: int, message: Message) -> Iterator[Line]:
+        """Yield what a message tells that is new."""
+        if isinstance(message, State):
+            if self._is_new(channel, "contact", now=message.contact, before=False) and message.contact:
+                yield Line(utime, Level.ERROR, "contact", channel)
+            if self._is_new(channel, "goal", now=message.at_goal, before=False) and message.at_goal:
+                yield Line(utime, Level.INFO, "goal reached", channel)
+        elif isinstance(message, Stop):
+            text = "stop asked for" if message.engaged else "armed again"
+            level = Level.WARNING if message.engaged else Level.INFO
+            yield Line(utime, level, f"{text}: {message.reason}" if message.reason else text, channel)
+        elif isinstance(message, GuardState):
+            now = (message.may_move, message.may_advance, message.overridden, message.causes, message.ports)
+            if self._is_new(channel, "guard", now=now, before=(True, True, False, (), ())):
+                yield Line(utime, Level.INFO if message.may_move else Level.WARNING, _guard_text(message), channel)
+
+    def _is_new(self, channel: str, what: str, *, now: Any, before: Any) -> bool:
+        """Whether a value differs from the one before, at the start ``before``."""
+        changed = bool(self._told.get((channel, what), before) != now)
+        self._told[channel, what] = now
+        return changed
+
+
+def heading(about: About | None) -> str:
+    """Return a line on a run as it announces itself, empty where it does not."""
+    if about is None:
+        return ""
+    try:
+        graph = parse_yaml(about.graph_yaml.encode(), ABOUT)[0].plain()
+    except UserError:
+        graph = None
+    said = graph.get("about") if isinstance(graph, dict) else None
+    text = str(said or "").strip()
+    return " ".join(part for part in (text, f"(seed {about.seed})") if part)
+
+
+def outcome_lines(recording: Recording, begin_us: int, end_us: int) -> Iterator[Line]:
+    """Yield the notices and the outcome that the run folder's summary tells; nothing where there is none."""
+    summary = _summary_beside(recording.path)
+    notices = summary.get("notices")
+    for notice in notices if isinstance(notices, list) else ():
+        yield Line(begin_us, Level.INFO, str(notice), SUMMARY)
+    if failure := summary.get("failure"):
+        yield Line(end_us, Level.ERROR, str(failure), SUMMARY)
+    if outcome := summary.get("outcome"):
+        level = Level.ERROR if outcome in ("failed", "contact") else Level.INFO
+        yield Line(end_us, level, f"outcome: {outcome}", SUMMARY)
+
+
+def _guard_text(state: GuardState) -> str:
+    what = "lets everything through" if state.may_advance else "forbids motion forward"
+    if not state.may_move:
+        what = "forbids motion"
+    if state.overridden:
+        what = "is overridden"
+    causes = [f"{cause} {port}".strip() for cause, port in zip(state.causes, state.ports, strict=False)]
+    return f"guard {what}" + (f": {', '.join(causes)}" if causes else "")
+
+
+def _summary_beside(log: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(log.with_name(SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}

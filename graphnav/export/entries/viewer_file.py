@@ -1,0 +1,48 @@
+"""A run as one file for a viewer: its entries one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from graphnav.errors import UserError
+from graphnav.export.entries.entries import Entry
+from graphnav.export.entries.run_entries import RunEntries
+from graphnav.export.files.atomic_path import placed_file
+
+
+class ViewerFile(Protocol):
+    """What takes the entries of a run."""
+
+    def add(self, entry: Entry) -> None:
+        """Write an entry."""
+
+    def close(self) -> None:
+        """Write what is left."""
+
+
+def write_entries(
+    entries: RunEntries, target: Path, suffix: str, open_file: Callable[[Path], ViewerFile], *, force: bool
+) -> None:
+    """Write the entries of a run into the file ``target``.
+
+    Raises
+    ------
+    UserError
+        The selection holds no message that can be decoded, or nothing can be written there.
+    GraphnavError
+        The disk refuses.
+    """
+    with placed_file(target, suffix, source=entries.reader.recording.path, force=force) as file:
+        sink = open_file(file)
+        try:
+            for entry in entries:
+                sink.add(entry)
+        finally:
+            sink.close()
+        if not entries.reader.read.total():
+            raise UserError.of(
+                f"there is nothing to export of {entries.reader.recording.path}: no message can be decoded",
+                "choose other channels with --channel, or another span with --from and --until",
+            )

@@ -1,0 +1,1 @@
+"""Runs for Foxglove: MCAP files with its own schemas."""

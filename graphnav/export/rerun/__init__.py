@@ -1,0 +1,1 @@
+"""Runs for Rerun: recordings with a blueprint."""

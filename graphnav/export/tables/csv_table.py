@@ -1,0 +1,20 @@
+"""A table as CSV: numbers as they are, every string in quotes, so that nothing is read back as something else."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from graphnav.export.tables.scalar_fields import Leaf
+from graphnav.export.tables.tables import LOG_UTIME, Table
+
+
+def open_csv(file: Path, leaves: list[Leaf]) -> Table:
+    """Return a table that writes UTF-8 with a header line.
+
+    Floats have as many digits as bring the same float back; ``nan``, ``inf`` and ``True`` are written so.
+    """
+    stream = file.open("w", encoding="utf-8", newline="")
+    writer = csv.writer(stream, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+    writer.writerow([LOG_UTIME, *(leaf.name for leaf in leaves)])
+    return Table(writer.writerows, stream.close)

@@ -1,0 +1,1 @@
+"""Overrides: swap and add stages, set parameters and wires, rewire and prune."""

@@ -1,0 +1,177 @@
+"""The JSON Schema (draft 2020-12) of graphs of the installed stages."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal, Union, get_args, get_origin
+
+from graphnav.catalog import Catalog
+from graphnav.graph.schema.outside_schema import inputs_schema, outputs_schema, queues_schema
+from graphnav.graph.schema.schema_parts import CHANNEL, PORT, Schema, object_schema
+from graphnav.graph.schema.schema_variants import by_keys, stage_variants
+from graphnav.spec import RunOptions
+from graphnav.spec.outside import MAX_EVERY_MS, MIN_EVERY_MS
+from graphnav.spec.spec import RESERVED_STAGES, RESTARTS, STAGE_NAME
+from graphnav.stage import Param, Stage, params_of, plain_data, ports_of, summary_of
+
+_REF = rf"^{STAGE_NAME.pattern}(\.{STAGE_NAME.pattern})?$"
+_SCALARS: Mapping[Any, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
+
+
+def graph_schema(catalog: Catalog) -> Schema:
+    """Return the schema of graphs whose stages are those of the catalog, which are all imported.
+
+    It refuses what a schema can: words, stages, parameters, bounds and ports that do not exist or are missing. What
+    wires mean (types, loops) only the check of the graph can tell.
+
+    Raises
+    ------
+    CatalogError
+        A package of a family cannot be used.
+    """
+    uses = {f"{family}.{name}": None for family in catalog.families() for name in catalog.names(family)}
+    classes = {use: catalog.stage(use) for use in uses}
+    stage = _stage(list(classes))
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A graph of graphnav",
+        **by_keys(_graph()),
+        "$defs": {"stage": stage, **stage_variants(stage), **{use: _use(cls) for use, cls in classes.items()}},
+    }
+
+
+def _graph() -> Schema:
+    return object_schema(
+        {
+            "about": {"type": "string", "description": "what the graph does, in a sentence"},
+            "extends": {
+                "type": "string",
+                "minLength": 1,
+                "description": "a graph, beside this one or one that ships, whose values those of this one override",
+            },
+            "plugins": {
+                "type": ["array", "null"],
+                "items": {"type": "string", "minLength": 1},
+                "description": "files with stages, relative to this one",
+            },
+            "run": _optional({name: _param(param) for name, param in params_of(RunOptions).items()}),
+            "stages": {
+                "type": "object",
+                "minProperties": 1,
+                "propertyNames": {"pattern": f"^{STAGE_NAME.pattern}$", "not": {"enum": list(RESERVED_STAGES)}},
+                "additionalProperties": {"$ref": "#/$defs/stage"},
+            },
+            "channels": {
+                "type": ["object", "null"],
+                "description": "LCM channels with another name than stage.port",
+                "propertyNames": {"pattern": PORT},
+                "additionalProperties": {"type": "string", "pattern": CHANNEL},
+            },
+            "deploy": _deploy(),
+            "inputs": inputs_schema(),
+            "outputs": outputs_schema(),
+            "queues": queues_schema(),
+        },
+        required=["stages"],
+    )
+
+
+def _stage(uses: list[str]) -> Schema:
+    words: Schema = {
+        "use": {"enum": uses, "description": "family.stage"},
+        "with": {"type": ["object", "null"], "description": "parameters"},
+        "in": {"type": ["object", "null"], "description": "what each input reads: stage.port"},
+        "every_ms": {
+            "type": "number",
+            "minimum": MIN_EVERY_MS,
+            "maximum": MAX_EVERY_MS,
+            "description": "live, the stage also fires this often; lockstep does not use it",
+        },
+        "deadline_ms": {
+            "type": "number",
+            "exclusiveMinimum": 0,
+            "description": "a step that ends later than this after its newest input is counted as missed",
+        },
+    }
+    which = [
+        {"if": {"properties": {"use": {"const": use}}, "required": ["use"]}, "then": {"$ref": f"#/$defs/{use}"}}
+        for use in uses
+    ]
+    return {**object_schema(words, required=["use"]), "allOf": which}
+
+
+def _use(cls: type[Stage]) -> Schema:
+    params, inputs = params_of(cls), ports_of(cls).inputs
+    needed = [name for name, param in params.items() if param.required]
+    plain = [port.name for port in inputs if not port.may_be_open]
+    wires = {
+        port.name: {"type": "string", "pattern": _REF, "description": f"a channel of {port.message.__name__}"}
+        for port in inputs
+    }
+    return {
+        "description": summary_of(cls),
+        "properties": {
+            "with": _optional({name: _param(param) for name, param in params.items()}, needed),
+            "in": _optional(wires, plain),
+        },
+        "required": [word for word, names in (("with", needed), ("in", plain)) if names],
+    }
+
+
+def _param(param: Param) -> Schema:
+    schema = {**_type(param.type), "description": param.doc}
+    bounds = {"minimum": param.ge, "exclusiveMinimum": param.gt, "maximum": param.le, "exclusiveMaximum": param.lt}
+    given = {word: bound for word, bound in bounds.items() if bound is not None}
+    _bound(schema, given)
+    if not param.required:
+        schema["default"] = plain_data(param.default)
+    return schema
+
+
+def _bound(schema: Schema, bounds: Mapping[str, float]) -> None:
+    """Put bounds on every number of a schema."""
+    if schema.get("type") in ("integer", "number"):
+        schema.update(bounds)
+    items = schema.get("items")
+    for member in [*schema.get("anyOf", ()), *schema.get("prefixItems", ()), *([items] if items else ())]:
+        _bound(member, bounds)
+
+
+def _type(kind: Any) -> Schema:
+    origin, args = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        return {"enum": list(args)}
+    if origin is tuple and args[-1] is Ellipsis:
+        return {"type": "array", "items": _type(args[0])}
+    if origin is tuple:
+        each = [_type(member) for member in args]
+        return {"type": "array", "prefixItems": each, "minItems": len(each), "maxItems": len(each)}
+    if origin in (Union, types.UnionType):
+        return {"anyOf": [{"type": "null"} if member is type(None) else _type(member) for member in args]}
+    if kind is Path:
+        return {"type": ["string", "integer"], "minLength": 1, "minimum": 0}
+    return {"type": _SCALARS[kind]}
+
+
+def _deploy() -> Schema:
+    process = object_schema(
+        {
+            "stages": {"type": "array", "items": {"type": "string"}},
+            "host": {"type": "string"},
+            "restart": {"enum": list(RESTARTS)},
+        },
+        required=["stages"],
+    )
+    return {
+        "type": ["object", "null"],
+        "description": "which stages would run in which process and where; lockstep does not use it",
+        "additionalProperties": process,
+    }
+
+
+def _optional(properties: Schema, required: list[str] | None = None) -> Schema:
+    """Return the schema of a mapping that may be empty (null) if nothing in it is required."""
+    schema = object_schema(properties, required or [])
+    return schema if required else {**schema, "type": ["object", "null"]}

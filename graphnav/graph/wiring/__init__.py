@@ -1,0 +1,1 @@
+"""Check a graph part by part: parameters, wires, channels, inputs, outputs, firing order."""

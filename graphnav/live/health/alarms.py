@@ -1,0 +1,90 @@
+"""What a person should know while a live run goes on: what is late, what does not come, who else drives."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+
+from graphnav.live.inputs.intake import Intake
+from graphnav.live.live_runner import LiveRunner
+
+_MIN_OVERTAKEN = 3
+"""Fewer messages overtaken within a second are counted, but not told."""
+_MIN_LOST = 3
+"""Fewer messages lost are counted, but not told."""
+_MIN_FOREIGN = 5
+"""So many more messages on a motor channel than were sent are another program's, not two counts taken apart."""
+_SILENT_S = 2.0
+
+
+class Alarms:
+    """Yields lines for people, asked once a second; each thing is told at first, and again when it has doubled.
+
+    ``motor_counts`` returns how many messages came by on the motor channels and how many of them this run has sent.
+    """
+
+    def __init__(self, runner: LiveRunner, motor_counts: Callable[[], tuple[int, int]]) -> None:
+        self._runner, self._motor_counts = runner, motor_counts
+        self._told: dict[str, int] = {}
+        self._overtaken: Counter[str] = Counter()
+        self._busy_s: dict[str, float] = {}
+        self._asked_s = runner.clock.now_s()
+
+    def look(self) -> Iterator[str]:
+        """Yield what has happened since the last call."""
+        now_s = self._runner.clock.now_s()
+        elapsed_s, self._asked_s = max(now_s - self._asked_s, 1e-6), now_s
+        yield from self._late(elapsed_s)
+        for intake in self._runner.intakes.values():
+            yield from self._lost(intake, now_s)
+        heard, sent = self._motor_counts()
+        if self._is_news("foreign", heard - sent, _MIN_FOREIGN):
+            channels = ", ".join(outlet.target.name for outlet in self._runner.outlets.values() if outlet.target.motor)
+            yield (
+                f"another program sends on {channels} too: {heard - sent} of {heard} messages are not this run's\n"
+                "  end one of them: the motors get the commands of both"
+            )
+
+    def _late(self, elapsed_s: float) -> Iterator[str]:
+        """Yield on which edges messages were overtaken and which stage took the time, and missed deadlines."""
+        units = self._runner.units
+        busy_s = {name: unit.durations.total_s for name, unit in units.items()}
+        spent_s = {name: total_s - self._busy_s.get(name, 0.0) for name, total_s in busy_s.items()}
+        self._busy_s = busy_s
+        slowest = max(spent_s, key=lambda name: spent_s[name])
+        step_ms = units[slowest].durations.quantile_s(0.5) * 1e3
+        for edge, count in self._runner.overtaken().items():
+            grown, self._overtaken[edge] = count - self._overtaken[edge], count
+            if grown >= _MIN_OVERTAKEN and self._is_news(edge, count, 1):
+                share = f"{slowest} took {spent_s[slowest] / elapsed_s:.0%} of the last second, {step_ms:.0f} ms a step"
+                yield f"late: {count} messages overtaken on {edge}; {share}"
+        for name, unit in units.items():
+            if self._is_news(f"{name} missed", unit.missed, 1):
+                yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
+
+    def _lost(self, intake: Intake, now_s: float) -> Iterator[str]:
+        """Yield whether an input is silent that stages wait for, and what was not used of it."""
+        ref, channel = intake.source.channel.ref, intake.source.name
+        silent_s = now_s - max(intake.heard_s, self._runner.clock.start_s)
+        if self._runner.is_needed(ref) and silent_s > _SILENT_S:
+            if self._is_news(f"{ref} silent", round(silent_s), 1):
+                yield f"silent: {ref} has had no message on {channel} for {silent_s:.0f} s"
+        else:
+            self._told.pop(f"{ref} silent", None)
+        rejected = intake.monitor.rejected
+        if self._is_news(f"{ref} rejected", rejected.total(), _MIN_OVERTAKEN):
+            reasons = ", ".join(f"{count} {reason}" for reason, count in rejected.most_common())
+            last = f" ({intake.last_error})" if intake.last_error else ""
+            yield f"not used: {rejected.total()} messages of {ref} on {channel}: {reasons}{last}"
+        if self._is_news(f"{ref} lost", intake.lost, _MIN_LOST):
+            yield (
+                f"lost: {intake.lost} messages of {ref} on {channel} never arrived, by their sequence numbers\n"
+                "  'graphnav doctor' tells whether the receive buffer holds one of this size"
+            )
+
+    def _is_news(self, what: str, count: int, least: int) -> bool:
+        """Whether a count is at least ``least`` and twice what was told last."""
+        if count < max(least, 2 * self._told.get(what, 0)):
+            return False
+        self._told[what] = count
+        return True

@@ -1,0 +1,81 @@
+"""The health of a live run: what `graphnav.status` says once a second."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from graphnav.live.inputs.intake import Intake
+from graphnav.live.live_runner import LiveRunner
+from graphnav.live.outlet import Outlet
+from graphnav.messages import Status
+from graphnav.runner.stage_health import Rates, memory_mb, stage_statuses
+
+_PERIOD_S = 1.0
+
+
+class StatusReporter:
+    """Makes a status once a second; ``dropped`` returns what the tap and the log have dropped."""
+
+    def __init__(self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]]) -> None:
+        self._runner, self._run_id, self._dropped = runner, run_id, dropped
+        self._due_s = runner.clock.now_s() + _PERIOD_S
+        self._last_s = runner.clock.now_s()
+        self._rates = Rates()
+
+    def is_due(self) -> bool:
+        """Whether the last status is a second old."""
+        return self._runner.clock.now_s() >= self._due_s
+
+    def make(self) -> Status:
+        """Return the status of now; rates are those since the last one."""
+        clock = self._runner.clock
+        now_s = clock.now_s()
+        elapsed_s = max(now_s - self._last_s, 1e-6)
+        self._last_s, self._due_s = now_s, now_s + _PERIOD_S
+        overtaken = self._runner.overtaken()
+        tap_dropped, log_dropped = self._dropped()
+        return Status(
+            run_id=self._run_id,
+            graph=self._runner.graph.path.stem,
+            live=True,
+            wall_s=clock.run_s(),
+            run_s=clock.run_s(),
+            behind_s=self._runner.behind_s(now_s),
+            memory_mb=memory_mb(),
+            tap_dropped=tap_dropped,
+            log_dropped=log_dropped,
+            stages=stage_statuses(self._runner.units, self._rates, elapsed_s),
+            inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._runner.intakes.values()),
+            outputs=tuple(_output(one) for one in self._runner.outlets.values()),
+            edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),
+        )
+
+    def _input(self, intake: Intake, now_s: float, elapsed_s: float) -> dict[str, Any]:
+        source, monitor = intake.source, intake.monitor
+        reasons = sorted(monitor.rejected.items())
+        return {
+            "name": source.channel.ref,
+            "channel": f"{source.log}:{source.name}" if source.log is not None else source.name,
+            "accepted": intake.used + intake.overtaken,
+            "rate_hz": self._rates.since(f"{source.channel.ref} used", intake.used + intake.overtaken) / elapsed_s,
+            "lost": intake.lost,
+            "age_s": intake.age_s(now_s) if intake.used else -1.0,
+            "max_age_s": monitor.max_age_s,
+            "offset_s": monitor.offset_s,
+            "fault": monitor.fault(now_s),
+            "reasons": tuple(reason for reason, _ in reasons),
+            "rejected": tuple(count for _, count in reasons),
+        }
+
+
+def _output(outlet: Outlet) -> dict[str, Any]:
+    return {
+        "name": outlet.target.channel.ref,
+        "channel": outlet.target.name,
+        "motor": outlet.target.motor,
+        "sent": outlet.sent,
+        "latency_p50_ms": outlet.latency.quantile_s(0.5) * 1e3,
+        "latency_p99_ms": outlet.latency.quantile_s(0.99) * 1e3,
+        "latency_max_ms": outlet.max_latency_s * 1e3,
+    }

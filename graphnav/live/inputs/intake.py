@@ -1,0 +1,161 @@
+"""One input of a live run: its messages decoded, judged, and what was wrong with them counted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from graphnav.codec import DecodeError, codec_of, fingerprint
+from graphnav.errors import one_line
+from graphnav.graph import InputChannel
+from graphnav.live.clock import LiveClock
+from graphnav.live.inputs.receiver import Arrival, Mailbox
+from graphnav.live.inputs.sender import SenderMonitor, Verdict
+from graphnav.messages import Message
+from graphnav.motors.channel import INT64_BYTES
+from graphnav.motors.offsets import offsets_of
+
+NEWEST = 8
+"""Messages that wait where only the newest counts: images of 640x480 are 0.3 to 0.9 MB."""
+GATHERED = 1024
+"""Messages that wait where every one counts."""
+FLOOD = "flood"
+"""Why messages of a second writer are rejected that are too many to be judged one by one."""
+
+
+class Received(NamedTuple):
+    """A message to deliver; ``raw``: its bytes where they are those of the message itself."""
+
+    utime: int
+    message: Message
+    birth_s: float
+    raw: bytes | None
+    begins_anew: bool
+
+
+class Intake:
+    """Takes the messages of one input out of its mailbox.
+
+    ``needs_all``: whether every message counts, as for `Since` inputs and joins; else only the newest is decoded.
+    """
+
+    def __init__(self, source: InputChannel, clock: LiveClock, *, needs_all: bool) -> None:
+        self.source = source
+        self.monitor = SenderMonitor(source.max_age_s)
+        self.mailbox = Mailbox(fingerprint(source.lcm_class), GATHERED if needs_all else NEWEST, self._is_own)
+        self.needs_all = needs_all
+        self.used = 0
+        """Messages that were handed on."""
+        self.heard_s = -math.inf
+        """When the last message came that was handed on, monotonic seconds."""
+        self.last_error = ""
+        """What the last message could not be read for."""
+        self.overtaken = 0
+        """Messages that were fit for use, but older than the newest."""
+        self._clock = clock
+        self._codec = codec_of(source.lcm_class)
+        self._sizes: tuple[tuple[int, ...], ...] | None = None
+        self._seq_at = None if source.channel.message.many_writers else offsets_of(source.lcm_class)[1]
+        self._seen_wrong = self._seen_overflowed = self._seen_flooded = 0
+        self._birth_s = -math.inf
+
+    def take(self) -> Iterator[Received]:
+        """Yield what is fit for use, oldest first; everything else is counted."""
+        accepted: list[tuple[Arrival, Mapping[str, Any], Verdict]] = []
+        for arrival in self.mailbox.take():
+            judged = self._judge(arrival)
+            if judged is not None:
+                accepted.append((arrival, *judged))
+        self._count_unread()
+        if self.needs_all:
+            for arrival, fields, verdict in accepted:
+                message = self._message(fields)
+                if message is not None:
+                    yield self._received(arrival, message, verdict, anew=verdict.begins_anew)
+            return
+        anew = any(verdict.begins_anew for _, _, verdict in accepted)
+        for place in range(len(accepted) - 1, -1, -1):
+            arrival, fields, verdict = accepted[place]
+            message = self._message(fields)
+            if message is not None:
+                self.overtaken += place
+                yield self._received(arrival, message, verdict, anew=anew)
+                return
+
+    @property
+    def lost(self) -> int:
+        """Messages that never arrived, by their sequence numbers; those that were overtaken did arrive."""
+        return max(0, self.monitor.missing - self.mailbox.overflowed)
+
+    def age_s(self, now_s: float) -> float:
+        """Return the age of the newest message that was handed on, infinite before the first."""
+        return now_s - self._birth_s
+
+    def _judge(self, arrival: Arrival) -> tuple[Mapping[str, Any], Verdict] | None:
+        try:
+            fields = self._codec.decode(arrival.data)
+        except DecodeError:
+            self.monitor.reject("undecodable")
+            return None
+        adapter = self.source.adapter
+        utime = adapter.utime(fields) if adapter is not None else fields.get("utime")
+        seq = fields.get("seq")
+        if self.source.channel.message.many_writers:
+            utime = seq = None
+        verdict = self.monitor.judge(
+            arrival.at_s,
+            self._clock.utime_at(arrival.at_s),
+            utime if isinstance(utime, int) else None,
+            seq if isinstance(seq, int) else None,
+        )
+        return (fields, verdict) if verdict.accepted else None
+
+    def _message(self, fields: Mapping[str, Any]) -> Message | None:
+        """Return the message of some fields, None where it is not fit for use."""
+        source = self.source
+        try:
+            if source.adapter is not None:
+                message = source.adapter.from_lcm(fields)
+            else:
+                message = source.channel.message.from_lcm_fields(fields)
+            not_finite = message.not_finite()
+        except Exception as error:  # noqa: BLE001 - an adapter of a plugin, and bytes of anybody
+            self.last_error = one_line(error)
+            self.monitor.reject("unreadable")
+            return None
+        if not_finite:
+            self.monitor.reject("not finite")
+            return None
+        sizes = tuple(np.shape(getattr(message, name)) for name in message.grid)
+        if self._sizes is None:
+            self._sizes = sizes
+        elif sizes != self._sizes:
+            self.monitor.reject("wrong size")
+            return None
+        return message
+
+    def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, anew: bool) -> Received:
+        self._birth_s, self.heard_s = verdict.birth_s, arrival.at_s
+        self.used += 1
+        raw = arrival.data if self.source.adapter is None else None
+        return Received(verdict.utime, message, verdict.birth_s, raw, anew)
+
+    def _is_own(self, data: bytes, at_s: float) -> bool:
+        """Whether a message may be of the accepted writer; asked by the thread that receives."""
+        if self._seq_at is None or len(data) < self._seq_at + INT64_BYTES:
+            return True
+        seq = int.from_bytes(data[self._seq_at : self._seq_at + INT64_BYTES], "big", signed=True)
+        return self.monitor.may_be_own(seq, at_s)
+
+    def _count_unread(self) -> None:
+        """Count what never came out of the mailbox."""
+        wrong, overflowed, flooded = self.mailbox.wrong_type, self.mailbox.overflowed, self.mailbox.flooded
+        if flooded > self._seen_flooded:
+            self.monitor.rejected[FLOOD] += flooded - self._seen_flooded
+        if wrong > self._seen_wrong:
+            self.monitor.rejected["wrong type"] += wrong - self._seen_wrong
+        self.overtaken += overflowed - self._seen_overflowed
+        self._seen_wrong, self._seen_overflowed, self._seen_flooded = wrong, overflowed, flooded

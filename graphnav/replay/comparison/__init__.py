@@ -1,0 +1,1 @@
+"""Compare what a replay published with the log."""

@@ -1,0 +1,1 @@
+"""What a recorded log offers a replay."""

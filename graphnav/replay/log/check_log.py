@@ -1,0 +1,130 @@
+"""Refuse a log that lacks what a replay needs, or find how far what is left of a damaged one reaches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from graphnav.errors import UserError
+from graphnav.graph import Channel
+from graphnav.messages import About
+from graphnav.record import Recording
+from graphnav.replay.log.contents import Contents
+from graphnav.replay.log.firings import LoggedFirings
+from graphnav.replay.log.missing_messages import Hole, holes_of, is_first_only
+from graphnav.replay.plan import Plan
+from graphnav.tap import PACKET_BYTES
+
+_HINT = (
+    "record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
+    "or play what these stages publish with --play"
+)
+
+
+def refuse_unreadable(plan: Plan, contents: Contents, recording: Recording, about: About | None) -> None:
+    """Refuse messages that the graph cannot read.
+
+    Raises
+    ------
+    UserError
+        A channel that is needed has another type, or was thinned by the tap.
+    """
+    _refuse_other_types(plan, contents, recording)
+    _refuse_thinned(plan, contents, recording, about)
+
+
+def refuse_unlogged(
+    plan: Plan, contents: Contents, recording: Recording, logged: LoggedFirings, *, is_small: bool
+) -> None:
+    """Refuse a live log that never held what stages read that did not read it in the run.
+
+    Raises
+    ------
+    UserError
+        It has no messages of such a channel, or only the first because it keeps small ones.
+    """
+    newly = {
+        i.channel.name
+        for node in plan.stepped.nodes
+        for i in node.inputs
+        if i.channel is not None and (node.name in logged.added or (node.name, i.port.name) in logged.new_ports)
+    }
+    lines = []
+    for channel in plan.played:
+        found = contents.messages[channel.name]
+        if channel.name not in newly or (found and not (is_small and is_first_only(found, contents))):
+            continue
+        lines.append(f"{channel.name}: {'all but 1' if found else 'all of them'}")
+    if lines:
+        readers = ", ".join(sorted({n for c in plan.played if c.name in newly for n in plan.readers_of(c)}))
+        what = f"{recording.path} lacks messages that {readers} read:"
+        raise UserError.of("\n  ".join([what, *lines]), _HINT)
+
+
+class Reach(NamedTuple):
+    """How far a log holds everything that is needed: a stamp, infinity to its end, and what it lacks behind it."""
+
+    until_us: float
+    lost: tuple[str, ...] = ()
+
+
+def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int, *, is_small: bool) -> Reach:
+    """Return how far a log holds everything that is needed from ``start_us`` on.
+
+    A run that logs everything lacks a message only where its log is damaged: then the part before it is used.
+
+    Raises
+    ------
+    UserError
+        The log lacks something because it was never recorded, or lacks it from the beginning.
+    """
+    lacking: dict[Channel, list[Hole]] = {}
+    for channel in plan.needed:
+        holes = [hole for hole in holes_of(channel, plan, contents) if hole.before_us > start_us]
+        if holes:
+            lacking[channel] = holes
+    if not lacking:
+        return Reach(math.inf)
+    readers = ", ".join(sorted({name for channel in lacking for name in plan.readers_of(channel)}))
+    until_us = min(holes[0].after_us for holes in lacking.values())
+    if (contents.lost or (contents.is_own and not is_small)) and until_us >= start_us:
+        lines = "; ".join(_lines(lacking, contents))
+        return Reach(until_us, (f"replayed up to {until_us / 1e6:.2f} s; later messages are missing: {lines}",))
+    what = f"{recording.path} lacks messages that {readers} read:"
+    raise UserError.of("\n  ".join([what, *_lines(lacking, contents)]), _HINT)
+
+
+def _lines(lacking: Mapping[Channel, list[Hole]], contents: Contents) -> Iterator[str]:
+    for channel, holes in lacking.items():
+        kept = len(contents.messages[channel.name])
+        if not kept:
+            yield f"{channel.name}: all of them"
+            continue
+        missing = sum(hole.n_messages for hole in holes) if all(hole.n_messages for hole in holes) else 0
+        share = f"{missing} of {missing + kept}" if missing else f"all but {kept}"
+        after_us = holes[0].after_us
+        yield f"{channel.name}: {share}, " + (
+            f"the first after {after_us / 1e6:.2f} s" if math.isfinite(after_us) else "from the first on"
+        )
+
+
+def _refuse_other_types(plan: Plan, contents: Contents, recording: Recording) -> None:
+    for channel in plan.needed:
+        if channel.name in contents.other_types:
+            what = f"channel '{channel.name}' of {recording.path} is not {channel.message.__name__}, as the graph says"
+            raise UserError.of(what, "replay it with the graph that made it")
+
+
+def _refuse_thinned(plan: Plan, contents: Contents, recording: Recording, about: About | None) -> None:
+    """Refuse grids that the tap may have thinned: it leaves rows and columns out of what exceeds one packet."""
+    if about is None or not about.run_id:
+        return
+    for channel in plan.needed:
+        messages = contents.messages[channel.name]
+        if not messages or not channel.message.grid or not PACKET_BYTES / 4 < messages[0].n_bytes <= PACKET_BYTES:
+            continue
+        step_px = recording.fields(channel.name, messages[0].place).get("step_px", 1)
+        if step_px > 1:
+            what = f"'{channel.name}' of {recording.path} was thinned by the tap: its step_px is {step_px}"
+            raise UserError.of(what, "record a run with --tap full, or replay the log in its run folder")

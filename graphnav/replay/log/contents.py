@@ -1,0 +1,152 @@
+"""The messages of a log by channel, and what of it is damaged."""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from graphnav.codec import fingerprint
+from graphnav.errors import UserError
+from graphnav.graph import Channel, Graph
+from graphnav.graph.wiring.channels import RESERVED
+from graphnav.messages import About
+from graphnav.record import Recording
+from graphnav.record.recording import Head
+
+_MAX_TOLD = 5
+
+
+class Logged(NamedTuple):
+    """A message of a log: where it is, its stamp and its number.
+
+    ``at_us``: when it was published, by the run's clock, which gives the stamps in lockstep.
+    """
+
+    channel: str
+    place: int
+    """Within the channel."""
+    utime: int
+    seq: int
+    n_bytes: int
+    at_us: int
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a log holds of the channels of a graph."""
+
+    messages: Mapping[str, tuple[Logged, ...]]
+    """By channel, in the order of the file; every channel of the graph is there."""
+    order: tuple[Logged, ...]
+    """All of them in the order of the file."""
+    other_types: frozenset[str]
+    """Channels that have another type in the log."""
+    damaged: Mapping[str, list[float]]
+    """By channel, for each message of it that is damaged the stamp of the one before it, minus infinity for none."""
+    lost: tuple[str, ...]
+    """What is damaged, in lines for people."""
+    is_own: bool
+    """Whether a lockstep run wrote the log, not a logger that listened: then its events have the messages' stamps."""
+
+    @property
+    def last_us(self) -> int:
+        """The newest stamp, microseconds, 0 in an empty log."""
+        return max((message.utime for message in self.order), default=0)
+
+
+def read_contents(recording: Recording, graph: Graph, about: About | None, *, is_live: bool) -> Contents:
+    """Return the messages of a log on the channels of ``graph``, without those that are damaged.
+
+    ``is_live``: whether it is the log of a live run, whose events have the run's clock, not the messages' stamps.
+
+    Raises
+    ------
+    UserError
+        The log holds several runs.
+    """
+    channels = {channel.name: channel for channel in graph.channels.values()}
+    heads = [head for head in recording.heads() if not head.channel.startswith(RESERVED)]
+    own = [head for head in heads if head.channel in channels]
+    is_own = not is_live and 2 * sum(head.logged_us == head.utime for head in own) > len(own)
+    other_types = _other_types(own, channels)
+    known = {*channels, *about.channels} if about is not None else {head.channel for head in heads}
+    messages: dict[str, list[Logged]] = {name: [] for name in channels}
+    order: list[Logged] = []
+    damaged: dict[str, list[float]] = defaultdict(list)
+    lost = _lost_bytes(recording)
+    for head in heads:
+        if head.channel in other_types or (head.channel not in known and not is_own):
+            continue
+        if _is_damaged(head, channels, known, is_own=is_own):
+            lost.append(f"event {head.place} of channel {head.channel!a} is damaged")
+        elif head.channel in channels and not _is_repeated(head, messages[head.channel]):
+            message = Logged(
+                head.channel,
+                head.place,
+                head.utime,
+                head.seq,
+                head.n_bytes,
+                head.logged_us if is_live else head.utime,
+            )
+            messages[head.channel].append(message)
+            order.append(message)
+    if not is_own and not is_live:
+        _refuse_several_runs(recording, messages, _stamped(graph))
+    if len(lost) > _MAX_TOLD:
+        lost = [*lost[:_MAX_TOLD], f"and {len(lost) - _MAX_TOLD} more"]
+    return Contents(
+        {name: tuple(found) for name, found in messages.items()},
+        tuple(order),
+        other_types,
+        damaged,
+        tuple(lost),
+        is_own,
+    )
+
+
+def _lost_bytes(recording: Recording) -> list[str]:
+    """Return what could not be read as events."""
+    return [*map(str, recording.damaged), *([str(recording.torn)] if recording.torn else [])]
+
+
+def _other_types(heads: Sequence[Head], channels: Mapping[str, Channel]) -> frozenset[str]:
+    """Return the channels none of whose messages has the type that the graph says."""
+    right: dict[str, bool] = defaultdict(bool)
+    for head in heads:
+        right[head.channel] |= head.fingerprint == fingerprint(channels[head.channel].message.lcm_class)
+    return frozenset(name for name, is_right in right.items() if not is_right)
+
+
+def _is_damaged(head: Head, channels: Mapping[str, Channel], known: Collection[str], *, is_own: bool) -> bool:
+    if head.channel not in known or (is_own and head.logged_us != head.utime):
+        return True
+    channel = channels.get(head.channel)
+    return channel is not None and head.fingerprint != fingerprint(channel.message.lcm_class)
+
+
+def _is_repeated(head: Head, before: Sequence[Logged]) -> bool:
+    """Whether it is the message before it again: the tap repeats what was published once."""
+    return bool(before) and (before[-1].utime, before[-1].seq) == (head.utime, head.seq)
+
+
+def _stamped(graph: Graph) -> set[str]:
+    """Return the channels whose messages have stamps of their own."""
+    return {node.outputs[port.name].name for node in graph.nodes for port in node.output_ports if port.stamped}
+
+
+def _refuse_several_runs(
+    recording: Recording, messages: Mapping[str, Sequence[Logged]], stamped: Collection[str]
+) -> None:
+    for name, found in messages.items():
+        if name in stamped:
+            continue
+        for before, after in itertools.pairwise(found):
+            if after.utime < before.utime:
+                what = (
+                    f"{recording.path} holds several runs: '{name}' goes back from {before.utime / 1e6:.2f} s "
+                    f"to {after.utime / 1e6:.2f} s"
+                )
+                raise UserError.of(what, "record one run a log")

@@ -1,0 +1,171 @@
+"""The firings of a live run, as its log holds them, and the messages that each one stepped with."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from graphnav.codec import DecodeError, decode
+from graphnav.errors import UserError
+from graphnav.graph import Channel, Input
+from graphnav.live.firing import FIRED, Used
+from graphnav.messages import Fired
+from graphnav.record import Recording
+from graphnav.replay.log.contents import Contents, Logged
+from graphnav.replay.plan import Plan
+
+
+class Firing(NamedTuple):
+    """A firing: when it was, by the run's clock, the stamp of the step, and what the step got."""
+
+    at_us: int
+    stage: str
+    utime: int
+    age_s: float
+    used: tuple[Used, ...]
+
+
+@dataclass(frozen=True)
+class LoggedFirings:
+    """The firings of a run, in the order of the log, and where the messages are that they read."""
+
+    firings: tuple[Firing, ...]
+    """Also of stages that do not step."""
+    messages: tuple[Logged, ...]
+    """What the log holds and no stage publishes that steps, by when it was published."""
+    played: Mapping[tuple[str, int, int], Logged]
+    """What they read of the log, by channel, number and stamp."""
+    awaited: Counter[tuple[str, int]]
+    """How often they read what other stages publish that step, by channel and stamp."""
+    is_cut: bool
+    """Whether the log lacks messages that later firings read, because it is damaged."""
+    added: frozenset[str]
+    """Stages that the run did not have."""
+    new_ports: frozenset[tuple[str, str]]
+    """Inputs that other stages did not read in the run, by the names of stage and port."""
+    channels: Mapping[str, Mapping[str, str]]
+    """What the inputs of the stages read that do not step, by the names of stage and port."""
+
+
+def read_firings(
+    plan: Plan, contents: Contents, recording: Recording, wires: Mapping[str, Mapping[str, str]]
+) -> LoggedFirings:
+    """Return the firings of a log up to the first that the rest of a damaged log is not enough for.
+
+    ``wires``: what each port of each stage read in that run, by the names of stage and port.
+
+    Raises
+    ------
+    UserError
+        The log holds no firings, or lacks messages that the stages stepped with, and not because it is damaged.
+    """
+    added = plan.stepped_names - wires.keys()
+    new_ports = frozenset((name, i.port.name) for name, i in new_inputs(plan, wires) if name not in added)
+    reader = _Reader(plan, contents, new_ports)
+    firings: list[Firing] = []
+    lacking: Counter[str] = Counter()
+    n_complete: float = math.inf
+    for firing in _decoded(recording):
+        if lacks := reader.take(firing) if firing.stage in plan.stepped_names else []:
+            lacking.update(lacks)
+            n_complete = min(n_complete, len(firings))
+        firings.append(firing)
+    if not firings:
+        what = f"{recording.path} does not say when each stage fired: it holds no '{FIRED}'"
+        raise UserError.of(what, "record the live run with this version of graphnav, in its own log")
+    if lacking and not (contents.lost and n_complete):
+        lines = [f"{name}: {count} of {reader.read[name]}" for name, count in lacking.items()]
+        what = "\n  ".join([f"{recording.path} lacks messages that its stages stepped with:", *lines])
+        raise UserError.of(
+            what, "record everything: --set run.record=all; or play what these stages publish with --play"
+        )
+    kept = firings if math.isinf(n_complete) else firings[: int(n_complete)]
+    held = {channel.name for channel in (*plan.played, *plan.copied)}
+    return LoggedFirings(
+        firings=tuple(kept),
+        messages=tuple(sorted((one for one in contents.order if one.channel in held), key=lambda one: one.at_us)),
+        played=reader.played,
+        awaited=reader.awaited,
+        is_cut=len(kept) < len(firings),
+        added=added,
+        new_ports=new_ports,
+        channels={
+            node.name: {i.port.name: i.channel.name for i in node.inputs if i.channel is not None}
+            for node in plan.graph.nodes
+            if node.name not in plan.stepped_names
+        },
+    )
+
+
+def _decoded(recording: Recording) -> Iterator[Firing]:
+    for index in range(recording.count(FIRED)):
+        event = recording.event(FIRED, index)
+        try:
+            utime, _, fired = decode(Fired, event.data)
+        except DecodeError:
+            continue
+        numbers, stamps, ages = fired.numbers.tolist(), fired.stamps_us.tolist(), fired.ages_s.tolist()
+        used = map(Used, fired.ports, numbers, stamps, ages, fired.faults)
+        yield Firing(fired.fired_us, fired.stage, utime, fired.age_s, tuple(used))
+
+
+class _Reader:
+    """Finds the messages of firings among those of the log."""
+
+    def __init__(self, plan: Plan, contents: Contents, new_ports: Collection[tuple[str, str]]) -> None:
+        self.played: dict[tuple[str, int, int], Logged] = {}
+        self.awaited: Counter[tuple[str, int]] = Counter()
+        self.read: Counter[str] = Counter()
+        """How many messages of each played channel were read."""
+        self._seen: set[tuple[str, int, int]] = set()
+        played = {channel.ref for channel in plan.played}
+        self._ports: dict[str, dict[str, tuple[Channel, bool]]] = defaultdict(dict)
+        for node in plan.stepped.nodes:
+            for i in node.inputs:
+                if i.channel is not None and (node.name, i.port.name) not in new_ports:
+                    self._ports[node.name][i.port.name] = i.channel, i.channel.ref in played
+        self._by_place = {name: {one.place: one for one in found} for name, found in contents.messages.items()}
+        self._by_stamp = {name: {one.utime: one for one in found} for name, found in contents.messages.items()}
+
+    def take(self, firing: Firing) -> list[str]:
+        """Note what a firing reads; return the channels of messages that the log lacks."""
+        lacks = []
+        for used in firing.used:
+            channel, is_played = self._ports[firing.stage].get(used.port, (None, False))
+            if channel is None or used.number < 0:
+                continue
+            if not is_played:
+                self.awaited[channel.name, used.utime] += 1
+                continue
+            key = channel.name, used.number, used.utime
+            if key in self._seen:
+                continue
+            self._seen.add(key)
+            self.read[channel.name] += 1
+            found = self._find(channel, used)
+            if found is None:
+                lacks.append(channel.name)
+            else:
+                self.played[key] = found
+        return lacks
+
+    def _find(self, channel: Channel, used: Used) -> Logged | None:
+        """Return a message by its number; by its stamp where the log lacks messages before it."""
+        found = self._by_place[channel.name].get(used.number)
+        if found is not None and (found.utime == used.utime or channel.message.many_writers):
+            return found
+        return self._by_stamp[channel.name].get(used.utime)
+
+
+def new_inputs(plan: Plan, wires: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[str, Input]]:
+    """Yield the inputs of stages that step which the recorded run did not have, or had wired otherwise.
+
+    ``wires``: what each port of each stage read in that run, by the names of stage and port.
+    """
+    for node in plan.stepped.nodes:
+        for i in node.inputs:
+            if i.channel is not None and wires.get(node.name, {}).get(i.port.name) != i.channel.ref:
+                yield node.name, i

@@ -1,0 +1,29 @@
+"""The metrics of a recorded run, from the summary in its folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from graphnav.record import LOG
+from graphnav.runner.recording.run_recorded import SUMMARY
+
+
+def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
+    """Return the metrics by stage that the summary in the folder of a run holds, none without a readable one."""
+    if log.name != LOG:
+        return {}
+    try:
+        summary = json.loads((log.parent / SUMMARY).read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return {}
+    scores = summary.get("scores") if isinstance(summary, dict) else None
+    return {
+        stage: {name: float(value) for name, value in metrics.items() if _is_number(value)}
+        for stage, metrics in (scores.items() if isinstance(scores, dict) else ())
+        if isinstance(metrics, dict)
+    }
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

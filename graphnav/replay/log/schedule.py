@@ -1,0 +1,91 @@
+"""The ticks of a replay: which messages of the log are published at which stamp."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from graphnav.graph import Channel, Graph
+from graphnav.replay.log.contents import Contents, Logged
+from graphnav.replay.plan import Plan
+
+
+@dataclass
+class Tick:
+    """One stamp and what the log holds of it that no stage publishes which steps, by the stage that published it."""
+
+    utime: int
+    played: dict[str, list[Logged]] = field(default_factory=lambda: defaultdict(list))
+
+
+def ticks_of(plan: Plan, contents: Contents) -> list[Tick]:
+    """Return the ticks of a log in the order of their stamps.
+
+    A message belongs to the tick of its stamp. One with a stamp of its own belongs to the firing in which the log has
+    it: that of the tick before it in the file, unless its source or a stage behind it has published in that tick
+    already, else that of the tick after it.
+    """
+    walk = _Walk(plan)
+    for message in contents.order:
+        walk.take(message)
+    return [walk.ticks[utime] for utime in sorted(walk.ticks)]
+
+
+class _Walk:
+    """Goes through a log in the order of the file."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.ticks: dict[int, Tick] = {}
+        self._channels = {channel.name: channel for channel in plan.graph.channels.values()}
+        self._held = {channel.name for channel in (*plan.played, *plan.copied)}
+        self._sources = {node.name for node in plan.graph.sources}
+        self._places = _places(plan.graph)
+        self._stamped = {
+            node.outputs[port.name].name for node in plan.graph.nodes for port in node.output_ports if port.stamped
+        }
+        self._utime: int | None = None
+        self._reached: dict[str, int] = {}
+        """The last port of each source that has published in this tick."""
+        self._is_past_sources = False
+        self._waiting: list[Logged] = []
+
+    def take(self, message: Logged) -> None:
+        """Take the next message."""
+        channel = self._channels[message.channel]
+        if message.channel not in self._stamped:
+            if message.utime != self._utime:
+                self._begin(message.utime)
+        elif self._is_of_next(channel):
+            self._waiting.append(message)
+            return
+        self._note(channel)
+        self._put(message)
+
+    def _begin(self, utime: int) -> None:
+        self._utime, self._is_past_sources = utime, False
+        self._reached.clear()
+        for message in self._waiting:
+            self._put(message)
+        self._waiting.clear()
+
+    def _is_of_next(self, channel: Channel) -> bool:
+        if self._utime is None or self._waiting or self._is_past_sources:
+            return True
+        return self._places[channel.ref] <= self._reached.get(channel.stage, -1)
+
+    def _note(self, channel: Channel) -> None:
+        if channel.stage in self._sources:
+            self._reached[channel.stage] = self._places[channel.ref]
+        else:
+            self._is_past_sources = True
+
+    def _put(self, message: Logged) -> None:
+        if message.channel in self._held and self._utime is not None:
+            tick = self.ticks.setdefault(self._utime, Tick(self._utime))
+            tick.played[self._channels[message.channel].stage].append(message)
+
+
+def _places(graph: Graph) -> Mapping[str, int]:
+    """Return the place of each channel among the outputs of its stage, by reference."""
+    return {channel.ref: place for node in graph.nodes for place, channel in enumerate(node.outputs.values())}

@@ -1,0 +1,1 @@
+"""Step the stages of a recorded run again."""

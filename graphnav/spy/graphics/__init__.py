@@ -1,0 +1,1 @@
+"""Pictures and bars as terminal characters and escape sequences."""

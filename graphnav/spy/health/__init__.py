@@ -1,0 +1,1 @@
+"""The health of runs, from `graphnav.status`, as text and JSON."""

@@ -1,0 +1,166 @@
+"""The health of runs for people."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from graphnav.errors import shown_name
+from graphnav.messages import Status
+from graphnav.spy.health.health import GuardHealth, Health, RunHealth
+
+_FORGET_S = 10.0
+"""A run that is silent for longer is told in one line."""
+_INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
+_OUTPUT = ("output", "channel", "", "sent", "latency p50", "p99", "max")
+_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
+_STRINGS = {"stage", "uses", "input", "channel", "output", "fault", "rejected"}
+"""Columns that become narrower where a table is too wide; numbers stay complete."""
+_WIDE_COLS = 100
+"""Narrower terminals show fewer columns."""
+_WIDE_ONLY = {_INPUT: {"channel", "offset"}, _STAGE: {"uses", "deadline"}}
+_WRAPPED = {"fault", "rejected"}
+
+
+def health_as_text(health: Health, width_cols: int) -> RenderableType:
+    """Return what guards and runs said last, for a terminal of ``width_cols`` columns, the most important first.
+
+    Guards come before the runs, runs with motor outputs before others, inputs and outputs before stages. Silent runs
+    come last, are marked as silent, and their metrics are dim.
+    """
+    parts: list[RenderableType] = [_guard(health, health.guards[channel]) for channel in sorted(health.guards)]
+    for run in sorted(health.runs.values(), key=lambda run: (health.is_silent(run), not _has_motor(run), run.run_id)):
+        parts += _run(health, run, width_cols)
+    return Group(*parts)
+
+
+def _has_motor(run: RunHealth) -> bool:
+    return run.status is not None and any(one["motor"] for one in run.status.outputs)
+
+
+def _run(health: Health, run: RunHealth, width_cols: int) -> Iterator[RenderableType]:
+    status, silent_s = run.status, health.silent_s(run) or 0.0
+    heading = Text.assemble(("run ", "bold"), (shown_name(run.run_id), "bold"))
+    if status is not None:
+        heading.append(f"  {shown_name(status.graph)}")
+    if health.is_silent(run) or status is None:
+        heading.append(f"  no status for {silent_s:.1f} s", "bold red")
+    if status is None:
+        yield heading
+        return
+    yield heading.append(f"  {_clock(status)}")
+    if silent_s <= _FORGET_S:
+        yield from _tables(status, "dim" if health.is_silent(run) else "", width_cols)
+
+
+def _clock(status: Status) -> str:
+    mode = "live" if status.live else f"lockstep, {status.run_s:.1f} s simulated"
+    return (
+        f"{mode}, {status.wall_s:.1f} s of wall time, {status.behind_s:.2f} s behind, {status.memory_mb:.0f} MB, "
+        f"dropped: tap {status.tap_dropped}, log {status.log_dropped}"
+    )
+
+
+def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableType]:
+    for headings, rows in (
+        (_INPUT, [_input(one) for one in status.inputs]),
+        (_OUTPUT, [_output(one) for one in status.outputs]),
+        (_STAGE, [_stage(one) for one in status.stages]),
+    ):
+        if rows:
+            hidden = _WIDE_ONLY.get(headings, ()) if width_cols < _WIDE_COLS else ()
+            yield _table(headings, rows, style, hidden)
+    if status.edges:
+        overtaken = ", ".join(f"{shown_name(edge['name'])} {edge['overtaken']}" for edge in status.edges)
+        yield Text(f"overtaken on edges: {overtaken}", style)
+
+
+def _stage(one: Mapping[str, Any]) -> Sequence[Text]:
+    deadline = f"{one['deadline_ms']:.0f} ms" if one["deadline_ms"] else ""
+    return (
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["use"])),
+        Text(f"{one['rate_hz']:.1f} Hz"),
+        _ms(one["p50_ms"]),
+        _ms(one["p99_ms"]),
+        Text(deadline),
+        _count(one["missed"]),
+        _count(one["overtaken"]),
+    )
+
+
+def _input(one: Mapping[str, Any]) -> Sequence[Text]:
+    age = Text("none yet", "red")
+    if one["age_s"] >= 0:
+        age = Text(f"{one['age_s']:.2f} / {one['max_age_s']:.2f} s", "red" if one["age_s"] > one["max_age_s"] else "")
+    rejected = ", ".join(f"{shown_name(why)} {n}" for why, n in zip(one["reasons"], one["rejected"], strict=False))
+    return (
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["channel"])),
+        Text(str(one["accepted"])),
+        _count(one["lost"]),
+        Text(f"{one['rate_hz']:.1f} Hz"),
+        age,
+        Text(f"{one['offset_s']:+.3f} s"),
+        Text(shown_name(one["fault"]), "red"),
+        Text(rejected, "yellow"),
+    )
+
+
+def _output(one: Mapping[str, Any]) -> Sequence[Text]:
+    return (
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["channel"])),
+        Text("motor" if one["motor"] else ""),
+        Text(str(one["sent"])),
+        *(_ms(one[f"latency_{name}_ms"]) for name in ("p50", "p99", "max")),
+    )
+
+
+def _guard(health: Health, guard: GuardHealth) -> Text:
+    """Return a line for the guard and one for each cause."""
+    state = guard.state
+    text = Text.assemble(("guard ", "bold"), (shown_name(guard.channel), "bold"), "  ")
+    if health.is_silent(guard):
+        return text.append(f"no state for {health.silent_s(guard):.1f} s", "bold red")
+    move, advance = ("may move", "green"), ("may turn, not go forward", "yellow")
+    text.append(*(("may not move", "bold red") if not state.may_move else move if state.may_advance else advance))
+    text.append(", an override drives" if state.overridden else "")
+    text.append(", stopped until it is armed again" if state.stopped else "")
+    for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):
+        text.append(f"\n    {shown_name(cause)}: {shown_name(port)}")
+        text.append(f", {value:.3g} (limit {limit:.3g})" if value or limit else "")
+    return text
+
+
+def _table(headings: Sequence[str], rows: Sequence[Sequence[Text]], style: str, hidden: Collection[str]) -> Table:
+    """Return a table without the columns whose headings are ``hidden``; only sentences are wrapped."""
+    table = Table(
+        box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0), style=style, row_styles=[style]
+    )
+    shown = [number for number, heading in enumerate(headings) if heading not in hidden]
+    for number in shown:
+        heading = headings[number]
+        table.add_column(_unbroken(Text(heading)), no_wrap=heading not in _STRINGS)
+    for row in rows:
+        table.add_row(*(row[n] if headings[n] in _WRAPPED else _unbroken(row[n]) for n in shown))
+    return table
+
+
+def _unbroken(text: Text) -> Text:
+    """Cut a text, with an ellipsis, where its column is too narrow."""
+    text.no_wrap, text.overflow = True, "ellipsis"
+    return text
+
+
+def _ms(value: float) -> Text:
+    return Text(f"{value:.1f} ms")
+
+
+def _count(number: int) -> Text:
+    return Text(str(number), "yellow" if number else "")

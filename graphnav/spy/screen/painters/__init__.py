@@ -1,0 +1,1 @@
+"""Painters: draw a picture into the terminal by blocks, sixels or kitty's protocol."""

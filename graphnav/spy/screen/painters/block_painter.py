@@ -1,0 +1,58 @@
+"""Pictures by half blocks: any terminal shows them, and they cost little."""
+
+from __future__ import annotations
+
+import os
+
+from rich.color import Color
+from rich.segment import Segment
+from rich.style import Style
+from textual.strip import Strip
+
+from graphnav.spy.graphics.half_blocks import UPPER_HALF, half_blocks, run_of, shades
+from graphnav.spy.screen.painters.painter import Bytes, Cells, centred
+
+_MAX_SEGMENTS = 50_000
+
+
+class BlockPainter:
+    """Two pixels a cell; letters from dark to bright where colour is not wanted."""
+
+    is_raw = False
+
+    def __init__(self) -> None:
+        self._segments: dict[int, Segment] = {}
+        self._has_colour = not os.environ.get("NO_COLOR")
+
+    def box_px(self, rows: int, cols: int) -> tuple[int, int]:
+        """Return what a view has room for."""
+        return max(1, 2 * rows), max(1, cols)
+
+    def paint(self, picture: Bytes, rows: int, cols: int) -> list[Strip]:
+        """Return the lines down to the picture's last one."""
+        if self._has_colour:
+            kept = self._segments
+            lines = [[kept.get(run) or self._segment(run) for run in line] for line in half_blocks(picture)]
+        else:
+            lines = [[Segment(line)] for line in shades(picture)]
+        cells = self.place(picture, rows, cols)
+        margin = [Segment(" " * cells.col)] if cells.col else []
+        blank = [Strip([])] * cells.row
+        return [*blank, *(Strip([*margin, *line], cells.col + cells.cols) for line in lines)]
+
+    def place(self, picture: Bytes, rows: int, cols: int) -> Cells:
+        """Return the cells that the picture takes."""
+        return centred((picture.shape[0] + 1) // 2, picture.shape[1], rows, cols)
+
+    def erase(self) -> str:
+        """Return nothing: what is written over a picture takes its place."""
+        return ""
+
+    def _segment(self, packed: int) -> Segment:
+        """Make the segment of a run and keep it: the next picture has the same ones."""
+        if len(self._segments) >= _MAX_SEGMENTS:
+            self._segments.clear()
+        run = run_of(packed)
+        style = Style(color=Color.from_rgb(*run.above), bgcolor=Color.from_rgb(*run.below))
+        segment = self._segments[packed] = Segment(UPPER_HALF * run.length, style)
+        return segment

@@ -1,0 +1,66 @@
+"""Pictures by the graphics protocol of kitty."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+from collections.abc import Callable
+
+from textual.strip import Strip
+
+from graphnav.machine.terminal_graphics import CellSize
+from graphnav.spy.graphics.kitty import delete, put
+from graphnav.spy.screen.painters.painter import Bytes, Cells, centred
+from graphnav.spy.screen.painters.raw_strips import raw_strips
+
+_MAX_PX = 150_000
+"""A larger view gets a picture of so many pixels, which the terminal scales up."""
+_NOTHING = Cells(0, 0, 0, 0)
+_IDS = itertools.count(os.getpid() << 8)
+"""Each view has two of its own: what a view that is closed deletes is not what the next one shows."""
+
+
+class KittyPainter:
+    """The next picture is put over the last one, which is deleted then: so nothing flickers.
+
+    ``cell_px`` returns the pixels of a cell, for the picture's proportions.
+    """
+
+    is_raw = True
+
+    def __init__(self, cell_px: Callable[[], CellSize]) -> None:
+        self._cell_px = cell_px
+        self._next_id, self._other_id = next(_IDS), next(_IDS)
+        self._shown_id = 0
+
+    def box_px(self, rows: int, cols: int) -> tuple[int, int]:
+        """Return the largest size that is sent."""
+        cell_rows, cell_cols = self._cell_px()
+        ratio = self._ratio(rows, cols)
+        return max(1, math.floor(rows * cell_rows * ratio)), max(1, math.floor(cols * cell_cols * ratio))
+
+    def paint(self, picture: Bytes, rows: int, cols: int) -> list[Strip]:
+        """Return the lines of the view, blank below the picture."""
+        cells = self.place(picture, rows, cols)
+        image_id, old_id = self._next_id, self._shown_id
+        self._next_id, self._other_id, self._shown_id = self._other_id, image_id, image_id
+        sequence = put(picture, image_id, cells.rows, cells.cols) + (delete(old_id) if old_id else "")
+        return raw_strips(rows, cols, cells, _NOTHING, sequence)
+
+    def place(self, picture: Bytes, rows: int, cols: int) -> Cells:
+        """Return the cells that the picture is scaled to."""
+        cell_rows, cell_cols = self._cell_px()
+        ratio = self._ratio(rows, cols)
+        n_rows, n_cols = round(picture.shape[0] / ratio / cell_rows), round(picture.shape[1] / ratio / cell_cols)
+        return centred(min(max(1, n_rows), rows), min(max(1, n_cols), cols), rows, cols)
+
+    def erase(self) -> str:
+        """Return the sequence that deletes the picture: letters do not take its place."""
+        image_id, self._shown_id = self._shown_id, 0
+        return delete(image_id) if image_id else ""
+
+    def _ratio(self, rows: int, cols: int) -> float:
+        """Return the pixels sent for a pixel of the view, down as across."""
+        cell_rows, cell_cols = self._cell_px()
+        return min(1.0, math.sqrt(_MAX_PX / max(1, rows * cell_rows * cols * cell_cols)))

@@ -1,0 +1,1 @@
+"""Watch a feed or a log: channels, their newest messages, series."""

@@ -1,0 +1,167 @@
+"""A multicast group that is being watched, from a thread of its own."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from graphnav.bus import require_route, with_defaults
+from graphnav.errors import GraphnavError, shown_name
+from graphnav.record import ABOUT, ThreadedLogWriter
+from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed_listener import FeedListener
+from graphnav.spy.traffic import ChannelTraffic, Traffic
+from graphnav.spy.watch.row import Row, row_of
+from graphnav.spy.watch.silence_reasons import nothing_heard, why_empty
+from graphnav.spy.watch.watch import Memory, Sample
+
+_MAX_NAMED = 3
+
+
+class LiveWatch:
+    """Hears everything that a live feed carries.
+
+    The thread that listens takes no longer than it needs to count a message and to keep it; whoever looks may be slow.
+    ``failure`` says why it ended before its time, empty if it did not.
+    """
+
+    is_live = True
+
+    def __init__(self, feed: Feed) -> None:
+        self.name = feed.name
+        self.failure = ""
+        self._feed = feed
+        self._memory = Memory(Traffic(feed.clock))
+        self._begin_s = time.monotonic()
+        self._clock_offset_s = time.time() - self._begin_s
+        self._writer: ThreadedLogWriter | None = None
+        self._listener = FeedListener(feed, self._take, self._fail, "graphnav-spy")
+
+    @property
+    def version(self) -> object:
+        """The number of messages that were heard."""
+        return self._memory.traffic.count
+
+    @property
+    def origin_s(self) -> float:
+        """Now, on the clock of the arrivals."""
+        return time.monotonic()
+
+    def start(self) -> None:
+        """Begin to listen; raises BusError where there is no multicast route."""
+        require_route(with_defaults(self.name))
+        self._listener.start()
+
+    def close(self) -> None:
+        """Stop listening, and recording."""
+        self._listener.close()
+        self.stop_recording()
+
+    def rows(self) -> list[Row]:
+        """Return the channels, in the order in which they were first heard of."""
+        now_s = time.monotonic()
+        with self._memory.lock:
+            channels = self._memory.traffic.channels.values()
+            return [row_of(channel, now_s, self._clock_offset_s, channel.silent_s) for channel in channels]
+
+    def channel(self, name: str) -> ChannelTraffic | None:
+        """Return what is known of a channel."""
+        return self._memory.traffic.channels.get(name)
+
+    def newest(self, name: str) -> Sample | None:
+        """Return the newest message of a channel."""
+        return self._memory.newest(name)
+
+    def recent(self, name: str, after_s: float) -> list[Sample]:
+        """Return the kept messages of a channel that came after ``after_s``, oldest first."""
+        return self._memory.recent(name, after_s)
+
+    def names_of(self, lcm_class: type) -> list[str]:
+        """Return the channels that carry a type."""
+        return self._memory.names_of(lcm_class)
+
+    def why_empty(self, name: str | None) -> str:
+        """Return why there is nothing new of a channel, or of any."""
+        for_s = time.monotonic() - self._begin_s
+        channel = self.channel(name) if name is not None else None
+        with self._memory.lock:
+            if self.failure:
+                return self.failure
+            if channel is not None:
+                return why_empty(channel, for_s)
+            return "" if self._memory.traffic.channels else nothing_heard(self.name, for_s)
+
+    def heading(self) -> str:
+        """Return the feed, its channels and runs, what the kernel dropped, all counts, and what is recorded.
+
+        In short words, that they are seen in 80 columns.
+        """
+        with self._memory.lock:
+            traffic = self._memory.traffic
+            said = [self.name.partition("?")[0], f"{len(traffic.channels)} channels"]
+            if traffic.runs:
+                said.append(_named(traffic.current_runs(time.monotonic())))
+            if dropped := self._feed.dropped_packets():
+                said.append(f"{dropped} dropped")
+            said.append(f"{traffic.count} messages")
+            if traffic.undecodable:
+                said.append(f"{traffic.undecodable} undecodable")
+            if traffic.overflow:
+                said.append(f"{traffic.overflow} messages of further channels not kept")
+        if self._writer is not None:
+            said.append(self._writer.failure or f"recording {self._writer.path.name}: {_recorded(self._writer)}")
+        if self.failure:
+            said.append(self.failure)
+        return "  ".join(said)
+
+    @property
+    def recording(self) -> Path | None:
+        """The log that is being written, None where none is."""
+        return self._writer.path if self._writer is not None else None
+
+    def record(self, path: Path) -> None:
+        """Write everything that is heard from now on to a log, what the run says of itself first.
+
+        Raises OSError where the file cannot be opened.
+        """
+        writer = ThreadedLogWriter(path)
+        about = self._memory.newest(ABOUT)
+        with self._memory.lock:
+            if about is not None:
+                self._write(writer, Heard(ABOUT, about.data, time.monotonic()))
+            self._writer = writer
+
+    def stop_recording(self) -> str:
+        """Close the log that is being written; return what it holds, empty where there is none."""
+        with self._memory.lock:
+            writer, self._writer = self._writer, None
+        if writer is None:
+            return ""
+        writer.close()
+        return writer.failure or f"{writer.path}: {_recorded(writer)}"
+
+    def _fail(self, error: GraphnavError | OSError) -> None:
+        self.failure = str(error)
+
+    def _take(self, heard: Heard) -> None:
+        self._memory.hear(heard)
+        if self._writer is not None:
+            with self._memory.lock:
+                if self._writer is not None:
+                    self._write(self._writer, heard)
+
+    def _write(self, writer: ThreadedLogWriter, heard: Heard) -> None:
+        """Record a message at the time of day at which it arrived, as lcm-logger does."""
+        writer.write(heard.channel, round((heard.at_s + self._clock_offset_s) * 1e6), heard.data)
+
+
+def _named(runs: list[str]) -> str:
+    """Return which runs there are, a few by name."""
+    names = ", ".join(map(shown_name, runs[:_MAX_NAMED]))
+    more = f" and {len(runs) - _MAX_NAMED} more" if len(runs) > _MAX_NAMED else ""
+    return f"run {names}" if len(runs) == 1 else f"{len(runs)} runs: {names}{more}"
+
+
+def _recorded(writer: ThreadedLogWriter) -> str:
+    dropped = f", {writer.dropped} dropped" if writer.dropped else ""
+    return f"{writer.n_events} messages, {writer.n_bytes / 1e6:.1f} MB{dropped}"

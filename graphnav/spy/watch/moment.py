@@ -1,0 +1,99 @@
+"""The messages of the moment that is looked at, decoded when they are asked for."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav.adapter import Adapter
+from graphnav.catalog import Catalog
+from graphnav.codec import DecodeError, codec_of, message_class_of, type_of
+from graphnav.errors import CatalogError
+from graphnav.messages import Message, State
+from graphnav.pictures import PictureContext
+from graphnav.spy.watch.watch import Watch
+
+M = TypeVar("M", bound=Message)
+
+_MAX_POINTS = 20_000
+
+
+class Moment:
+    """Decodes the newest messages of a watch, and remembers where the robot was while someone asks for it.
+
+    ``with_colour``: whether pictures may tell by colours.
+    """
+
+    with_colour = True
+
+    def __init__(self, watch: Watch, catalog: Catalog) -> None:
+        self._watch = watch
+        self._readers: dict[type, Adapter] = {}
+        with suppress(CatalogError):
+            self._readers = {adapter.lcm_class: adapter for adapter in catalog.adapters().readers.values()}
+        self._path_name = ""
+        self._path: list[tuple[float, float]] = []
+        self._path_s = -np.inf
+        self._path_us = 0
+
+    def values(self, data: bytes) -> dict[str, Any] | None:
+        """Return the fields of a message, None where its type is not known or it is damaged."""
+        lcm_class = type_of(data)
+        if lcm_class is None:
+            return None
+        with suppress(DecodeError):
+            return codec_of(lcm_class).decode(data)
+        return None
+
+    def message(self, data: bytes) -> Message | None:
+        """Return a message as ours, also one that an adapter reads; None where there is no such class or it is damaged.
+
+        Raises what the message's class or the adapter raises for fields that it cannot use, ValueError above all.
+        """
+        lcm_class, values = type_of(data), self.values(data)
+        if lcm_class is None or values is None:
+            return None
+        wrapper = message_class_of(lcm_class)
+        if wrapper is not None:
+            return wrapper.from_lcm_fields(values)
+        return self._readers[lcm_class].from_lcm(values) if lcm_class in self._readers else None
+
+    def context(self, rows: int, cols: int, *, with_legend: bool) -> PictureContext:
+        """Return what a picture of this moment is drawn with."""
+        return PictureContext(rows, cols, self.find, self.path_m, with_legend, self.with_colour)
+
+    def find(self, kind: type[M], /) -> M | None:
+        """Return the newest message of a type, of the first channel that carries it."""
+        theirs = [lcm_class for lcm_class, adapter in self._readers.items() if issubclass(adapter.message, kind)]
+        for lcm_class in (kind.lcm_class, *theirs):
+            for name in self._watch.names_of(lcm_class):
+                sample = self._watch.newest(name)
+                with suppress(KeyError, TypeError, ValueError):
+                    message = None if sample is None else self.message(sample.data)
+                    if isinstance(message, kind):
+                        return message
+        return None
+
+    def path_m(self) -> npt.NDArray[np.float64]:
+        """Return where the robot was, float64 (n, 2), x_m and y_m; begun anew where its clock goes back."""
+        name = next(iter(self._watch.names_of(State.lcm_class)), None)
+        newest = None if name is None else self._watch.newest(name)
+        if name is None or newest is None:
+            return np.empty((0, 2))
+        if name != self._path_name or newest.at_s < self._path_s:
+            self._path_name, self._path, self._path_s = name, [], -np.inf
+        codec = codec_of(State.lcm_class)
+        for sample in self._watch.recent(name, self._path_s):
+            self._path_s = sample.at_s
+            if not codec.fits(sample.data):
+                continue
+            fields = codec.decode(sample.data)
+            if fields["utime"] < self._path_us:
+                self._path = []
+            self._path_us = fields["utime"]
+            self._path.append((fields["x_m"], fields["y_m"]))
+        del self._path[:-_MAX_POINTS]
+        return np.array(self._path, np.float64).reshape(-1, 2)

@@ -1,0 +1,1 @@
+"""The content of the page, as JSON can hold it."""

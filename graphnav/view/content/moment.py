@@ -1,0 +1,55 @@
+"""What the details of one channel are made of: its messages, and those of other channels at the same moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from graphnav.spy import Heard
+from graphnav.view.channel import WatchedChannel
+from graphnav.view.message_types import Kind
+from graphnav.view.watch import Watch
+
+
+@dataclass(frozen=True)
+class Moment:
+    """The newest message of a channel and its type, and the messages to plot.
+
+    ``others``: by LCM type a message of each, of the same stamp where there is one, for what is drawn below the newest.
+    ``path_m``: where the robot was, (n, 2).
+    """
+
+    kind: Kind
+    newest: Heard
+    points: list[Heard]
+    others: Mapping[type, bytes]
+    path_m: npt.NDArray[np.float64]
+
+
+def moment_of(watch: Watch, channel: WatchedChannel, after: int) -> Moment | None:
+    """Return what there is of a channel, with the points behind message ``after``; None where nothing can be shown."""
+    if channel.kind is None or channel.newest is None:
+        return None
+    points = [heard for number, heard in channel.history if number > after]
+    if not channel.history and channel.count > after:
+        points = [channel.newest]
+    stamp = _stamp(channel)
+    others: dict[type, bytes] = {}
+    for other in watch.channels.values():
+        if other.kind is None or other.newest is None:
+            continue
+        if other.kind.lcm_class not in others or _stamp(other) == stamp:
+            others[other.kind.lcm_class] = other.newest.data
+    path_m = np.array(watch.track.points_m, np.float64).reshape(-1, 2)
+    return Moment(channel.kind, channel.newest, points, others, path_m)
+
+
+def _stamp(channel: WatchedChannel) -> int | None:
+    """Return the stamp of the newest message that is kept."""
+    if channel.kind is None or channel.newest is None:
+        return None
+    stamped = channel.kind.stamp(channel.newest.data)
+    return None if stamped is None else stamped[0]

@@ -1,0 +1,43 @@
+"""The files of the page and the headers that they are served with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import NamedTuple
+
+_TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+_INDEX = "index.html"
+
+SECURITY_HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+"""Nothing is loaded, sent or framed but by this server's own pages; what comes over LCM cannot become a script."""
+
+
+class PageFile(NamedTuple):
+    """A file as it is sent."""
+
+    content_type: str
+    body: bytes
+
+
+def page_files() -> Mapping[str, PageFile]:
+    """Return every file of the page by its route; there are no other routes but that of the updates."""
+    found = {}
+    for file in files("graphnav.view.web").joinpath("page").iterdir():
+        content_type = _TYPES.get(file.name[file.name.rfind(".") :])
+        if content_type is not None:
+            route = "/" if file.name == _INDEX else f"/{file.name}"
+            found[route] = PageFile(content_type, file.read_bytes())
+    return found

@@ -1,0 +1,1 @@
+"""Estimate the motion of a frame from its flow."""

@@ -1,0 +1,1 @@
+"""Separate two mixtures: independent component analysis."""

@@ -1,0 +1,1 @@
+"""The world from above, with the paths of robots."""

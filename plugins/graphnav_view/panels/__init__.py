@@ -1,0 +1,1 @@
+"""Panels of one frame: image, flow, dominant plane, potential, force, scene."""

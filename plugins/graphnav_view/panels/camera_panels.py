@@ -1,0 +1,139 @@
+"""The panels on the camera's pixels: image, optical flow, dominant plane."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, PathPatch
+from matplotlib.path import Path
+
+from graphnav import Image
+from graphnav_view import style
+from graphnav_view.flow_colour import flow_rgb, flow_scale_px, wheel_rgb
+from graphnav_view.panels.keyframe import Frame
+
+_ARROWS_ACROSS = 16
+_WHEEL_IN = 0.42
+_GROUND, _OBSTACLE, _UNJUDGED = 255, 25, 205
+
+
+def draw_image(axes: Axes, frame: Frame) -> str:
+    """Show the camera's picture; return its caption."""
+    assert frame.image is not None
+    show_image(axes, frame, frame.image)
+    rows, cols = frame.shape_px
+    return f"what the camera sees, {cols} x {rows} px"
+
+
+def show_image(axes: Axes, frame: Frame, image: Image) -> None:
+    """Put the camera's picture into axes that count its pixels."""
+    gray = image.pixels.ndim == 2
+    over_picture(axes, frame)
+    axes.imshow(
+        image.pixels,
+        extent=extent_px(image.pixels.shape, image.step_px),
+        cmap="gray" if gray else None,
+        vmin=0,
+        vmax=255,
+        interpolation="antialiased",
+        aspect="auto",
+    )
+    over_picture(axes, frame)
+
+
+def draw_flow(axes: Axes, frame: Frame) -> str:
+    """Draw the flow in colour with arrows on it; return its caption."""
+    flow = frame.flow
+    assert flow is not None
+    full = flow_scale_px(flow.uv_px, flow.valid)
+    axes.imshow(
+        flow_rgb(flow.uv_px, flow.valid, full),
+        extent=extent_px(flow.valid.shape, flow.step_px),
+        interpolation="nearest",
+        aspect="auto",
+    )
+    over_picture(axes, frame)
+    every = max(1, round(flow.valid.shape[1] / _ARROWS_ACROSS))
+    x, y, picked = _lattice(flow.valid.shape, flow.step_px, every)
+    uv, there = flow.uv_px[picked], flow.valid[picked] != 0
+    axes.quiver(
+        x[there],
+        y[there],
+        uv[there][:, 0],
+        uv[there][:, 1],
+        angles="xy",
+        scale_units="xy",
+        scale=full / (every * flow.step_px * 1.1),
+        width=0.006,
+        color="black",
+        headwidth=3.6,
+        headlength=4.2,
+    )
+    _wheel(axes)
+    per_s = full / (flow.interval_us / 1e6) if flow.interval_us else 0.0
+    speed = f" = {per_s:.0f} px/s" if per_s else ""
+    return f"displacement since the last frame; colour: direction,\nsaturation: length, full at {full:.1f} px{speed}"
+
+
+def draw_plane(axes: Axes, frame: Frame) -> str:
+    """Draw the dominant map, ground white and obstacle black as the paper does; return its caption."""
+    plane = frame.plane
+    assert plane is not None
+    shown = np.where(plane.obstacle != 0, _OBSTACLE, _GROUND).astype(np.uint8)
+    shown[plane.valid == 0] = _UNJUDGED
+    extent = extent_px(shown.shape, plane.step_px)
+    axes.imshow(shown, extent=extent, cmap="gray", vmin=0, vmax=255, interpolation="nearest", aspect="auto")
+    hatch_unjudged(axes, plane.valid, plane.step_px)
+    over_picture(axes, frame)
+    gray = ", hatched: not judged" if (plane.valid == 0).any() else ""
+    return f"white: ground, black: obstacle{gray};\nobstacle is {plane.obstacle_ratio:.0%} of what was judged"
+
+
+def hatch_unjudged(axes: Axes, valid: npt.NDArray[Any], step_px: int) -> None:
+    """Hatch the cells that were not judged, as one shape of runs along the rows."""
+    runs = []
+    for row, cells in enumerate(valid == 0):
+        edges = np.flatnonzero(np.diff(cells.astype(np.int8), prepend=0, append=0)) * step_px - 0.5
+        top, low = row * step_px - 0.5, (row + 1) * step_px - 0.5
+        runs += [[(x0, top), (x1, top), (x1, low), (x0, low)] for x0, x1 in edges.reshape(-1, 2)]
+    if runs:
+        outline = Path.make_compound_path_from_polys(np.array(runs))
+        axes.add_patch(PathPatch(outline, facecolor="none", edgecolor="#8a8a8a", lw=0.0, hatch="/////"))
+
+
+def extent_px(shape: tuple[int, ...], step_px: int) -> tuple[float, float, float, float]:
+    """Return left, right, bottom, top of a grid in the picture's pixels, whose centres are whole numbers."""
+    rows, cols = shape[:2]
+    return -0.5, cols * step_px - 0.5, rows * step_px - 0.5, -0.5
+
+
+def over_picture(axes: Axes, frame: Frame) -> None:
+    """Let the axes show the picture's pixels, rows down, without ticks."""
+    rows, cols = frame.shape_px
+    axes.set_xlim(-0.5, cols - 0.5)
+    axes.set_ylim(rows - 0.5, -0.5)
+    axes.set_xticks([])
+    axes.set_yticks([])
+
+
+def _lattice(shape: tuple[int, ...], step_px: int, every: int) -> tuple[npt.NDArray[Any], npt.NDArray[Any], Any]:
+    """Return x, y (pixels) of every so-manieth cell, and what picks these cells from a grid."""
+    rows = slice(every // 2, shape[0], every)
+    cols = slice(every // 2, shape[1], every)
+    at = (np.mgrid[rows, cols] + 0.5) * step_px - 0.5
+    return at[1], at[0], (rows, cols)
+
+
+def _wheel(axes: Axes) -> None:
+    """Show in the lower right corner which colour is which direction."""
+    rgb, disc = wheel_rgb(120)
+    rgba = np.dstack([rgb, np.where(disc, 255, 0).astype(np.uint8)])
+    box = axes.get_window_extent()
+    width, height = _WHEEL_IN * style.DPI / box.width, _WHEEL_IN * style.DPI / box.height
+    inset = axes.inset_axes((1 - 1.15 * width, 0.15 * height, width, height), zorder=5)
+    inset.imshow(rgba, interpolation="antialiased")
+    inset.add_patch(Circle((59.5, 59.5), 59, fill=False, lw=1.0))
+    inset.set_axis_off()

@@ -1,0 +1,104 @@
+"""The scene panel: the robot and what is around it, from above, its heading up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Polygon
+from matplotlib.transforms import Affine2D
+
+from graphnav import Map, State
+from graphnav_view import style
+from graphnav_view.maps.floorplan import draw_bodies
+from graphnav_view.track import Track
+
+Doubles = npt.NDArray[np.float64]
+
+_LEAST_HEIGHT_M, _MOST_HEIGHT_M = 2.0, 12.0
+_SEEN = (0x2A / 255, 0x9D / 255, 0xF4 / 255)
+_VIEWS = 2.0
+"""Height of the panel in reaches of the camera."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The world, the whole path, and where and when on it the robot is."""
+
+    world: Map
+    track: Track
+    state: State
+    time_s: float
+
+
+def draw_scene(axes: Axes, scene: Scene) -> str:
+    """Draw the close-up of a scene; return its caption."""
+    world, state = scene.world, scene.state
+    x, y, yaw = state.x_m, state.y_m, state.yaw_rad
+    to_axes = Affine2D().translate(-x, -y).rotate(math.pi / 2 - yaw)
+    ahead, behind, half_width = _extent(axes, world)
+    axes.set_facecolor(style.FLOOR)
+    draw_bodies(axes, world, state.moving, to_axes)
+    _draw_path(axes, scene, to_axes)
+    if len(world.footprint_m):
+        seen = Affine2D().rotate(math.pi / 2).transform(world.footprint_m)
+        axes.add_patch(Polygon(seen, facecolor=(*_SEEN, 0.22), zorder=1.5))
+        axes.add_patch(Polygon(seen, fill=False, edgecolor=_SEEN, lw=1.4, zorder=3))
+    radius = world.robot_radius_m
+    axes.add_patch(Circle((0, 0), radius, facecolor="white", edgecolor=style.ROBOT, lw=1.6, zorder=6))
+    axes.annotate(
+        "",
+        (0, 2.4 * radius),
+        (0, 0),
+        zorder=7,
+        arrowprops={"arrowstyle": "-|>", "color": style.ROBOT, "lw": 2.0, "shrinkA": 0, "shrinkB": 0},
+    )
+    axes.set_xlim(-half_width, half_width)
+    axes.set_ylim(-behind, ahead)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    _scale_bar(axes, half_width, behind)
+    return "from above, heading up; blue: what the camera sees\nof the floor; line: path, dotted: still to come"
+
+
+def _extent(axes: Axes, world: Map) -> tuple[float, float, float]:
+    """Return metres shown ahead, behind, and to each side, in the shape of the axes."""
+    reach = float(world.footprint_m[:, 0].max()) if len(world.footprint_m) else 1.0
+    height = min(max(_VIEWS * reach, 8.0 * world.robot_radius_m, _LEAST_HEIGHT_M), _MOST_HEIGHT_M)
+    box = axes.get_window_extent()
+    behind = 0.36 * height
+    return height - behind, behind, height * box.width / box.height / 2
+
+
+def _draw_path(axes: Axes, scene: Scene, to_axes: Affine2D) -> None:
+    xy = to_axes.transform(scene.track.pose[:, :2])
+    past = scene.track.time_s <= scene.time_s
+    axes.plot(*xy[past].T, color=style.ROBOT, lw=2.0, zorder=4, solid_capstyle="round")
+    axes.plot(*xy[~past].T, color=style.ROBOT, lw=1.4, ls=":", zorder=4)
+
+
+def _scale_bar(axes: Axes, half_width: float, behind: float) -> None:
+    length = next((m for m in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0) if m >= 0.3 * half_width), 5.0)
+    right, low = half_width * 0.93, -behind * 0.82
+    axes.plot(
+        [right - length, right],
+        [low, low],
+        color="black",
+        lw=3,
+        solid_capstyle="butt",
+        zorder=9,
+        path_effects=style.halo(6),
+    )
+    axes.text(
+        right - length / 2,
+        low + 0.05 * behind,
+        f"{length:g} m",
+        ha="center",
+        va="bottom",
+        fontsize=9,
+        zorder=9,
+        path_effects=style.halo(),
+    )

@@ -1,0 +1,1 @@
+"""The video of a run: tiles side by side, frame by frame."""

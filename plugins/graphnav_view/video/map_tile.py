@@ -1,0 +1,103 @@
+"""The map tile of the video: the world from above, the robot and the path so far."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from graphnav import Map, State
+from graphnav_view import style
+from graphnav_view.maps.floorplan import MOVING, OBSTACLE, WALL, bounds_m, moved, outlines
+from graphnav_view.video.lettering import write
+
+Doubles = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+
+_SHIFT = 4
+"""Binary digits of a pixel that lines are placed to."""
+_MARGIN_M = 0.25
+_SMALL_PX = 160
+"""In a smaller view lines are thin and the robot is drawn nearer to its own size."""
+
+
+class TopView:
+    """Draws the map with the path, x to the right and y up.
+
+    ``path_m`` (n, 2) and ``moving`` (n, m, 3), poses of the moving obstacles: what has to be in view beside the world.
+    """
+
+    def __init__(
+        self, world: Map, path_m: Doubles, moving: Doubles, cols: int, rows: int, *, with_scale: bool = True
+    ) -> None:
+        self._world = world
+        self._moving = outlines(world, MOVING)
+        low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
+        self._per_m = float(np.min(np.array([cols, rows]) / (high - low)))
+        self._middle_m, self._middle_px = (low + high) / 2, np.array([cols, rows]) / 2
+        is_small = min(cols, rows) < _SMALL_PX
+        self._line_px, self._min_radius_px = (1, 2) if is_small else (2, 4)
+        self._ground = self._background(cols, rows)
+        if with_scale:
+            self._scale_bar(self._ground)
+
+    def draw(self, state: State | None, path_m: Doubles) -> Bytes:
+        """Return the tile, (rows, cols, 3) RGB: the world, and the robot in ``state`` with its path so far."""
+        if state is None:
+            return self._ground
+        tile = self._ground.copy()
+        for outline, pose in zip(self._moving, state.moving, strict=False):
+            self._fill(tile, moved(outline, pose), style.rgb(style.MOVING))
+        pose = np.array([state.x_m, state.y_m, state.yaw_rad])
+        if len(self._world.footprint_m):
+            seen = tile.copy()
+            self._fill(seen, moved(self._world.footprint_m, pose), style.rgb(style.SEEN))
+            cv2.addWeighted(seen, 0.25, tile, 0.75, 0, dst=tile)
+        trace = self._to_px(path_m)[:, None]
+        cv2.polylines(tile, [trace], False, style.rgb(style.ROBOT), self._line_px, cv2.LINE_AA, _SHIFT)  # noqa: FBT003 - OpenCV's own order
+        self._robot(tile, pose, contact=state.contact)
+        return tile
+
+    def _robot(self, tile: Bytes, pose: Doubles, *, contact: bool) -> None:
+        centre = self._to_px(pose[None, :2])[0]
+        radius = max(round(self._world.robot_radius_m * self._per_m * 2**_SHIFT), self._min_radius_px << _SHIFT)
+        colour = style.rgb(style.CONTACT if contact else style.ROBOT)
+        cv2.circle(tile, centre.tolist(), radius, (255, 255, 255), -1, cv2.LINE_AA, _SHIFT)
+        cv2.circle(tile, centre.tolist(), radius, colour, self._line_px, cv2.LINE_AA, _SHIFT)
+        nose = centre + np.round(radius * np.array([math.cos(pose[2]), -math.sin(pose[2])])).astype(np.int32)
+        cv2.line(tile, centre.tolist(), nose.tolist(), colour, self._line_px, cv2.LINE_AA, _SHIFT)
+
+    def _background(self, cols: int, rows: int) -> Bytes:
+        tile = np.full((rows, cols, 3), style.rgb(style.FLOOR), np.uint8)
+        if len(self._world.goal_m):
+            goal = tile.copy()
+            self._fill(goal, self._world.goal_m, style.rgb(style.GOAL))
+            cv2.addWeighted(goal, 0.4, tile, 0.6, 0, dst=tile)
+        for kind, colour in ((WALL, style.WALL), (OBSTACLE, style.OBSTACLE)):
+            for outline in outlines(self._world, kind):
+                self._fill(tile, outline, style.rgb(colour))
+        return tile
+
+    def _scale_bar(self, tile: Bytes) -> None:
+        """Draw a metre into the lower left corner, on its own ground."""
+        length, low = round(self._per_m), tile.shape[0] - 12
+        write(tile, "1 m", (12, low - 6), (20, 20, 20), ground=style.rgb(style.FLOOR))
+        cv2.line(tile, (12, low), (12 + length, low), (20, 20, 20), 3)
+
+    def _fill(self, tile: Bytes, outline: Doubles, colour: tuple[int, int, int]) -> None:
+        cv2.fillPoly(tile, [self._to_px(outline)[:, None]], colour, cv2.LINE_AA, _SHIFT)
+
+    def _to_px(self, points_m: Doubles) -> npt.NDArray[np.int32]:
+        """Return points of W in the tile's pixels, times 2**_SHIFT."""
+        away = (points_m - self._middle_m) * self._per_m * np.array([1.0, -1.0])
+        return np.asarray(np.round((away + self._middle_px) * 2**_SHIFT), np.int32)
+
+
+def view_size_px(world: Map, path_m: Doubles, moving: Doubles, cols: int, rows: int) -> tuple[int, int]:
+    """Return columns and rows of a view with the world's shape that fills ``cols`` x ``rows`` in one direction."""
+    low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
+    wide, high_m = (high - low).tolist()
+    per_m = min(cols / wide, rows / high_m)
+    return max(1, min(cols, round(wide * per_m))), max(1, min(rows, round(high_m * per_m)))

@@ -1,0 +1,76 @@
+"""A map of the world: one draw of a map file in which the robot fits and finds a way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from graphnav import Problem, UserError, shown_path
+from graphnav_world.geometry.scene import Kind
+from graphnav_world.maps.map_file import MapDraw, extent_m, read_map
+from graphnav_world.maps.map_text import MapText, compose
+from graphnav_world.maps.passage import Passage
+
+ATTEMPTS = 300
+LARGEST_M = 100.0
+
+
+@dataclass(frozen=True)
+class WorldMap:
+    """A draw and the length of the shortest path to its goal for this robot, 0 without a goal."""
+
+    draw: MapDraw
+    shortest_m: float
+
+
+def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
+    """Return the map that this seed draws.
+
+    A map with draws is drawn anew until the robot fits at the start, a path leads to the goal and, where the map
+    asks for it, the straight way is blocked.
+
+    Raises
+    ------
+    UserError
+        All problems of the file, each with its place.
+    """
+    root, problems = compose(path)
+    for attempt in range(ATTEMPTS if root else 0):
+        assert root is not None
+        text = MapText(shown_path(path), seed, attempt)
+        draw = read_map(text, root)
+        problems = text.problems
+        if problems or draw is None:
+            break
+        largest = max(extent_m(draw))
+        if largest > LARGEST_M:
+            what = f"the map extends over {largest:.0f} m, but must fit into {LARGEST_M:.0f} m"
+            problems = [Problem(text.place(root), what, "bring everything nearer together")]
+            break
+        passage = Passage(draw.bodies, draw.start, draw.goal_m)
+        misfit = _misfit(draw, passage, robot_radius_m)
+        if misfit is None:
+            return WorldMap(draw, passage.shortest_m(robot_radius_m) if len(draw.goal_m) else 0.0)
+        problems = [misfit]
+        if not text.drew:
+            break
+    raise UserError(problems)
+
+
+def _misfit(draw: MapDraw, passage: Passage, radius_m: float) -> Problem | None:
+    """Return what keeps the robot from driving through this draw."""
+    touched = passage.touched_at_start(radius_m)
+    if touched is not None:
+        what = "a wall" if touched.kind == Kind.WALL else "an obstacle"
+        hint = f"move it to where a robot of radius {radius_m:g} m fits"
+        return Problem(draw.start_place, f"at its start the robot touches {what}", hint)
+    if not len(draw.goal_m):
+        return None
+    needed_m = radius_m + draw.margin_m
+    if not passage.leads_to_goal(needed_m):
+        what = f"no path leads from the start to the goal that is {2 * needed_m:g} m wide"
+        return Problem(draw.goal_place, what, "move the goal or open a gap")
+    if draw.straight_blocked and not passage.straight_is_blocked(radius_m):
+        what = "the straight way from the start to the goal is free, but 'passage' asks for it to be blocked"
+        return Problem(draw.goal_place, what, "put an obstacle in the way")
+    return None

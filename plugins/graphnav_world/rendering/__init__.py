@@ -1,0 +1,1 @@
+"""Render what the camera sees, with the exact truth."""
