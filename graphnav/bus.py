@@ -45,7 +45,7 @@ class Bus:
     """
 
     def __init__(self, url: str = "memq://") -> None:
-        import lcm  # noqa: PLC0415, importing graphnav must not load it
+        import lcm
 
         self.url = with_defaults(url)
         if self.url.startswith("udpm:"):

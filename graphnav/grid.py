@@ -9,8 +9,6 @@ import numpy.typing as npt
 
 from graphnav.messages import Flow
 
-Floats = npt.NDArray[np.float32]
-
 
 def coarsen(flow: Flow, step_px: int) -> Flow:
     """Return ``flow`` averaged over blocks of ``step_px`` pixels.

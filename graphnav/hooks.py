@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
 import pluggy
 
 from graphnav.adapter import Adapter
+from graphnav.arrays import Bytes
 from graphnav.stage import Stage
 
 if TYPE_CHECKING:
@@ -63,7 +62,7 @@ def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[st
 
 
 @hookspec(firstresult=True)
-def graphnav_picture(message: Message, context: PictureContext) -> npt.NDArray[np.uint8] | None:
+def graphnav_picture(message: Message, context: PictureContext) -> Bytes | None:
     """Draw one message as a picture; the first plugin that can, draws it.
 
     Return uint8 (rows, cols, 3), red-green-blue, rows down; None for a message type that has no picture. The picture

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body, Faces, faces_of
 from graphnav_world.rendering.atlas import Atlas, floor_texels
@@ -16,6 +15,8 @@ from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame, Renderer
 from graphnav_world.rendering.textures import Texture
+
+from graphnav.arrays import Bytes
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def _world(cols: int, rows: int) -> tuple[Camera, Faces, Renderer]:
     return camera, faces, Renderer(camera, faces, atlas, np.array([-5.0, -5.0]))
 
 
-def _farneback(before: npt.NDArray[np.uint8], now: npt.NDArray[np.uint8]) -> None:
+def _farneback(before: Bytes, now: Bytes) -> None:
     cv2.calcOpticalFlowFarneback(
         before, now, None, pyr_scale=0.5, levels=3, winsize=15, iterations=3, poly_n=5, poly_sigma=1.2, flags=0
     )

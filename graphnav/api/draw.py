@@ -67,7 +67,7 @@ class Drawing:
 
     def lines(self) -> Iterator[Text]:
         """Yield the lines of the text, each channel in a colour."""
-        from rich.text import Text  # noqa: PLC0415 - only for terminals
+        from rich.text import Text
 
         drawing = text_of(self.graph)
         for line, rails in zip(drawing.lines, drawing.rails, strict=True):

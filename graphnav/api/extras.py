@@ -17,7 +17,7 @@ def import_pandas(who: str) -> Any:
         It is not installed.
     """
     try:
-        import pandas  # noqa: PLC0415, ICN001 - an extra
+        import pandas  # noqa: ICN001 - an extra
     except ImportError as error:
         raise UserError.of(f"{who} needs pandas", install_command("pandas")) from error
     return pandas

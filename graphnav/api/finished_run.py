@@ -82,9 +82,9 @@ class Run:
         return f"<graphnav.Run {self.summary.graph}: {self.outcome} after {self.summary.sim_s:.1f} s, {self.folder}>"
 
     def __str__(self) -> str:
-        from rich.console import Console  # noqa: PLC0415 - only where it is printed
+        from rich.console import Console
 
-        from graphnav.report.table import print_summary  # noqa: PLC0415
+        from graphnav.report.table import print_summary
 
         text = io.StringIO()
         print_summary(Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False), self.summary)

@@ -65,7 +65,7 @@ class _Intermixed(argparse.ArgumentParser):
 
 def build_parser(chosen: str | None) -> argparse.ArgumentParser:
     """Return the parser; only the ``chosen`` command's module is imported and its options added."""
-    from graphnav import __version__  # noqa: PLC0415
+    from graphnav import __version__
 
     parser = argparse.ArgumentParser(
         prog="graphnav", description="Visual navigation as a dataflow graph of plugin stages on LCM channels."
@@ -98,7 +98,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _status_of(args: argparse.Namespace) -> int:
     """Run a command; say in a line what ends it."""
-    from graphnav.errors import GraphnavError, ParamError, UserError, printable  # noqa: PLC0415
+    from graphnav.errors import GraphnavError, ParamError, UserError, printable
 
     try:
         status = int(args.main(args))

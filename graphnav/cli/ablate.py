@@ -103,10 +103,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.ablation.execution import read_plan  # noqa: PLC0415
-    from graphnav.cli.study_output import write_outputs, write_pairing  # noqa: PLC0415
+    from graphnav.ablation.execution import read_plan
+    from graphnav.cli.study_output import write_outputs, write_pairing
 
     _refuse_mixtures(args)
     console = Console(highlight=False, soft_wrap=True)
@@ -139,8 +139,8 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
 
 def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
     """Return the checked plan of the study that the command line says."""
-    from graphnav.ablation.study import study_of_command  # noqa: PLC0415
-    from graphnav.api.studies.study_plan import checked_plan  # noqa: PLC0415
+    from graphnav.ablation.study import study_of_command
+    from graphnav.api.studies.study_plan import checked_plan
 
     study = study_of_command(
         args.names,
@@ -156,9 +156,9 @@ def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
 
 def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
     """Make the pending runs of a study, draw its failures, write its report."""
-    from graphnav.ablation.execution import StudyFolder, TaskFactory, pending_jobs  # noqa: PLC0415
-    from graphnav.cli.study_output import write_outputs  # noqa: PLC0415
-    from graphnav.cli.study_run import draw_worst, make_missing, workers_of  # noqa: PLC0415
+    from graphnav.ablation.execution import StudyFolder, TaskFactory, pending_jobs
+    from graphnav.cli.study_output import write_outputs
+    from graphnav.cli.study_run import draw_worst, make_missing, workers_of
 
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
@@ -184,7 +184,7 @@ def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Cons
 
 def _catalog_of_what_is_left(plan: Plan) -> Catalog:
     """Return the catalog with those plugin files of a study that can still be used: only drawings need them."""
-    from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.catalog import Catalog
 
     catalog = Catalog()
     for plugin in plan.plugins:

@@ -28,15 +28,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.spy import sizes_as_json  # noqa: PLC0415
+    from graphnav.spy import sizes_as_json
 
     return channel_report.report(args, _line, _table, sizes_as_json)
 
 
 def _line(channel: ChannelTraffic) -> str:
     """Return what ``ros2 topic bw`` prints, in one line."""
-    from graphnav.errors import shown_name  # noqa: PLC0415
-    from graphnav.spy import silence_of, size_of  # noqa: PLC0415
+    from graphnav.errors import shown_name
+    from graphnav.spy import silence_of, size_of
 
     sizes = channel.sizes
     bounds = f"size min: {size_of(sizes.min_bytes)} mean: {size_of(round(sizes.mean_bytes))}"
@@ -45,9 +45,9 @@ def _line(channel: ChannelTraffic) -> str:
 
 
 def _table(traffic: Traffic) -> TextTable:
-    from graphnav.cli.tables import TextTable  # noqa: PLC0415
-    from graphnav.errors import shown_name  # noqa: PLC0415
-    from graphnav.spy import size_of  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable
+    from graphnav.errors import shown_name
+    from graphnav.spy import size_of
 
     table = TextTable("channel", "bandwidth", "size min", "mean", "max", "count", "note")
     total = 0.0
@@ -66,6 +66,6 @@ def _table(traffic: Traffic) -> TextTable:
 
 
 def _rate(bytes_per_s: float | None) -> str:
-    from graphnav.spy import size_of  # noqa: PLC0415
+    from graphnav.spy import size_of
 
     return "" if bytes_per_s is None else f"{size_of(round(bytes_per_s))}/s"

@@ -44,8 +44,8 @@ def report(
 
     Raises GraphnavError where nothing was heard, UserError where a run is heard that has no such channel.
     """
-    from graphnav.cli.tables import print_table  # noqa: PLC0415
-    from graphnav.spy import Feed, Traffic  # noqa: PLC0415
+    from graphnav.cli.tables import print_table
+    from graphnav.spy import Feed, Traffic
 
     load_types_of(args)
     name, source = channel_and_feed(args)

@@ -30,11 +30,11 @@ def main(args: argparse.Namespace) -> int:
     _, graph = load(args)
     graph.make_stages()
     if args.resolved:
-        from graphnav.graph import resolved_yaml  # noqa: PLC0415
+        from graphnav.graph import resolved_yaml
 
         sys.stdout.write(resolved_yaml(graph, portable_paths=False))
         return OK
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
     console = Console(highlight=False, soft_wrap=True)
     for notice in graph.notices:
@@ -63,7 +63,7 @@ def _outside(graph: Graph) -> str:
 
 
 def _table(graph: Graph) -> TextTable:
-    from graphnav.cli.tables import TextTable  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable
 
     table = TextTable("stage", "uses", "reads", "writes")
     for given in graph.inputs.values():

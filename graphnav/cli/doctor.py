@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 where something needed is lacking."""
-    from graphnav.doctor import examine  # noqa: PLC0415
+    from graphnav.doctor import examine
 
     graph = None if args.graph is None else load(args)[1]
     findings = []
@@ -36,10 +36,10 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _print(finding: Finding) -> None:
-    from rich.console import Console  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+    from rich.console import Console
+    from rich.text import Text
 
-    from graphnav.errors import printable  # noqa: PLC0415
+    from graphnav.errors import printable
 
     mark, style = ("ok ", "green") if finding.fine else ("FIX", "red") if finding.needed else ("opt", "yellow")
     console = Console(highlight=False, soft_wrap=True)

@@ -25,12 +25,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.api.draw import Drawing  # noqa: PLC0415
+    from graphnav.api.draw import Drawing
 
     _, graph = load(args)
     drawing = Drawing(graph)
     if args.format == "text" and args.file is None:
-        from rich.console import Console  # noqa: PLC0415
+        from rich.console import Console
 
         Console(highlight=False, soft_wrap=True).print(drawing)
         return OK

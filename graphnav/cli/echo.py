@@ -43,9 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.cli.echo_formats import CsvRows, JsonLines, Lines, Spoken  # noqa: PLC0415
-    from graphnav.errors import Place, UserError  # noqa: PLC0415
-    from graphnav.spy import Feed, Selection, Traffic, parse_field  # noqa: PLC0415
+    from graphnav.cli.echo_formats import CsvRows, JsonLines, Lines, Spoken
+    from graphnav.errors import Place, UserError
+    from graphnav.spy import Feed, Selection, Traffic, parse_field
 
     if args.csv and args.full:
         raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))

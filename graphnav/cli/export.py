@@ -54,13 +54,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: export, print what was written, and what was lost."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.cli.damaged_log import damage_told  # noqa: PLC0415
-    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
-    from graphnav.export import Selection, duration_s, export_log  # noqa: PLC0415
-    from graphnav.record import Recording, find_log  # noqa: PLC0415
-    from graphnav.runner.recording.log_forecast import size_text  # noqa: PLC0415
+    from graphnav.cli.damaged_log import damage_told
+    from graphnav.cli.progress import progress_bar
+    from graphnav.export import Selection, duration_s, export_log
+    from graphnav.record import Recording, find_log
+    from graphnav.runner.recording.log_forecast import size_text
 
     catalog = catalog_of(args)
     load_types_of(args)

@@ -40,10 +40,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and print what was written."""
-    from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.cli.damaged_log import damage_told  # noqa: PLC0415
-    from graphnav.record import Recording, find_log  # noqa: PLC0415
-    from graphnav.report.pictures import draw_all, draw_frames, draw_sheet  # noqa: PLC0415
+    from graphnav.catalog import Catalog
+    from graphnav.cli.damaged_log import damage_told
+    from graphnav.record import Recording, find_log
+    from graphnav.report.pictures import draw_all, draw_frames, draw_sheet
 
     if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):
         raise UserError.of("--from and --until are for a contact sheet", "add --every 0.5s, or leave them out")

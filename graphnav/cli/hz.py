@@ -27,15 +27,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.spy import rates_as_json  # noqa: PLC0415
+    from graphnav.spy import rates_as_json
 
     return channel_report.report(args, _lines, _table, rates_as_json)
 
 
 def _lines(channel: ChannelTraffic) -> str:
     """Return the periods by stamps and, where that is not the same, by arrival; or how long nothing has come."""
-    from graphnav.errors import shown_name  # noqa: PLC0415
-    from graphnav.spy import silence_of, volume  # noqa: PLC0415
+    from graphnav.errors import shown_name
+    from graphnav.spy import silence_of, volume
 
     name, heard = shown_name(channel.name), ", ".join(volume(channel))
     if channel.is_silent:
@@ -58,8 +58,8 @@ def _text(periods: Periods | None) -> str:
 
 def _table(traffic: Traffic) -> TextTable:
     """Return a row for each channel; periods are those of the stamps."""
-    from graphnav.cli.tables import TextTable  # noqa: PLC0415
-    from graphnav.errors import shown_name  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable
+    from graphnav.errors import shown_name
 
     table = TextTable("channel", "stamp Hz", "arrival", "min ms", "max ms", "std ms", "count", "note")
     for name in sorted(traffic.channels):

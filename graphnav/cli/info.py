@@ -19,11 +19,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.cli.tables import TextTable, print_table  # noqa: PLC0415
-    from graphnav.loginfo import as_json, as_text, survey  # noqa: PLC0415
-    from graphnav.loginfo.as_text import HEADINGS, damage, rows  # noqa: PLC0415
-    from graphnav.record import find_log  # noqa: PLC0415
-    from graphnav.spy.adapted_types import load_adapted_types  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable, print_table
+    from graphnav.loginfo import as_json, as_text, survey
+    from graphnav.loginfo.as_text import HEADINGS, damage, rows
+    from graphnav.record import find_log
+    from graphnav.spy.adapted_types import load_adapted_types
 
     load_adapted_types()
     load_types_of(args)

@@ -18,11 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: build the jar of all types unless the cache has it, then become lcm-spy, signals and all."""
-    from graphnav.cli.type_names import listed_types  # noqa: PLC0415
-    from graphnav.errors import UserError  # noqa: PLC0415
-    from graphnav.lcm_url import lcm_url  # noqa: PLC0415
-    from graphnav.machine.jdk import require_jdk  # noqa: PLC0415
-    from graphnav.typeinfo import file_of_lcm, types_jar  # noqa: PLC0415
+    from graphnav.cli.type_names import listed_types
+    from graphnav.errors import UserError
+    from graphnav.lcm_url import lcm_url
+    from graphnav.machine.jdk import require_jdk
+    from graphnav.typeinfo import file_of_lcm, types_jar
 
     url = lcm_url(("URL", args.url))
     require_jdk()

@@ -20,11 +20,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; nothing is overwritten."""
-    from graphnav.catalog import ADAPTERS, Catalog  # noqa: PLC0415
-    from graphnav.cli.stage_hints import hints  # noqa: PLC0415
-    from graphnav.cli.stage_templates import stage_text, test_text  # noqa: PLC0415
-    from graphnav.messages import snake_case  # noqa: PLC0415
-    from graphnav.spec.spec import STAGE_NAME  # noqa: PLC0415
+    from graphnav.catalog import ADAPTERS, Catalog
+    from graphnav.cli.stage_hints import hints
+    from graphnav.cli.stage_templates import stage_text, test_text
+    from graphnav.messages import snake_case
+    from graphnav.spec.spec import STAGE_NAME
 
     for word in (args.family, args.name):
         if not STAGE_NAME.fullmatch(word) or keyword.iskeyword(word):

@@ -72,7 +72,7 @@ def positive(text: str) -> float:
 
 def channel_name(text: str) -> str:
     """Return the name of a channel on which LCM can publish and that is not reserved."""
-    from graphnav.graph.wiring.channels import MAX_NAME, RESERVED  # noqa: PLC0415
+    from graphnav.graph.wiring.channels import MAX_NAME, RESERVED
 
     if not text or not text.isascii() or not text.isprintable() or " " in text:
         raise argparse.ArgumentTypeError(f"{text!r} cannot be a channel's name: use ASCII characters without spaces")
@@ -141,7 +141,7 @@ def load_types_of(args: argparse.Namespace) -> dict[str, type]:
     """
     if not args.types:
         return {}
-    from graphnav.typeinfo import load_types  # noqa: PLC0415
+    from graphnav.typeinfo import load_types
 
     return load_types(args.types)
 
@@ -163,7 +163,7 @@ def url_of(args: argparse.Namespace) -> str:
     UserError
         It does not lead to other programs.
     """
-    from graphnav.lcm_url import lcm_url  # noqa: PLC0415
+    from graphnav.lcm_url import lcm_url
 
     return lcm_url(("--url", args.url))
 
@@ -198,7 +198,7 @@ def channels_of(args: argparse.Namespace) -> ChannelFilter:
     UserError
         ``--regex`` is not a regular expression, or ``--invert`` has nothing to invert.
     """
-    from graphnav.record import ChannelFilter  # noqa: PLC0415
+    from graphnav.record import ChannelFilter
 
     if args.invert and not args.globs and not args.regexes:
         raise UserError.of("there is no filter to invert", "add --channel GLOB or --regex RE", Place("--invert"))
@@ -207,8 +207,8 @@ def channels_of(args: argparse.Namespace) -> ChannelFilter:
 
 def catalog_of(args: argparse.Namespace) -> Catalog:
     """Return the catalog with the ``--plugin`` files."""
-    from graphnav.api.load import add_plugins  # noqa: PLC0415
-    from graphnav.catalog import Catalog  # noqa: PLC0415
+    from graphnav.api.load import add_plugins
+    from graphnav.catalog import Catalog
 
     return add_plugins(Catalog(), args.plugins)
 
@@ -221,7 +221,7 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
     UserError
         Everything that is wrong with the graph or the options.
     """
-    from graphnav.api.load import load_with, with_run_options  # noqa: PLC0415
+    from graphnav.api.load import load_with, with_run_options
 
     catalog = catalog_of(args)
     graph = load_with(catalog, args.graph, args.sets, args.plugins)

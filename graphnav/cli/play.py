@@ -48,11 +48,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.bus import Bus  # noqa: PLC0415
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.player import Pace, Player, choose  # noqa: PLC0415
-    from graphnav.player.player import HELP  # noqa: PLC0415
-    from graphnav.record import Recording, find_log  # noqa: PLC0415
+    from graphnav.bus import Bus
+    from graphnav.notices import print_notice
+    from graphnav.player import Pace, Player, choose
+    from graphnav.player.player import HELP
+    from graphnav.record import Recording, find_log
 
     channels = channels_of(args)
     url = url_of(args)
@@ -94,8 +94,8 @@ def main(args: argparse.Namespace) -> int:
 
 def _tell(recording: Recording, chosen: Chosen) -> None:
     """Say what is damaged, and what would move a robot that listens."""
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.player import motor_channels  # noqa: PLC0415
+    from graphnav.notices import print_notice
+    from graphnav.player import motor_channels
 
     if notice := recording.damage_notice():
         print_notice(notice)
@@ -131,7 +131,7 @@ class _NoKeyboard:
 @contextmanager
 def _keyboard() -> Iterator[tuple[Keyboard, bool]]:
     """Yield where keys come from, and whether there are any: in the foreground of a terminal."""
-    from graphnav.keyboard import Terminal  # noqa: PLC0415
+    from graphnav.keyboard import Terminal
 
     if sys.stdin is None or sys.stdout is None or not (sys.stdin.isatty() and sys.stdout.isatty()):
         yield _NoKeyboard(), False

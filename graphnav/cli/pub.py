@@ -49,12 +49,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.bus import Bus  # noqa: PLC0415
-    from graphnav.cli.type_names import type_called  # noqa: PLC0415
-    from graphnav.codec import codec_of, lcm_name  # noqa: PLC0415
-    from graphnav.errors import Place, UserError  # noqa: PLC0415
-    from graphnav.publish import Publisher, parse_fields, repeat  # noqa: PLC0415
-    from graphnav.spy import described, summarised  # noqa: PLC0415
+    from graphnav.bus import Bus
+    from graphnav.cli.type_names import type_called
+    from graphnav.codec import codec_of, lcm_name
+    from graphnav.errors import Place, UserError
+    from graphnav.publish import Publisher, parse_fields, repeat
+    from graphnav.spy import described, summarised
 
     if args.rate is None and (args.count or args.for_s):
         option = "-n" if args.count else "--for"

@@ -39,7 +39,7 @@ def log_time(text: str) -> float:
 
 def split(text: str) -> Split:
     """Return when a new file begins: ``100MB`` or ``60s``."""
-    from graphnav.record.log_files import Split  # noqa: PLC0415
+    from graphnav.record.log_files import Split
 
     try:
         return Split(n_bytes=size(text))

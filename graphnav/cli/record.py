@@ -64,11 +64,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.cli.record_summary import print_recorded  # noqa: PLC0415
-    from graphnav.lcm_url import lcm_url  # noqa: PLC0415
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.recorder import buffer_notice  # noqa: PLC0415
-    from graphnav.runner.interrupt import Interrupt  # noqa: PLC0415
+    from graphnav.cli.record_summary import print_recorded
+    from graphnav.lcm_url import lcm_url
+    from graphnav.notices import print_notice
+    from graphnav.recorder import buffer_notice
+    from graphnav.runner.interrupt import Interrupt
 
     load_types_of(args)
     if args.rotate is not None and args.split is None:
@@ -92,9 +92,9 @@ def main(args: argparse.Namespace) -> int:
 
 def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
     """Return a recorder whose log is open; raise UserError where the file is not to be written."""
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.record.log_files import LogFiles, files_of  # noqa: PLC0415
-    from graphnav.recorder import Recorder  # noqa: PLC0415
+    from graphnav.notices import print_notice
+    from graphnav.record.log_files import LogFiles, files_of
+    from graphnav.recorder import Recorder
 
     channels = channels_of(args)
     existing = files_of(path) if args.split is not None else [path] if path.exists() else []
@@ -113,8 +113,8 @@ def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
 
 def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> None:
     """Show how it goes until it is to end, or the disk refuses."""
-    from graphnav.cli.record_summary import losses  # noqa: PLC0415
-    from graphnav.runner.recording.log_forecast import size_text  # noqa: PLC0415
+    from graphnav.cli.record_summary import losses
+    from graphnav.runner.recording.log_forecast import size_text
 
     begin_s = shown_s = time.monotonic()
     end_s = begin_s + for_s if for_s is not None else math.inf

@@ -30,7 +30,7 @@ def losses(recorder: Recorder) -> Iterator[str]:
 
 def print_recorded(recorder: Recorder, url: str) -> None:
     """Print a table of the channels, what was lost, and the files."""
-    from graphnav.cli.tables import TextTable, print_table  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable, print_table
 
     tally = recorder.tally
     if not tally.n_messages:

@@ -59,12 +59,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; the status is 1 where anything differs."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.cli.damaged_log import damage_told  # noqa: PLC0415
-    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
-    from graphnav.record import find_log  # noqa: PLC0415
-    from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay  # noqa: PLC0415
+    from graphnav.cli.damaged_log import damage_told
+    from graphnav.cli.progress import progress_bar
+    from graphnav.record import find_log
+    from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay
 
     def show_failure(error: GraphnavError) -> None:
         print(error, file=sys.stderr)
@@ -93,7 +93,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _opened(log: Path) -> Recording:
-    from graphnav.record import Recording  # noqa: PLC0415
+    from graphnav.record import Recording
 
     try:
         return Recording(log)
@@ -102,8 +102,8 @@ def _opened(log: Path) -> Recording:
 
 
 def _print_notices(made: LogGraph, play: list[str]) -> None:
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.replay import make_plan, notices_of  # noqa: PLC0415
+    from graphnav.notices import print_notice
+    from graphnav.replay import make_plan, notices_of
 
     for notice in (*made.graph.notices, *notices_of(make_plan(made.graph, play))):
         print_notice(notice)
@@ -126,7 +126,7 @@ def _at(text: str) -> float:
 
 
 def _tolerance(text: str) -> Tolerance:
-    from graphnav.replay import Tolerance  # noqa: PLC0415
+    from graphnav.replay import Tolerance
 
     try:
         numbers = [float(part) for part in text.split(",")]

@@ -60,18 +60,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.api.execute import runs_live  # noqa: PLC0415
-    from graphnav.api.open_tap import open_tap  # noqa: PLC0415
-    from graphnav.lcm_url import tap_url  # noqa: PLC0415
-    from graphnav.record import LOG  # noqa: PLC0415
-    from graphnav.report.folder import make_run_folder, removed_if_empty  # noqa: PLC0415
-    from graphnav.report.pictures import draw_pictures  # noqa: PLC0415
-    from graphnav.report.table import print_summary  # noqa: PLC0415
-    from graphnav.runner.recording.log_forecast import size_text  # noqa: PLC0415
-    from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id  # noqa: PLC0415
-    from graphnav.runner.recording.saved_graph import GRAPH  # noqa: PLC0415
+    from graphnav.api.execute import runs_live
+    from graphnav.api.open_tap import open_tap
+    from graphnav.lcm_url import tap_url
+    from graphnav.record import LOG
+    from graphnav.report.folder import make_run_folder, removed_if_empty
+    from graphnav.report.pictures import draw_pictures
+    from graphnav.report.table import print_summary
+    from graphnav.runner.recording.log_forecast import size_text
+    from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id
+    from graphnav.runner.recording.saved_graph import GRAPH
 
     catalog, graph = load(args)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
@@ -115,7 +115,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _live_notice(args: argparse.Namespace, graph: Graph) -> str:
-    from graphnav.live import live_url  # noqa: PLC0415
+    from graphnav.live import live_url
 
     why = "--live" if args.live else f"inputs: {', '.join(graph.inputs)}"
     return f"live on {live_url(graph, args.url)} ({why}); Ctrl-C ends it"
@@ -131,10 +131,10 @@ def _run(
     *,
     is_live: bool,
 ) -> Summary:
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.api.execute import execute  # noqa: PLC0415
-    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
+    from graphnav.api.execute import execute
+    from graphnav.cli.progress import progress_bar
 
     def show_cause(error: GraphnavError) -> None:
         if args.verbose:

@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.graph import graph_schema  # noqa: PLC0415
+    from graphnav.graph import graph_schema
 
     print(json.dumps(graph_schema(catalog_of(args)), indent=2))
     return OK

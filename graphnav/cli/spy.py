@@ -48,9 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.spy import Feed, Traffic, as_json, as_text, drops_of  # noqa: PLC0415
+    from graphnav.spy import Feed, Traffic, as_json, as_text, drops_of
 
     load_types_of(args)
     feed = Feed(args.feed)
@@ -83,12 +83,12 @@ def _has_screen() -> bool:
 
 def _full_screen(feed: Feed, graphics: str) -> int:
     """Show the feed until the user leaves."""
-    from graphnav.spy.graphics.terminal_colours import has_colours  # noqa: PLC0415
+    from graphnav.spy.graphics.terminal_colours import has_colours
 
     if not has_colours():
         os.environ["NO_COLOR"] = "1"
-    from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.spy.screen import SpyApp, painters, run_app, watch_of  # noqa: PLC0415
+    from graphnav.catalog import Catalog
+    from graphnav.spy.screen import SpyApp, painters, run_app, watch_of
 
     gc.freeze()  # what was imported stays: it need not be looked through again and again
     new_painter = painters(graphics)
@@ -102,10 +102,10 @@ def _full_screen(feed: Feed, graphics: str) -> int:
 
 def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
     """Show what goes by, a line a channel, until Ctrl-C; anew below where a terminal cannot go back."""
-    from rich.live import Live  # noqa: PLC0415
+    from rich.live import Live
 
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.spy import as_text, drops_of  # noqa: PLC0415
+    from graphnav.notices import print_notice
+    from graphnav.spy import as_text, drops_of
 
     begin_s, shown_s, is_told = time.monotonic(), 0.0, False
     with Live(console=console, auto_refresh=False) as live:

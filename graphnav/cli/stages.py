@@ -27,9 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.stage import describe  # noqa: PLC0415
+    from graphnav.stage import describe
 
     catalog = catalog_of(args)
     console = Console(highlight=False)
@@ -51,7 +51,7 @@ def main(args: argparse.Namespace) -> int:
 
 def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list[str]:
     """Return the stages of families; a family that cannot be imported is told, unless it was asked for alone."""
-    from graphnav.errors import CatalogError  # noqa: PLC0415
+    from graphnav.errors import CatalogError
 
     uses: list[str] = []
     for family in families:
@@ -65,8 +65,8 @@ def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list
 
 
 def _all(catalog: Catalog, uses: list[str]) -> TextTable:
-    from graphnav.cli.tables import TextTable  # noqa: PLC0415
-    from graphnav.stage import ports_of, summary_of  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable
+    from graphnav.stage import ports_of, summary_of
 
     table = TextTable("stage", "reads", "writes", "what it is")
     for use in uses:
@@ -78,7 +78,7 @@ def _all(catalog: Catalog, uses: list[str]) -> TextTable:
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.cli.tables import TextTable  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable
 
     console.print(f"{described['name']}, a {described['kind']} of {described['origin']}", style="bold", markup=False)
     console.print()
@@ -127,7 +127,7 @@ def _flowing(doc: str) -> str:
 
 
 def _default(param: dict[str, Any]) -> str:
-    from graphnav.spec import write_value  # noqa: PLC0415
+    from graphnav.spec import write_value
 
     return "has to be given" if param["required"] else write_value(param["default"])
 

@@ -41,12 +41,12 @@ def main(args: argparse.Namespace) -> int:
 
     Ctrl-C throws teaching in simulated time away, which has an end of its own; live it is how teaching ends.
     """
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.codec import encode  # noqa: PLC0415
-    from graphnav.messages import PlanarModel  # noqa: PLC0415
-    from graphnav.record import LOG, LogWriter, Recording  # noqa: PLC0415
-    from graphnav.runner import Outcome  # noqa: PLC0415
+    from graphnav.codec import encode
+    from graphnav.messages import PlanarModel
+    from graphnav.record import LOG, LogWriter, Recording
+    from graphnav.runner import Outcome
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} is there already", "choose another file, or replace it with --force")
@@ -89,11 +89,11 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _run(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> Summary:
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.cli.progress import progress_bar  # noqa: PLC0415
-    from graphnav.live import live_url, run_live  # noqa: PLC0415
-    from graphnav.runner.recording.run_recorded import run_recorded  # noqa: PLC0415
+    from graphnav.cli.progress import progress_bar
+    from graphnav.live import live_url, run_live
+    from graphnav.runner.recording.run_recorded import run_recorded
 
     stages = graph.make_stages()
     if not (args.live or graph.is_live):

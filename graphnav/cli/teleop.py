@@ -41,11 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.bus import Bus  # noqa: PLC0415
-    from graphnav.errors import UserError  # noqa: PLC0415
-    from graphnav.keyboard import Terminal  # noqa: PLC0415
-    from graphnav.teleop import Drive, Session  # noqa: PLC0415
-    from graphnav.teleop.keys import HELP  # noqa: PLC0415
+    from graphnav.bus import Bus
+    from graphnav.errors import UserError
+    from graphnav.keyboard import Terminal
+    from graphnav.teleop import Drive, Session
+    from graphnav.teleop.keys import HELP
 
     if sys.stdin is None or not sys.stdin.isatty():
         raise UserError.of(

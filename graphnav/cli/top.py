@@ -40,9 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.spy import Feed, Health, health_as_json, health_as_text  # noqa: PLC0415
+    from graphnav.spy import Feed, Health, health_as_json, health_as_text
 
     load_types_of(args)
     feed = Feed(args.feed)
@@ -75,10 +75,10 @@ def _look(feed: Feed, health: Health, for_s: float) -> None:
 
 def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
     """Show the runs, as status comes and silence grows, until Ctrl-C; say once, after ``for_s``, that there is none."""
-    from rich.live import Live  # noqa: PLC0415
+    from rich.live import Live
 
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.spy import health_as_text  # noqa: PLC0415
+    from graphnav.notices import print_notice
+    from graphnav.spy import health_as_text
 
     begin_s, shown_s, is_new, is_told = time.monotonic(), 0.0, False, False
     with Live(console=console, auto_refresh=False) as live:
@@ -95,7 +95,7 @@ def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
 
 
 def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:
-    from graphnav.errors import GraphnavError, shown_name  # noqa: PLC0415
+    from graphnav.errors import GraphnavError, shown_name
 
     if not feed.is_live:
         return GraphnavError(f"{feed.name} holds no status of a run: live runs record it")

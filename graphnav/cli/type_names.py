@@ -22,7 +22,7 @@ def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
     UserError
         There is none.
     """
-    from graphnav.codec import find_type  # noqa: PLC0415
+    from graphnav.codec import find_type
 
     with suppress(UserError):
         return find_type(name, given)
@@ -32,7 +32,7 @@ def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
 
 def listed_types(catalog: Catalog) -> dict[str, type]:
     """Return the types that ship, those of the messages of all plugins and those of adapters, by name in LCM."""
-    from graphnav.codec import SHIPPED, lcm_name, message_classes  # noqa: PLC0415
+    from graphnav.codec import SHIPPED, lcm_name, message_classes
 
     _load_all(catalog)
     found = [*SHIPPED, *(message.lcm_class for message in message_classes())]
@@ -48,8 +48,8 @@ def _load_all(catalog: Catalog) -> None:
 
 def _adapted(catalog: Catalog) -> dict[str, type]:
     """Return the types of other packages that adapters read or write, and what is nested in them, by name in LCM."""
-    from graphnav.codec import lcm_name  # noqa: PLC0415
-    from graphnav.typeinfo import nested_types  # noqa: PLC0415
+    from graphnav.codec import lcm_name
+    from graphnav.typeinfo import nested_types
 
     found: dict[str, type] = {}
     with suppress(CatalogError):

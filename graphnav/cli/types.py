@@ -43,10 +43,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from graphnav.cli.type_names import listed_types, type_called  # noqa: PLC0415
-    from graphnav.typeinfo import definition_text, describe_type  # noqa: PLC0415
+    from graphnav.cli.type_names import listed_types, type_called
+    from graphnav.typeinfo import definition_text, describe_type
 
     catalog, given = catalog_of(args), load_types_of(args)
     found = {args.name: type_called(args.name, catalog, given)} if args.name else listed_types(catalog) | given
@@ -67,9 +67,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _all(found: dict[str, type]) -> TextTable:
-    from graphnav.cli.tables import TextTable  # noqa: PLC0415
-    from graphnav.codec import message_class_of  # noqa: PLC0415
-    from graphnav.typeinfo import summary_of_type  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable
+    from graphnav.codec import message_class_of
+    from graphnav.typeinfo import summary_of_type
 
     table = TextTable("message", "LCM type", "what it is")
     for name, lcm_class in found.items():
@@ -79,7 +79,7 @@ def _all(found: dict[str, type]) -> TextTable:
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.cli.tables import TextTable  # noqa: PLC0415
+    from graphnav.cli.tables import TextTable
 
     title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
     console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)
@@ -100,7 +100,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
 
 
 def _write_java(lcm_classes: list[type], folder: Path) -> None:
-    from graphnav.typeinfo import write_java  # noqa: PLC0415
+    from graphnav.typeinfo import write_java
 
     made = write_java(lcm_classes, folder)
     print(f"{len(made.sources)} sources below {folder}")

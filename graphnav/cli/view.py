@@ -46,9 +46,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.notices import print_notice  # noqa: PLC0415
-    from graphnav.spy import Feed  # noqa: PLC0415
-    from graphnav.view import is_loopback  # noqa: PLC0415
+    from graphnav.notices import print_notice
+    from graphnav.spy import Feed
+    from graphnav.view import is_loopback
 
     load_types_of(args)
     feed = Feed(args.feed)
@@ -70,10 +70,10 @@ def main(args: argparse.Namespace) -> int:
 
 def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
     """Serve the page until Ctrl-C."""
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
-    from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.view import LiveSource, LogSource, PageServer  # noqa: PLC0415
+    from graphnav.catalog import Catalog
+    from graphnav.view import LiveSource, LogSource, PageServer
 
     source = LiveSource(feed) if feed.is_live else LogSource(feed.path)
     if isinstance(source, LogSource) and not source.n_events:
@@ -93,11 +93,11 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
 
 def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
     """Serve Foxglove's protocol until Ctrl-C or SIGTERM."""
-    import signal  # noqa: PLC0415
-    import threading  # noqa: PLC0415
+    import signal
+    import threading
 
-    from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer  # noqa: PLC0415
+    from graphnav.catalog import Catalog
+    from graphnav.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer
 
     source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path)
     if isinstance(source, LogPlayer) and not source.n_events:
@@ -118,7 +118,7 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
 
 
 def _open(url: str) -> None:
-    import webbrowser  # noqa: PLC0415
+    import webbrowser
 
     webbrowser.open(url)
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any, TypeVar, cast
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav.codec import DecodeError, codec_of
 from graphnav.export.reader import Reader, Sample
 from graphnav.messages import Message, Odometry, State
@@ -15,7 +15,6 @@ from graphnav.pictures import PictureContext
 from graphnav.record import Event
 
 M = TypeVar("M", bound=Message)
-Doubles = npt.NDArray[np.float64]
 
 POSES: tuple[type[Message], ...] = (State, Odometry)
 """What tells where the robot was: its states, else its odometry."""

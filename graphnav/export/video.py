@@ -8,8 +8,8 @@ from itertools import chain
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, UserError
 from graphnav.export.files.atomic_path import placed_file
@@ -19,7 +19,6 @@ from graphnav.export.selection import Selection
 from graphnav.messages import Image, Message
 from graphnav.pictures import DRAWING_FAMILY, Pictures, VideoFrames, drawing
 
-Bytes = npt.NDArray[np.uint8]
 Frames = Iterator[tuple[int, Bytes]]
 
 _SUFFIX = ".mp4"

@@ -9,7 +9,8 @@ from typing import ClassVar
 
 import graphnav_lcm
 
-from graphnav.messages.message import Bytes, Doubles, Ints, Message
+from graphnav.arrays import Bytes, Doubles, Ints
+from graphnav.messages.message import Message
 
 
 class Steering(Message, lcm=graphnav_lcm.steering_t):

@@ -13,12 +13,6 @@ import numpy.typing as npt
 
 from graphnav.errors import DeclarationError
 
-Floats = npt.NDArray[np.float32]
-Doubles = npt.NDArray[np.float64]
-Bytes = npt.NDArray[np.uint8]
-Ints = npt.NDArray[np.int32]
-Ints64 = npt.NDArray[np.int64]
-
 
 def snake_case(name: str) -> str:
     """Return ``name`` as stages and ports are written: ``PlanarModel`` is ``planar_model``."""

@@ -6,7 +6,8 @@ from typing import Any
 
 import graphnav_lcm
 
-from graphnav.messages.message import Doubles, Ints64, Message
+from graphnav.arrays import Doubles, Longs
+from graphnav.messages.message import Message
 
 
 class About(Message, lcm=graphnav_lcm.about_t):
@@ -58,7 +59,7 @@ class Fired(Message, lcm=graphnav_lcm.fired_t):
     stage: str
     age_s: float
     ports: tuple[str, ...]
-    numbers: Ints64
-    stamps_us: Ints64
+    numbers: Longs
+    stamps_us: Longs
     ages_s: Doubles
     faults: tuple[str, ...]

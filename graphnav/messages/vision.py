@@ -12,7 +12,8 @@ from typing import Any, Self
 import graphnav_lcm
 import numpy as np
 
-from graphnav.messages.message import Bytes, Doubles, Floats, Message, may_be_infinite
+from graphnav.arrays import Bytes, Doubles, Floats
+from graphnav.messages.message import Message, may_be_infinite
 
 
 class Image(Message, lcm=graphnav_lcm.image_t, grid=("pixels",)):

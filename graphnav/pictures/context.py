@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav.messages import Message
 
 M = TypeVar("M", bound=Message)
-Doubles = npt.NDArray[np.float64]
 
 
 class Find(Protocol):

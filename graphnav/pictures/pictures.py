@@ -7,14 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, GraphnavError, one_line
 from graphnav.messages import Message
 from graphnav.pictures.context import PictureContext
-
-Bytes = npt.NDArray[np.uint8]
 
 DRAWING_FAMILY = "view"
 _REFUSED = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO}

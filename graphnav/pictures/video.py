@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
+from graphnav.arrays import Bytes
 
 
 class VideoFrames(NamedTuple):
@@ -17,4 +16,4 @@ class VideoFrames(NamedTuple):
 
     rate_hz: float
     n_frames: int
-    frames: Iterator[tuple[int, npt.NDArray[np.uint8]]]
+    frames: Iterator[tuple[int, Bytes]]

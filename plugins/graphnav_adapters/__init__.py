@@ -8,6 +8,6 @@ from graphnav import Adapter, hookimpl
 @hookimpl
 def graphnav_adapters() -> list[Adapter]:
     """Return the adapters; their modules are imported only now."""
-    from graphnav_adapters.bot_core_image import BotCoreImage  # noqa: PLC0415  # only graphs with inputs pay for it
+    from graphnav_adapters.bot_core_image import BotCoreImage
 
     return [BotCoreImage()]

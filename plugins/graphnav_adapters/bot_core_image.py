@@ -6,16 +6,15 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Adapter, Image
+from graphnav.arrays import Bytes
 from graphnav_adapters.lcmtypes.bot_core import image_t
 from graphnav_adapters.max_pixels import check_size
 
 GRAY, RGB, BGR, MJPEG = (int.from_bytes(code, "little") for code in (b"GREY", b"RGB3", b"BGR3", b"MJPG"))
 """Values of ``pixelformat``: FourCC codes, first character in the lowest byte."""
 
-Pixels = npt.NDArray[np.uint8]
 
 _CHANNELS = {GRAY: 1, RGB: 3, BGR: 3}
 
@@ -43,7 +42,7 @@ class BotCoreImage(Adapter):
         """
         rows, cols, pixelformat = fields["height"], fields["width"], fields["pixelformat"]
         check_size(rows, cols)
-        data: Pixels = np.asarray(fields["data"], np.uint8)
+        data: Bytes = np.asarray(fields["data"], np.uint8)
         if pixelformat == MJPEG:
             return Image(pixels=_decompressed(data, rows, cols))
         if pixelformat not in _CHANNELS:
@@ -76,8 +75,8 @@ class BotCoreImage(Adapter):
         }
 
 
-def _decompressed(data: Pixels, rows: int, cols: int) -> Pixels:
-    from graphnav_adapters.jpeg import decode_jpeg  # noqa: PLC0415  # only MJPEG pays for OpenCV
+def _decompressed(data: Bytes, rows: int, cols: int) -> Bytes:
+    from graphnav_adapters.jpeg import decode_jpeg
 
     pixels = decode_jpeg(data.tobytes())
     if pixels.shape[:2] != (rows, cols):
@@ -85,14 +84,14 @@ def _decompressed(data: Pixels, rows: int, cols: int) -> Pixels:
     return pixels
 
 
-def _unpadded(data: Pixels, rows: int, row_bytes: int, row_stride: int) -> Pixels:
+def _unpadded(data: Bytes, rows: int, row_bytes: int, row_stride: int) -> Bytes:
     """Return (rows, row_bytes) of rows that begin every ``row_stride`` bytes; the last one may lack its padding."""
     if row_stride < row_bytes:
         raise ValueError(f"row_stride is {row_stride}, a row has {row_bytes} bytes")
     min_size, max_size = row_stride * (rows - 1) + row_bytes, row_stride * rows
     if not min_size <= data.size <= max_size:
         raise ValueError(f"{data.size} bytes of pixels: {rows} rows of {row_stride} bytes need {max_size}")
-    padded: Pixels = np.ndarray((rows, row_bytes), np.uint8, np.ascontiguousarray(data), strides=(row_stride, 1))
+    padded: Bytes = np.ndarray((rows, row_bytes), np.uint8, np.ascontiguousarray(data), strides=(row_stride, 1))
     return np.ascontiguousarray(padded)
 
 

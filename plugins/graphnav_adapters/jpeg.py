@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Bytes
 from graphnav_adapters.max_pixels import check_size
 
 _START, _END = b"\xff\xd8", b"\xff\xd9"
@@ -60,7 +60,7 @@ def read_header(data: bytes) -> JpegHeader:
     raise ValueError("the JPEG is truncated")
 
 
-def decode_jpeg(data: bytes) -> npt.NDArray[np.uint8]:
+def decode_jpeg(data: bytes) -> Bytes:
     """Return a JPEG's pixels: uint8, (rows, cols) or (rows, cols, 3) red-green-blue, as it is stored.
 
     Raises
@@ -80,5 +80,5 @@ def decode_jpeg(data: bytes) -> npt.NDArray[np.uint8]:
         raise ValueError(f"the JPEG cannot be decoded: {error.err}") from error
     if pixels is None:
         raise ValueError("the JPEG cannot be decoded")
-    decoded: npt.NDArray[np.uint8] = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
+    decoded: Bytes = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
     return decoded

@@ -8,9 +8,9 @@ from graphnav import Stage, hookimpl
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages; their modules are imported only now."""
-    from graphnav_flow.dis import Dis  # noqa: PLC0415
-    from graphnav_flow.farneback import Farneback  # noqa: PLC0415
-    from graphnav_flow.lucas_kanade import LucasKanade  # noqa: PLC0415
-    from graphnav_flow.truth import Truth  # noqa: PLC0415
+    from graphnav_flow.dis import Dis
+    from graphnav_flow.farneback import Farneback
+    from graphnav_flow.lucas_kanade import LucasKanade
+    from graphnav_flow.truth import Truth
 
     return [LucasKanade, Dis, Farneback, Truth]

@@ -7,7 +7,8 @@ from typing import Literal
 import cv2
 
 from graphnav import Flow, Image, Stage, Stamp, param
-from graphnav_flow.frames import Frames, Gray
+from graphnav.arrays import Bytes
+from graphnav_flow.frames import Frames
 from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
 
 _PRESETS = {
@@ -39,7 +40,7 @@ class Dis(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
         self._frames = Frames()
-        self._last: Gray | None = None
+        self._last: Bytes | None = None
         self._search = cv2.DISOpticalFlow.create(_PRESETS[self.preset])
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import cv2
 
 from graphnav import Flow, Image, Stage, Stamp, param
-from graphnav_flow.frames import Frames, Gray
+from graphnav.arrays import Bytes
+from graphnav_flow.frames import Frames
 from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
 
 
@@ -36,7 +37,7 @@ class Farneback(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
         self._frames = Frames()
-        self._last: Gray | None = None
+        self._last: Bytes | None = None
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
         """Return the flow since the last image, None without one."""

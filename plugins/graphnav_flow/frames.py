@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import cv2
-import numpy as np
-import numpy.typing as npt
 
 from graphnav import Continuity, Image, Stamp
-
-Gray = npt.NDArray[np.uint8]
+from graphnav.arrays import Bytes
 
 
 class Frames:
@@ -22,7 +19,7 @@ class Frames:
         self._last: Stamp | None = None
         self._continuity = Continuity()
 
-    def next(self, image: Image, stamp: Stamp) -> tuple[Gray, int]:
+    def next(self, image: Image, stamp: Stamp) -> tuple[Bytes, int]:
         """Return ``image`` as uint8 (rows, cols) and the microseconds since the one before.
 
         These are 0 where there is none to compare it with: for the first image, and for the first after a gap of more
@@ -46,9 +43,9 @@ class Frames:
         return to_gray(image), interval_us
 
 
-def to_gray(image: Image) -> Gray:
+def to_gray(image: Image) -> Bytes:
     """Return the brightness of ``image``, uint8 (rows, cols), which is its pixels themselves if it is gray."""
     if image.pixels.ndim == 2:
         return image.pixels
-    gray: Gray = cv2.cvtColor(image.pixels, cv2.COLOR_RGB2GRAY)
+    gray: Bytes = cv2.cvtColor(image.pixels, cv2.COLOR_RGB2GRAY)
     return gray

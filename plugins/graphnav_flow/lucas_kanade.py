@@ -6,10 +6,11 @@ import cv2
 import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
+from graphnav.arrays import Floats
 from graphnav_flow.frames import Frames
-from graphnav_flow.pyramid import Plane32, Pyramid, build_pyramid
+from graphnav_flow.pyramid import Pyramid, build_pyramid
 from graphnav_flow.refinement import Refinement
-from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, Uv, trusted
+from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
 
 _ITERATIONS = 2
 """On the layers above the base, which come near the solution; on the base one is enough."""
@@ -91,7 +92,7 @@ class LucasKanade(Stage):
             for layer, (rows, cols) in enumerate(plane.shape for plane in pyramid.layers)
         ]
 
-    def _solve(self, now: Pyramid, last: Pyramid) -> Uv:
+    def _solve(self, now: Pyramid, last: Pyramid) -> Floats:
         """Return the displacement since the last frame: the one back to it, negated."""
         u = np.zeros_like(now.layers[-1])
         v = np.zeros_like(now.layers[-1])
@@ -104,13 +105,13 @@ class LucasKanade(Stage):
                 self._refinements[layer].improve(target, source, u, v)
             u, v = cv2.medianBlur(u, _MEDIAN_PX), cv2.medianBlur(v, _MEDIAN_PX)
         box = (self.smooth_px, self.smooth_px)
-        uv_px: Uv = cv2.merge([cv2.blur(u, box), cv2.blur(v, box)])
+        uv_px: Floats = cv2.merge([cv2.blur(u, box), cv2.blur(v, box)])
         np.negative(uv_px, out=uv_px)
         return uv_px
 
 
-def _upsample(field: Plane32, shape: tuple[int, ...]) -> Plane32:
+def _upsample(field: Floats, shape: tuple[int, ...]) -> Floats:
     """Return ``field``, a displacement, on the layer below, whose pixels are half as large."""
-    larger: Plane32 = cv2.resize(field, (shape[1], shape[0]))
+    larger: Floats = cv2.resize(field, (shape[1], shape[0]))
     larger *= 2
     return larger

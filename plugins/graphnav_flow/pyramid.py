@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-Plane32 = npt.NDArray[np.float32]
+from graphnav.arrays import Bytes, Floats
 
 LEAST_SIDE_PX = 8
 """A layer is not halved where its shorter side would fall below this: no window fits."""
@@ -27,23 +26,23 @@ class Pyramid(NamedTuple):
     kernel, at a fifth of the time.
     """
 
-    layers: tuple[Plane32, ...]
-    doubled: Plane32
+    layers: tuple[Floats, ...]
+    doubled: Floats
 
 
-def build_pyramid(gray: npt.NDArray[np.uint8], layers: int) -> Pyramid:
+def build_pyramid(gray: Bytes, layers: int) -> Pyramid:
     """Return ``gray`` with up to ``layers`` smaller copies above it."""
-    built: list[Plane32] = [gray.astype(np.float32)]
+    built: list[Floats] = [gray.astype(np.float32)]
     while len(built) <= layers and min(built[-1].shape) >= 2 * LEAST_SIDE_PX:
         built.append(cv2.pyrDown(built[-1]))
     return Pyramid(tuple(built), _double(built[0]))
 
 
-def _double(base: Plane32) -> Plane32:
+def _double(base: Floats) -> Floats:
     rows, cols = base.shape
     before = len(_HALFWAY) // 2 - 1
     right = cv2.filter2D(base, -1, _HALFWAY[None], anchor=(before, 0))
     wide = cv2.merge([base, right]).reshape(rows, 2 * cols)
     below = cv2.filter2D(wide, -1, _HALFWAY[:, None], anchor=(0, before))
-    doubled: Plane32 = np.stack([wide, below], axis=1).reshape(2 * rows, 2 * cols)
+    doubled: Floats = np.stack([wide, below], axis=1).reshape(2 * rows, 2 * cols)
     return doubled[: 2 * rows - 1, : 2 * cols - 1]

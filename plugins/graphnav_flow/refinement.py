@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from graphnav_flow.pyramid import Plane32
+from graphnav.arrays import Floats
 
 # Derivative of the five-point polynomial; halved, because it is applied to the sum of two images.
 _DERIVATIVE = np.array([[1, -8, 0, 8, -1]], np.float32) / np.float32(24)
@@ -49,7 +49,7 @@ class Refinement:
             self._uu, self._uv, self._vv, self._ud, self._vd,
         ) = np.empty((13, rows, cols), np.float32)  # fmt: skip
 
-    def improve(self, target: Plane32, source: Plane32, u: Plane32, v: Plane32) -> None:
+    def improve(self, target: Floats, source: Floats, u: Floats, v: Floats) -> None:
         """Write the improved field over ``u`` and ``v``: target pixel x is found at x + (u, v) in the source."""
         cv2.blur(u, self._box, dst=u)
         cv2.blur(v, self._box, dst=v)
@@ -58,7 +58,7 @@ class Refinement:
         self._sum_windows()
         self._correct(u, v)
 
-    def _warp(self, target: Plane32, source: Plane32, u: Plane32, v: Plane32) -> None:
+    def _warp(self, target: Floats, source: Floats, u: Floats, v: Floats) -> None:
         cv2.scaleAdd(u, self._zoom, self._right, dst=self._map_u)
         cv2.scaleAdd(v, self._zoom, self._down, dst=self._map_v)
         np.copyto(self._warped, target)
@@ -66,7 +66,7 @@ class Refinement:
             source, self._map_u, self._map_v, cv2.INTER_LINEAR, dst=self._warped, borderMode=cv2.BORDER_TRANSPARENT
         )
 
-    def _linearize(self, target: Plane32) -> None:
+    def _linearize(self, target: Floats) -> None:
         cv2.add(target, self._warped, dst=self._term)
         cv2.filter2D(self._term, -1, _DERIVATIVE, dst=self._gu)
         cv2.filter2D(self._term, -1, _DERIVATIVE.T, dst=self._gv)
@@ -86,7 +86,7 @@ class Refinement:
         self._uu += self._regularization
         self._vv += self._regularization
 
-    def _correct(self, u: Plane32, v: Plane32) -> None:
+    def _correct(self, u: Floats, v: Floats) -> None:
         """Add the solution of [[uu, uv], [uv, vv]] d = (ud, vd), by Cramer's rule."""
         term, other = self._term, self._other
         np.multiply(self._uu, self._vv, out=other)

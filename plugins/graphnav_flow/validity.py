@@ -13,10 +13,8 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-Valid = npt.NDArray[np.uint8]
-Uv = npt.NDArray[np.float32]
+from graphnav.arrays import Bytes, Floats
 
 BLOCK_PX = 4
 MARGIN_PX = 6.0
@@ -25,7 +23,7 @@ LEAST_TEXTURE = 4.0
 LEAST_TEXTURE_DOC = "squared gray per pixel: least eigenvalue of the structure tensor where a vector is valid"
 
 
-def came_from_inside(uv_px: Uv, margin_px: float) -> Valid:
+def came_from_inside(uv_px: Floats, margin_px: float) -> Bytes:
     """Return 1 where a pixel and its source lie inside the image by ``margin_px``, uint8 (rows, cols).
 
     ``uv_px``: float32 (rows, cols, 2), displacement since the last frame of what is now at the pixel.
@@ -33,7 +31,7 @@ def came_from_inside(uv_px: Uv, margin_px: float) -> Valid:
     rows, cols = uv_px.shape[:2]
     x = np.arange(cols, dtype=np.float32) - uv_px[..., 0]
     y = np.arange(rows, dtype=np.float32)[:, None] - uv_px[..., 1]
-    valid: Valid = cv2.inRange(x, margin_px, cols - 1 - margin_px)
+    valid: Bytes = cv2.inRange(x, margin_px, cols - 1 - margin_px)
     valid &= cv2.inRange(y, margin_px, rows - 1 - margin_px)
     valid &= 1
     border = int(np.ceil(margin_px))
@@ -42,13 +40,13 @@ def came_from_inside(uv_px: Uv, margin_px: float) -> Valid:
     return valid
 
 
-def least_eigenvalue(uu: Uv, uv: Uv, vv: Uv) -> Uv:
+def least_eigenvalue(uu: Floats, uv: Floats, vv: Floats) -> Floats:
     """Return the smaller eigenvalue of the symmetric matrices [[uu, uv], [uv, vv]], float32 (rows, cols)."""
-    least: Uv = (uu + vv - cv2.magnitude(uu - vv, 2 * uv)) / 2
+    least: Floats = (uu + vv - cv2.magnitude(uu - vv, 2 * uv)) / 2
     return least
 
 
-def texture(gray: npt.NDArray[np.uint8]) -> Uv:
+def texture(gray: Bytes) -> Floats:
     """Return the smaller eigenvalue of the structure tensor of ``gray``, (gray / px)^2, float32 (rows, cols).
 
     Averaged over 3x3 blocks of 4x4 pixels, a fifth of the cost of a window around every pixel.
@@ -59,11 +57,11 @@ def texture(gray: npt.NDArray[np.uint8]) -> Uv:
     blocks = (max(1, cols // BLOCK_PX), max(1, rows // BLOCK_PX))
     products = (cv2.multiply(one, other, scale=0.25, dtype=cv2.CV_32F) for one, other in ((gu, gu), (gu, gv), (gv, gv)))
     uu, uv, vv = (cv2.blur(cv2.resize(p, blocks, interpolation=cv2.INTER_AREA), (3, 3)) for p in products)
-    fine: Uv = cv2.resize(least_eigenvalue(uu, uv, vv), (cols, rows))
+    fine: Floats = cv2.resize(least_eigenvalue(uu, uv, vv), (cols, rows))
     return fine
 
 
-def trusted(uv_px: Uv, gray: npt.NDArray[np.uint8], margin_px: float, least_texture: float) -> Valid:
+def trusted(uv_px: Floats, gray: Bytes, margin_px: float, least_texture: float) -> Bytes:
     """Return 1 where a vector on the image ``gray`` is valid by both parts of the rule, uint8 (rows, cols)."""
     inside = came_from_inside(uv_px, margin_px)
     inside &= texture(gray) >= least_texture

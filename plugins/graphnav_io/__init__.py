@@ -8,7 +8,7 @@ from graphnav import Stage, hookimpl
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages; their modules are imported only now."""
-    from graphnav_io.images import Images  # noqa: PLC0415
-    from graphnav_io.video import Video  # noqa: PLC0415
+    from graphnav_io.images import Images
+    from graphnav_io.video import Video
 
     return [Images, Video]

@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 
 from graphnav import ParamError
-from graphnav_io.frames import Pixels
+from graphnav.arrays import Bytes
 from graphnav_io.quiet import quiet
 
 FASTEST_HZ = 1000.0
@@ -74,7 +74,7 @@ class CaptureFrames:
         """Whether a whole file has no frame left; a live source may always have one more."""
         return not (self._live or self._is_grabbed or self._is_cut_off)
 
-    def read(self) -> Pixels | None:
+    def read(self) -> Bytes | None:
         """Return the next frame, red-green-blue, None after the last.
 
         Raises
@@ -94,7 +94,7 @@ class CaptureFrames:
         if not decoded:
             raise ValueError(f"frame {self._count} of {self._name} cannot be decoded")
         self._count += 1
-        rgb: Pixels = cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB if pixels.ndim == 2 else cv2.COLOR_BGR2RGB)
+        rgb: Bytes = cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB if pixels.ndim == 2 else cv2.COLOR_BGR2RGB)
         return rgb
 
     def close(self) -> None:

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-import numpy.typing as npt
-
-Pixels = npt.NDArray[np.uint8]
+from graphnav.arrays import Bytes
 
 
 class Frames(Protocol):
@@ -15,7 +12,7 @@ class Frames(Protocol):
 
     rate_hz: float
 
-    def read(self) -> Pixels | None:
+    def read(self) -> Bytes | None:
         """Return the next frame, uint8 (rows, cols) or (rows, cols, 3) red-green-blue, None after the last.
 
         Raises

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from graphnav import ParamError
-from graphnav_io.frames import Pixels
+from graphnav.arrays import Bytes
 from graphnav_io.quiet import quiet
 
 SUFFIXES = frozenset((".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm"))
@@ -50,7 +50,7 @@ def find_pictures(path: Path) -> list[Path]:
     return sorted(found, key=_natural)
 
 
-def read_picture(file: Path) -> Pixels:
+def read_picture(file: Path) -> Bytes:
     """Return a picture as it is: uint8, (rows, cols) or (rows, cols, 3) red-green-blue.
 
     Raises
@@ -67,7 +67,7 @@ def read_picture(file: Path) -> Pixels:
     if not _is_whole(data):
         raise ValueError(f"'{file}' is cut off")
     with quiet():
-        pixels: Pixels | None = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
+        pixels: Bytes | None = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
     if pixels is None:
         raise ValueError(f"'{file}' is no picture that OpenCV can read")
     return pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
@@ -100,7 +100,7 @@ class PictureFrames:
         """Whether all files were read."""
         return not self._left
 
-    def read(self) -> Pixels | None:
+    def read(self) -> Bytes | None:
         """Return the next file's picture, None after the last."""
         return read_picture(self._left.pop()) if self._left else None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 
 from graphnav import ParamError
-from graphnav_io.frames import Pixels
+from graphnav.arrays import Bytes
 
 SIZE_DOC = "columns and rows to resize to; null leaves the size as it is"
 SCALE_DOC = "factor to resize by, where no size is given"
@@ -19,7 +19,7 @@ class Shape:
         self._size, self._scale, self._gray = size, scale, gray
         self._first: tuple[int, ...] | None = None
 
-    def apply(self, pixels: Pixels) -> Pixels:
+    def apply(self, pixels: Bytes) -> Bytes:
         """Return ``pixels`` in this shape.
 
         Raises
@@ -37,13 +37,13 @@ class Shape:
             raise ValueError(f"a frame is {cols}x{rows}, but the first was {first_cols}x{first_rows}: set 'size'")
         return pixels
 
-    def _resized(self, pixels: Pixels) -> Pixels:
+    def _resized(self, pixels: Bytes) -> Bytes:
         rows, cols = pixels.shape[:2]
         size = self._size or (max(1, round(cols * self._scale)), max(1, round(rows * self._scale)))
         if size == (cols, rows):
             return pixels
         shrinks = size[0] * size[1] < rows * cols
-        resized: Pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
+        resized: Bytes = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
         return resized
 
 

@@ -6,6 +6,6 @@ from graphnav import Stage, hookimpl
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
-    from graphnav_odometry.motion import Motion  # noqa: PLC0415  # only graphs that use the family pay for it
+    from graphnav_odometry.motion import Motion
 
     return [Motion]

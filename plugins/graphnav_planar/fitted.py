@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Planar, PlanarModel, coarsen
-from graphnav_planar.taught import Doubles, check_size, planar, stacked
+from graphnav.arrays import Doubles
+from graphnav_planar.taught import check_size, planar, stacked
 
 LEAST_VECTORS = 6
 """Fewer valid vectors tell nothing of the ground."""

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Planar, Role, param
+from graphnav.arrays import Doubles
 from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX, agreement
 from graphnav_planar.fitted import fitted
 from graphnav_planar.mean import Mean
-from graphnav_planar.taught import Doubles
 
 _ITERATIONS = 10
 _LEAST_PX2 = 1e-12

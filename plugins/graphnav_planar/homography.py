@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles
 
 LEAST_PIXELS = 4
 """Pixels that determine a homography."""

@@ -6,7 +6,8 @@ import numpy as np
 
 import graphnav
 from graphnav import Flow, Planar, PlanarModel, coarsen, param
-from graphnav_planar.estimation.refinement import Doubles, correction
+from graphnav.arrays import Doubles
+from graphnav_planar.estimation.refinement import correction
 from graphnav_planar.interval import check_interval
 from graphnav_planar.taught import Taught, check_size, planar, stacked
 from graphnav_planar.terms import driving_terms, factors, orders

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
-Floats = npt.NDArray[np.float32]
+from graphnav.arrays import Bools, Doubles, Floats
 
 _WORST_CONDITION = 1e8
 
@@ -39,7 +37,7 @@ class NormalEquations:
         self._squares = np.zeros((rows, cols))
         self.count = np.zeros((rows, cols), np.int64)
 
-    def add(self, factors: Doubles, uv_px: Floats, valid: npt.NDArray[np.bool_]) -> None:
+    def add(self, factors: Doubles, uv_px: Floats, valid: Bools) -> None:
         """Add a frame: factors (k,), vectors (rows, cols, 2), and the cells whose vector counts."""
         uv = uv_px[valid].astype(np.float64)
         self._products[valid] += np.outer(factors, factors)
@@ -47,7 +45,7 @@ class NormalEquations:
         self._squares[valid] += (uv * uv).sum(axis=1)
         self.count[valid] += 1
 
-    def solve(self, cells: npt.NDArray[np.bool_]) -> Solution | None:
+    def solve(self, cells: Bools) -> Solution | None:
         """Return the fit, 0 outside ``cells``; None if what was added does not determine it for each of these cells."""
         rows, cols, terms, _ = self._moments.shape
         fields, left = np.zeros((terms, rows, cols, 2)), np.zeros((rows, cols))

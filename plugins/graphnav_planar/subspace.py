@@ -6,11 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Continuity, Flow, Planar, PlanarModel, Stamp, param
+from graphnav.arrays import Doubles
 from graphnav_planar.estimation.egomotion import best_motion, fitted_motion, motions_of_pairs
 from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX
 from graphnav_planar.estimation.series import Series
 from graphnav_planar.fitted import fitted
-from graphnav_planar.taught import Doubles, Taught
+from graphnav_planar.taught import Taught
 from graphnav_planar.terms import driving_terms, orders
 
 

@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, ParamError, Planar, PlanarModel, Stage, param
+from graphnav.arrays import Doubles
 from graphnav_planar.model_file import TEACH, read_model
-
-Doubles = npt.NDArray[np.float64]
 
 
 class Taught(Stage):

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from graphnav import Flow, Motion, PlanarModel, Stage, coarsen, param
+from graphnav.arrays import Doubles
 from graphnav_planar.interval import check_interval
-from graphnav_planar.normal_equations import Doubles, NormalEquations
+from graphnav_planar.normal_equations import NormalEquations
 from graphnav_planar.terms import MEAN, Term, driving_terms, factors
 
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Motion
+from graphnav.arrays import Doubles
 
 Term = Literal["mean", "v", "w", "vv", "vw", "ww"]
 """Products of v (``forward_m``) and w (``turn_rad``); "mean" is the mean flow of driving straight and has no factor."""
@@ -21,12 +21,12 @@ def driving_terms(terms: Sequence[str]) -> list[str]:
     return [term for term in terms if term != MEAN]
 
 
-def orders(terms: Sequence[str]) -> npt.NDArray[np.float64]:
+def orders(terms: Sequence[str]) -> Doubles:
     """Return the powers of v and of w in each of these driving terms, (2, terms)."""
     return np.array([[term.count(letter) for term in terms] for letter in "vw"], np.float64)
 
 
-def factors(terms: Sequence[str], motion: Motion) -> npt.NDArray[np.float64]:
+def factors(terms: Sequence[str], motion: Motion) -> Doubles:
     """Return what multiplies each of these driving terms for this motion, (terms,)."""
     v, w = orders(terms)
     return np.asarray(motion.forward_m**v * motion.turn_rad**w)

@@ -5,14 +5,11 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 import graphnav
 from graphnav import Planar, Role, Stage, block_sum, param
+from graphnav.arrays import Bools, Doubles
 from graphnav_planar.homography import homography, moved, nearness
-
-Doubles = npt.NDArray[np.float64]
-Cells = npt.NDArray[np.bool_]
 
 _MOST_PIXELS = 2000
 
@@ -46,7 +43,7 @@ class Truth(Stage):
             step_px=factor * truth.step_px,
         )
 
-    def _ground_flow(self, truth: graphnav.Truth) -> tuple[Doubles, Cells]:
+    def _ground_flow(self, truth: graphnav.Truth) -> tuple[Doubles, Bools]:
         """Return the ground's flow in px, (rows, cols, 2), and where it is known, (rows, cols); elsewhere it is 0."""
         rows, cols = truth.obstacle.shape
         unit_px = truth.step_px * cols / 2

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from graphnav import Flow, Plane, Stamp, coarsen, param
-from graphnav_plane.agreement import Doubles, agrees, length, median
-from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector
+from graphnav.arrays import Bools, Doubles
+from graphnav_plane.agreement import agrees, length, median
+from graphnav_plane.detector import LEAST_VECTORS, Detector
 
 _SAMPLE = 200
 _LEAST_AREA = 1e-3
@@ -84,7 +85,7 @@ class Affine(Detector):
         return fits[:, :, np.argmin(medians)].astype(np.float64)
 
 
-def _places(valid: Cells) -> Doubles:
+def _places(valid: Bools) -> Doubles:
     """Return (x, y, 1) of the valid cells, x and y from -1 to 1 across the picture, (n, 3)."""
     rows, cols = np.nonzero(valid)
     height, width = valid.shape

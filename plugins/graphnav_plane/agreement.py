@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Bools, Doubles
 
 _SIGMA_OF_MEDIAN = 1.4826
 _INLIER_SIGMAS = 2.5
 
 
-def agrees(left_px: Doubles, noise_px: float) -> npt.NDArray[np.bool_]:
+def agrees(left_px: Doubles, noise_px: float) -> Bools:
     """Return where a fit leaves at most 2.5 standard deviations, (n,).
 
     ``left_px``: (n,), lengths of what the fit leaves. Their standard deviation is taken from their median, as if all

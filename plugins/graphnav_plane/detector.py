@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Continuity, Flow, Planar, Plane, Stage, Stamp, coarsen, param
+from graphnav.arrays import Bools
 from graphnav_plane.memory import Memory
 from graphnav_plane.rule import Rule, threshold
 
-Cells = npt.NDArray[np.bool_]
 Scores = npt.NDArray[np.floating]
 Vectors = npt.NDArray[np.floating]
 
@@ -68,14 +68,14 @@ class Detector(Stage):
         self._memory.forget()
         return all_ground(cells.valid.shape, cells.step_px)
 
-    def _remembered(self, left_px: Vectors, valid: Cells, cells: Flow) -> Scores:
+    def _remembered(self, left_px: Vectors, valid: Bools, cells: Flow) -> Scores:
         """Return the lengths (rows, cols) of what ``left_px`` (n, 2) and the last frames leave of the valid cells."""
         field = np.zeros((*valid.shape, 2), np.float32)
         field[valid] = left_px
         mean = self._memory.mean(field, valid, cells.uv_px / np.float32(cells.step_px))
         return np.hypot(mean[..., 0], mean[..., 1])
 
-    def _plane(self, score: Scores, valid: Cells, step_px: int, *, converged: bool = True) -> Plane:
+    def _plane(self, score: Scores, valid: Bools, step_px: int, *, converged: bool = True) -> Plane:
         """Return the plane of these scores (rows, cols), which must be finite where ``valid``."""
         score = np.where(valid, score, 0.0).astype(np.float32)
         limit = threshold(self.rule, score[valid], self.mad_ratio, self.threshold_px)
@@ -101,7 +101,7 @@ def all_ground(shape: tuple[int, ...], step_px: int) -> Plane:
     return Plane(obstacle=empty, score=empty.astype(np.float32), valid=empty, step_px=step_px, obstacle_ratio=0.0)
 
 
-def compared(flow: Flow, planar: Planar) -> tuple[Flow, Cells]:
+def compared(flow: Flow, planar: Planar) -> tuple[Flow, Bools]:
     """Return ``flow`` on the grid of ``planar`` and the cells in which both are valid.
 
     Raises

@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 
 from graphnav import Flow, Plane, Stamp, coarsen, param
-from graphnav_plane.agreement import Doubles, agrees, length
-from graphnav_plane.detector import LEAST_VECTORS, Cells, Detector
+from graphnav.arrays import Bools, Doubles
+from graphnav_plane.agreement import agrees, length
+from graphnav_plane.detector import LEAST_VECTORS, Detector
 
 _METHODS = {
     "usac_magsac": cv2.USAC_MAGSAC,
@@ -116,7 +117,7 @@ def least_squares(places: Doubles, targets: Doubles) -> Doubles:
     return np.asarray(matrix * [[1.0, 1.0, scale], [1.0, 1.0, scale], [1 / scale, 1 / scale, 1.0]])
 
 
-def _places(valid: Cells, step_px: int) -> Doubles:
+def _places(valid: Bools, step_px: int) -> Doubles:
     """Return the middles of the valid cells, px right and down of the picture's middle, (n, 2)."""
     rows, cols = np.nonzero(valid)
     height, width = valid.shape

@@ -7,10 +7,11 @@ from typing import Literal
 import numpy as np
 
 from graphnav import Flow, Planar, Plane, Stamp, param
+from graphnav.arrays import Doubles
 from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
-from graphnav_plane.separation.whitening import Doubles, Whitened, whiten
+from graphnav_plane.separation.whitening import Whitened, whiten
 
 
 class Ica(Detector):

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float32]
-Cells = npt.NDArray[np.bool_]
+from graphnav.arrays import Bools, Floats
 
 
 class Memory:
@@ -25,7 +23,7 @@ class Memory:
         self._left_px: Floats = np.zeros((0, 0, 2), np.float32)
         self._valid: Floats = np.zeros((0, 0), np.float32)
 
-    def mean(self, left_px: Floats, valid: Cells, moved_cells: Floats) -> Floats:
+    def mean(self, left_px: Floats, valid: Bools, moved_cells: Floats) -> Floats:
         """Return the running mean with this frame's ``left_px``, float32 (rows, cols, 2), zero where not ``valid``.
 
         ``moved_cells``: (rows, cols, 2), the flow in cells. Where the last frame knows nothing, or the grid is another,

@@ -6,10 +6,10 @@ from graphnav import Stage, hookimpl
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
-    from graphnav_score.agreement import Agreement  # noqa: PLC0415  # only graphs that use the family pay for it
-    from graphnav_score.flow import Flow  # noqa: PLC0415
-    from graphnav_score.navigation import Navigation  # noqa: PLC0415
-    from graphnav_score.plane import Plane  # noqa: PLC0415
-    from graphnav_score.steering import Steering  # noqa: PLC0415
+    from graphnav_score.agreement import Agreement
+    from graphnav_score.flow import Flow
+    from graphnav_score.navigation import Navigation
+    from graphnav_score.plane import Plane
+    from graphnav_score.steering import Steering
 
     return [Agreement, Flow, Navigation, Plane, Steering]

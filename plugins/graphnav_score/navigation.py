@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Latest, Map, Stage, Stamp, State, param
+from graphnav.arrays import Doubles
 
 NOTHING_NEAR_M = 1000.0
 """The clearance that `State` gives where there is nothing."""
@@ -108,8 +108,8 @@ class MeanJerk:
     """Mean length of the second derivative of a velocity (x, y), m/s^3, by differences."""
 
     def __init__(self) -> None:
-        self._velocity: tuple[npt.NDArray[np.float64], float] | None = None
-        self._acceleration: tuple[npt.NDArray[np.float64], float] | None = None
+        self._velocity: tuple[Doubles, float] | None = None
+        self._acceleration: tuple[Doubles, float] | None = None
         self._sum, self._count = 0.0, 0
 
     @property
@@ -117,7 +117,7 @@ class MeanJerk:
         """The mean; None for fewer than three velocities."""
         return self._sum / self._count if self._count else None
 
-    def add(self, velocity_mps: npt.NDArray[np.float64], time_s: float) -> None:
+    def add(self, velocity_mps: Doubles, time_s: float) -> None:
         """Count a velocity; times have to grow."""
         if self._velocity is not None:
             before, then_s = self._velocity

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Truth, block_sum
-
-Counts = npt.NDArray[np.int64]
+from graphnav.arrays import Longs
 
 
 def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
@@ -28,7 +26,7 @@ def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
     return factor
 
 
-def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Counts, Counts]:
+def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Longs, Longs]:
     """Return how many true pixels of each cell are obstacle and how many are ground, both ``shape``.
 
     The same as repeating each cell over its pixels: cells at the rim that are cut off count what is there. Pixels

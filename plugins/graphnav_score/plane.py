@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 import graphnav
 from graphnav import Stage, Truth, param
-from graphnav_score.pixels import Counts, count_pixels
+from graphnav.arrays import Bools, Longs
+from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
-
-Cells = npt.NDArray[np.bool_]
 
 FALSE_ALARM_RATIO = 0.05
 
@@ -54,7 +52,7 @@ class Plane(Stage):
         # Pixels by what they are and what they are called: rows ground, obstacle; columns called ground, obstacle.
         self._confusion = np.zeros((2, 2), np.int64)
         self._empty = np.zeros(2, np.int64)
-        self._last: tuple[Cells, Cells, Cells] | None = None
+        self._last: tuple[Bools, Bools, Bools] | None = None
         self._changed = self._kept = 0
 
     def step(self, plane: graphnav.Plane, truth: Truth) -> None:
@@ -108,7 +106,7 @@ class Plane(Stage):
         moved_px = float(np.abs(truth.flow_px).max(initial=0.0))
         return self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio and moved_px >= self.least_motion_px
 
-    def _watch_flicker(self, judged: Cells, called: Cells, true: Cells) -> None:
+    def _watch_flicker(self, judged: Bools, called: Bools, true: Bools) -> None:
         if self._last is not None and self._last[0].shape == judged.shape:
             was_judged, was_called, was_true = self._last
             steady = judged & was_judged & (true == was_true)
@@ -118,7 +116,7 @@ class Plane(Stage):
         self._last = judged, called, true
 
 
-def _split(pixels: Counts, judged: Cells, called: Cells) -> Counts:
+def _split(pixels: Longs, judged: Bools, called: Bools) -> Longs:
     """Return how many of the judged pixels are called ground and how many obstacle, (2,)."""
     return np.array([pixels[judged & ~called].sum(), pixels[judged & called].sum()])
 

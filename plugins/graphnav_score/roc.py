@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
+
+from graphnav.arrays import Floats, Longs
 
 KEPT_BITS = 18
 """Of a float32's 32: sign, exponent and nine bits of the mantissa, so that a bin is at most 0.2 % wide."""
@@ -20,9 +21,7 @@ class Roc:
     def __init__(self) -> None:
         self._obstacle, self._ground = np.zeros((2, 1 << KEPT_BITS), np.int64)
 
-    def add(
-        self, score: npt.NDArray[np.float32], obstacle: npt.NDArray[np.int64], ground: npt.NDArray[np.int64]
-    ) -> None:
+    def add(self, score: Floats, obstacle: Longs, ground: Longs) -> None:
         """Count ``obstacle`` and ``ground`` pixels at each ``score``; all (n,), scores finite."""
         bins = _bins(score)
         np.add.at(self._obstacle, bins, obstacle)
@@ -58,7 +57,7 @@ class Roc:
         return bool(self._obstacle.any() and self._ground.any())
 
 
-def _bins(score: npt.NDArray[np.float32]) -> npt.NDArray[np.int64]:
+def _bins(score: Floats) -> Longs:
     """Return the bin of every score; greater scores have no smaller bins (negative floats count backwards)."""
     bits = (score + np.float32(0.0)).astype(np.float32).view(np.int32).astype(np.int64)
     ordered = np.where(bits < 0, -(bits & 0x7FFFFFFF), bits) + (1 << 31)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles
 
 AHEAD = np.array([0.0, 1.0])
 """Forward, the direction (0, 1) of [OI, eq. 10]."""

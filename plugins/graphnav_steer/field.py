@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles
+
 Border = Literal["zero", "nearest"]
 
 OBSTACLE_LEVEL = 255.0

@@ -6,12 +6,11 @@ import math
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Goal, Planar, Stage, Steering, param
+from graphnav.arrays import Doubles
 from graphnav_steer.axes import AHEAD, angle_rad, toward, upright
 
-Doubles = npt.NDArray[np.float64]
 Guiding = Literal["forward", "goal", "flow"]
 
 GUIDING_DOC = (

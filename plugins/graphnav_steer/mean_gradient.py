@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
 from graphnav import Goal, Latest, Planar, Plane, Steering, param
+from graphnav.arrays import Doubles
 from graphnav_steer.potential import BACKWARD_DOC, BELL_DOC, GAIN_DOC, NEAR_DOC, STRENGTH_DOC, Potential, Strength
 from graphnav_steer.principal import Principal, mean_direction
-
-Doubles = npt.NDArray[np.float64]
 
 
 class MeanGradient(Potential):

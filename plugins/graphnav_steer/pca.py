@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 import graphnav
 from graphnav import Goal, Latest, Planar, Plane, Steering, param
+from graphnav.arrays import Doubles
 from graphnav_steer.forces import GUIDING_DOC, Guiding
 from graphnav_steer.potential import Potential
 from graphnav_steer.principal import Principal, principal_direction
-
-Doubles = npt.NDArray[np.float64]
 
 
 class PcaOutputs(NamedTuple):

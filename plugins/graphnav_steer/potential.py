@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 import graphnav
 from graphnav import Goal, Planar, Plane, Steering, param
+from graphnav.arrays import Doubles
 from graphnav_steer.attention import cell_weights
 from graphnav_steer.axes import AHEAD, upright
 from graphnav_steer.field import OBSTACLE_LEVEL, Field, obstacle_field
 from graphnav_steer.forces import Forces
 from graphnav_steer.principal import Principal
 
-Doubles = npt.NDArray[np.float64]
 Strength = Literal["share", "gradient"]
 
 STRENGTH_DOC = "what r's length grows with: the obstacle's share of the picture, or the mean gradient's length"

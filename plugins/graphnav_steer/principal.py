@@ -6,9 +6,9 @@ import math
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles
+
 About = Literal["centroid", "zero"]
 
 NOTHING = 1e-6

@@ -8,11 +8,9 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Map
-
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Bools, Bytes, Doubles
 
 CELL_M = 0.05
 BEYOND_M = 1.0
@@ -96,7 +94,7 @@ class Way:
         col, row = np.clip(np.round(self._cells(place_m)), 0, (cols - 1, rows - 1)).astype(int)
         return int(row), int(col)
 
-    def _fill(self, grid: npt.NDArray[np.uint8], outline_m: Doubles, value: int) -> None:
+    def _fill(self, grid: Bytes, outline_m: Doubles, value: int) -> None:
         cv2.fillPoly(grid, [np.round(self._cells(outline_m) * 16).astype(np.int32)], value, shift=4)
 
     def _cells(self, points_m: Doubles) -> Doubles:
@@ -109,7 +107,7 @@ class Way:
         return place
 
 
-def _costs(price: Doubles, goal: npt.NDArray[np.bool_]) -> Doubles:
+def _costs(price: Doubles, goal: Bools) -> Doubles:
     """Return the cost from every cell to the cells of ``goal``, metres times ``price`` (infinite: no way through)."""
     rows, cols = price.shape
     cost = [math.inf] * (rows * cols)

@@ -6,10 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
 from graphnav import hookimpl
+from graphnav.arrays import Bytes
 
 if TYPE_CHECKING:
     from graphnav import Message, PictureContext, Recording, VideoFrames
@@ -21,7 +19,7 @@ def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) 
 
     A log without a map gives no ``map.png``, one without anything that a camera saw no ``panels.png``.
     """
-    from graphnav_view.pictures import draw  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
+    from graphnav_view.pictures import draw
 
     return draw(recording, folder, with_video=video, suffix=suffix)
 
@@ -29,7 +27,7 @@ def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) 
 @hookimpl
 def graphnav_draw_end(recording: Recording, file: Path) -> Path | None:
     """Draw the map and the panels of the last frame; None where the log has neither a map nor what a camera saw."""
-    from graphnav_view.ending import draw_ending  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
+    from graphnav_view.ending import draw_ending
 
     return draw_ending(recording, file)
 
@@ -37,15 +35,15 @@ def graphnav_draw_end(recording: Recording, file: Path) -> Path | None:
 @hookimpl
 def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], file: Path) -> Path | None:
     """Draw one map with all paths; None where no log has a map and states."""
-    from graphnav_view.maps.paths import draw_paths  # noqa: PLC0415 - Matplotlib only when something is drawn
+    from graphnav_view.maps.paths import draw_paths
 
     return draw_paths(recordings, colours, file)
 
 
 @hookimpl
-def graphnav_picture(message: Message, context: PictureContext) -> npt.NDArray[np.uint8] | None:
+def graphnav_picture(message: Message, context: PictureContext) -> Bytes | None:
     """Draw an image, a flow, a plane, a potential, a force, or the robot on its map; None for other messages."""
-    from graphnav_view.message_picture import picture_of  # noqa: PLC0415 - OpenCV only when something is drawn
+    from graphnav_view.message_picture import picture_of
 
     return picture_of(message, context)
 
@@ -55,8 +53,8 @@ def graphnav_draw_frames(
     recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
 ) -> list[Path] | None:
     """Draw the panels of each frame; None where the log holds nothing that a camera saw."""
-    from graphnav_view.panels.frames import draw_frames  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
-    from graphnav_view.signals import Signals  # noqa: PLC0415
+    from graphnav_view.panels.frames import draw_frames
+    from graphnav_view.signals import Signals
 
     return draw_frames(Signals(recording), times_s, folder, suffix)
 
@@ -64,8 +62,8 @@ def graphnav_draw_frames(
 @hookimpl
 def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
     """Draw the dominant plane over the picture and the control force, a frame every so many seconds."""
-    from graphnav_view.panels.contact_sheet import draw_sheet  # noqa: PLC0415 - Matplotlib and OpenCV only when something is drawn
-    from graphnav_view.signals import Signals  # noqa: PLC0415
+    from graphnav_view.panels.contact_sheet import draw_sheet
+    from graphnav_view.signals import Signals
 
     return draw_sheet(Signals(recording), every_s, from_s, until_s, file)
 
@@ -73,8 +71,8 @@ def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, unt
 @hookimpl
 def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -> VideoFrames | None:
     """Return camera, flow, dominant plane and map side by side, a frame for each image."""
-    from graphnav_view.signals import Signals  # noqa: PLC0415
-    from graphnav_view.video.video_frames import video_frames  # noqa: PLC0415 - OpenCV only when something is drawn
+    from graphnav_view.signals import Signals
+    from graphnav_view.video.video_frames import video_frames
 
     return video_frames(Signals(recording), from_s, until_s)
 
@@ -82,6 +80,6 @@ def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -
 @hookimpl
 def graphnav_write_video(frames: VideoFrames, file: Path) -> Path:
     """Write MPEG-4 by OpenCV."""
-    from graphnav_view.video.mp4 import write_frames  # noqa: PLC0415 - OpenCV only when something is drawn
+    from graphnav_view.video.mp4 import write_frames
 
     return write_frames(frames, file)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-Bytes = npt.NDArray[np.uint8]
+from graphnav.arrays import Bools, Bytes
 
 INVALID = 190
 """Gray level of what has no flow."""
@@ -38,7 +38,7 @@ def flow_rgb(uv_px: npt.NDArray[Any], valid: npt.NDArray[Any], full_px: float) -
     return rgb
 
 
-def wheel_rgb(size_px: int) -> tuple[Bytes, npt.NDArray[np.bool_]]:
+def wheel_rgb(size_px: int) -> tuple[Bytes, Bools]:
     """Return the legend, a disc (size, size, 3) whose rim is full colour, and where the disc is."""
     axis = np.linspace(-1.0, 1.0, size_px, dtype=np.float32)
     x, y = np.meshgrid(axis, axis)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth
+from graphnav.arrays import Bytes, Floats
 from graphnav_view.flow_colour import flow_scale_px
 from graphnav_view.video.camera_tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
 from graphnav_view.video.map_tile import TopView, view_size_px
@@ -16,8 +17,6 @@ from graphnav_view.video.map_tile import TopView, view_size_px
 if TYPE_CHECKING:
     from graphnav import PictureContext
 
-Bytes = npt.NDArray[np.uint8]
-Floats = npt.NDArray[np.float32]
 
 _LEGEND_ROWS, _LEGEND_COLS = 160, 200
 """A picture below this size has no room for letters."""

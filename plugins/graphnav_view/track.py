@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import State
+from graphnav.arrays import Doubles
 from graphnav_view.signals import Signals
-
-Doubles = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from graphnav import Stage, hookimpl
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family ``world``."""
-    from graphnav_world.robot import Robot  # noqa: PLC0415  # cv2 and pymunk load only when the family is asked for
-    from graphnav_world.world import Pymunk  # noqa: PLC0415
+    from graphnav_world.robot import Robot
+    from graphnav_world.world import Pymunk
 
     return [Pymunk, Robot]

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Odometry
+from graphnav.arrays import Doubles
 from graphnav_world.vehicle import Pose
-
-Doubles = npt.NDArray[np.float64]
 
 
 def displacement(then: Pose, now: Pose) -> Doubles:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from graphnav import GuardState, Recording, State, Twist
+from graphnav.arrays import Doubles
 from graphnav.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 
 
-def speeds(log: Recording, channel: str) -> npt.NDArray[np.float64]:
+def speeds(log: Recording, channel: str) -> Doubles:
     """Return stamp, speed and turning rate of every twist, (n, 3)."""
     rows = []
     for utime, _, twist in log.messages(channel):

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from graphnav import Image, Twist
+from graphnav.arrays import Bytes
 from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.record import LogWriter, Recording
 
 
-def read(path: Path) -> tuple[list[npt.NDArray[np.uint8]], float]:
+def read(path: Path) -> tuple[list[Bytes], float]:
     """Return the frames of a video, red-green-blue, and their rate."""
     capture = cv2.VideoCapture(str(path))
     frames = []

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from acceptance.drives import GRAPHNAV, say
 from graphnav.ablation.results import bootstrap, wilson
+from graphnav.arrays import Doubles
 
 Run = dict[str, str]
 
@@ -85,7 +85,7 @@ def _values(runs: Iterable[Run], axis: str) -> set[str]:
     return {run[axis] for run in runs}
 
 
-def _figures(runs: Iterable[Run], graph: str, labels: dict[str, str], figure: str) -> npt.NDArray[np.float64]:
+def _figures(runs: Iterable[Run], graph: str, labels: dict[str, str], figure: str) -> Doubles:
     """Return a figure of every world, in the order of the seeds; NaN where a run has none."""
     return np.array([float(run[figure] or "nan") for run in _chosen(runs, graph, labels)])
 
@@ -102,7 +102,7 @@ def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, l
     return _said(text, good=count >= least * len(ends))
 
 
-def _bounded(what: str, values: npt.NDArray[np.float64], bound: npt.NDArray[np.float64]) -> bool:
+def _bounded(what: str, values: Doubles, bound: Doubles) -> bool:
     """Say whether the paired difference from what bounds it is not plainly above zero (95 %, bootstrap over worlds)."""
     difference = (values - bound)[~np.isnan(values - bound)]
     if not len(difference):

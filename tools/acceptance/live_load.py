@@ -9,14 +9,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from acceptance.drives import say
 from acceptance.rig import Rig
 from graphnav import Recording
+from graphnav.arrays import Doubles
 from graphnav.record import LOG, Event
 
-Milliseconds = npt.NDArray[np.float64]
 DRIVE_S = 20.0
 ON_ITS_WAY_S = 0.02
 """A frame that was published so shortly before another one was taken may still have been on its way."""
@@ -38,7 +37,7 @@ class Load(NamedTuple):
     came: int
     lost: int
     overtaken: int
-    ages_ms: Milliseconds
+    ages_ms: Doubles
 
 
 def load_item(seeds: Sequence[int], _jobs: int) -> bool:

@@ -98,7 +98,7 @@ def cluster_workers(address: str) -> Iterator[Workers]:
         Dask is not installed, or no scheduler answers there.
     """
     try:
-        from distributed import Client  # noqa: PLC0415 - an extra, and slow to import
+        from distributed import Client
     except ImportError as error:
         raise UserError.of("--cluster needs Dask", install_command("cluster")) from error
     for name in logging.root.manager.loggerDict:

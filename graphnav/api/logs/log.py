@@ -17,6 +17,7 @@ from graphnav.api.logs.log_channel import LogChannel, Sample
 from graphnav.api.logs.log_html import log_html
 from graphnav.api.logs.message_table import table_of
 from graphnav.api.logs.stack import Stack, stacked
+from graphnav.arrays import Doubles, Longs
 from graphnav.codec import lcm_name, message_class_of
 from graphnav.errors import LogError, UserError, did_you_mean, shown_name
 from graphnav.record import Recording, find_log
@@ -63,7 +64,7 @@ class Log:
         self._recording = recording
         self._keeps = keeps
         self._is_closed = False
-        self._stamps: dict[str, npt.NDArray[np.int64]] = {}
+        self._stamps: dict[str, Longs] = {}
         self._undecodable: dict[str, dict[int, str]] = {}
 
     @property
@@ -128,7 +129,7 @@ class Log:
         what = f"'{shown_name(channel)}' has no message at {time_s:g} s"
         raise UserError.of(what, f"its first one is at {first_s:g} s" if stamps.size and not earlier.size else "")
 
-    def times_s(self, channel: str) -> npt.NDArray[np.float64]:
+    def times_s(self, channel: str) -> Doubles:
         """Return the times of all messages of a channel, float64 (n,); raises UserError as `messages`."""
         return self._times_us(channel) / 1e6
 
@@ -198,7 +199,7 @@ class Log:
             last_s=float(stamps.max()),
         )
 
-    def _times_us(self, channel: str) -> npt.NDArray[np.int64]:
+    def _times_us(self, channel: str) -> Longs:
         """Return the times of a channel's messages, microseconds since the log began."""
         self._check_channel(channel)
         if channel not in self._stamps:
@@ -207,7 +208,7 @@ class Log:
             self._stamps[channel] = np.array(stamps, np.int64) - recording.begin_us
         return self._stamps[channel]
 
-    def _readable_us(self, channel: str) -> npt.NDArray[np.int64]:
+    def _readable_us(self, channel: str) -> Longs:
         """Return the times of a channel's messages; raise UserError where these cannot be decoded at all."""
         stamps = self._times_us(channel)
         if self._recording.channels[channel] is None:

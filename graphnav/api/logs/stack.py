@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav.errors import UserError, did_you_mean
 
 
 class Stack(NamedTuple):
     """Times and values; unpack it."""
 
-    times_s: npt.NDArray[np.float64]
+    times_s: Doubles
     """float64 (n,): seconds since the log began."""
     values: npt.NDArray[Any]
     """(n, ...): the field's own shape and type behind the messages."""

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 from PIL import Image as PillowImage
 
+from graphnav.arrays import Bytes, Doubles
 from graphnav.messages import Map
 
 _PNG_LEVEL = 3
@@ -31,7 +30,7 @@ class Picture:
 
     channel: str
     utime: int
-    pixels: npt.NDArray[np.uint8]
+    pixels: Bytes
 
     def png(self) -> bytes:
         """Return it as PNG."""
@@ -64,7 +63,7 @@ class Robot:
 
     utime: int
     radius_m: float
-    footprint_m: npt.NDArray[np.float64]
+    footprint_m: Doubles
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ class Pose:
     x_m: float
     y_m: float
     yaw_rad: float
-    moving: npt.NDArray[np.float64]
+    moving: Doubles
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ class Path:
     """Where the robot was so far: metres, (n, 2)."""
 
     utime: int
-    points_m: npt.NDArray[np.float64]
+    points_m: Doubles
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles, Ints
 from graphnav.messages import Map
-
-Doubles = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int32]
 
 PATH_HEIGHT_M = 0.05
 _ROBOT_HEIGHT_M = 0.1

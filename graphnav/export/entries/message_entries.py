@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Protocol, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav.errors import DrawingError
 from graphnav.export.entries.entries import Path, Picture, Pose, Robot
 from graphnav.messages import Image, Map, Message, Odometry, State
@@ -26,7 +26,7 @@ class Past(Protocol):
     def find(self, kind: type[M], /) -> M | None:
         """Return the message of ``kind`` of the same stamp, else the newest before it; None where there is none."""
 
-    def path_m(self) -> npt.NDArray[np.float64]:
+    def path_m(self) -> Doubles:
         """Return where the robot was so far, (n, 2), x_m and y_m."""
 
 

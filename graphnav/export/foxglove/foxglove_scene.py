@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav.export.entries import map_colours
 from graphnav.export.entries.entries import Path, Pose, Robot, World
 from graphnav.export.entries.map_solids import PATH_HEIGHT_M, Body, bodies_of, ring, robot_outline
-
-Doubles = npt.NDArray[np.float64]
 
 WORLD, ROBOT = "world", "robot"
 """The frames: of the map, and of the robot (x forward, y left)."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Bytes = npt.NDArray[np.uint8]
+from graphnav.arrays import Bytes
 
 UPPER_HALF = "▀"
 _SHADES = np.array(list(" .:-=+*#%@"))

@@ -5,10 +5,7 @@ from __future__ import annotations
 import base64
 import zlib
 
-import numpy as np
-import numpy.typing as npt
-
-Bytes = npt.NDArray[np.uint8]
+from graphnav.arrays import Bytes
 
 _CHUNK = 4096
 """The protocol's limit for the characters of one sequence."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
-Bytes = npt.NDArray[np.uint8]
-Ints = npt.NDArray[np.int64]
+from graphnav.arrays import Bytes, Doubles, Longs
 
 SCALES = (1, 2, 3, 6)
 """How many dots of a terminal, down and right, a pixel may take: a band of six holds an integer number of them."""
@@ -39,7 +37,7 @@ def sixels(picture: Bytes, scale: int = 1, n_colours: int = MAX_COLOURS) -> str:
     return f'\x1bP0;1;0q"1;1;{cols * scale};{rows * scale}{registers}{_bands(indices, scale, len(palette))}\x1b\\'
 
 
-def _reduced(picture: Bytes, n_colours: int) -> tuple[Ints, npt.NDArray[np.float64]]:
+def _reduced(picture: Bytes, n_colours: int) -> tuple[Longs, Doubles]:
     """Return the number of each pixel's colour (rows, cols), and the colours (n, 3), 0 to 255.
 
     Gray pictures get as many levels as there may be: the octree, which is fast, has 16 for them.
@@ -54,7 +52,7 @@ def _reduced(picture: Bytes, n_colours: int) -> tuple[Ints, npt.NDArray[np.float
     return np.asarray(reduced).astype(np.int64), np.array(reduced.getpalette(), np.float64).reshape(-1, 3)
 
 
-def _bands(indices: Ints, scale: int, n_colours: int) -> str:
+def _bands(indices: Longs, scale: int, n_colours: int) -> str:
     """Return the picture's bands: every colour of a band in a line of its own, all lines at the same place."""
     dots = _dots(indices, scale, n_colours)
     band_of_line, colour_of_line = np.nonzero(dots.any(axis=2))
@@ -81,7 +79,7 @@ def _bands(indices: Ints, scale: int, n_colours: int) -> str:
     return "".join(out)
 
 
-def _dots(indices: Ints, scale: int, n_colours: int) -> Bytes:
+def _dots(indices: Longs, scale: int, n_colours: int) -> Bytes:
     """Return the dots (bands, colours, cols) of each colour in each band, a bit a row."""
     rows, cols = indices.shape
     rows_a_band = _BAND // scale

@@ -12,12 +12,12 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Footer, Static
 
+from graphnav.arrays import Bytes
 from graphnav.errors import CatalogError, DrawingError, shown_name
 from graphnav.messages import Message
 from graphnav.pictures import drawing
 from graphnav.spy.report import size_of
 from graphnav.spy.screen.field_tree import FieldTree
-from graphnav.spy.screen.painters.painter import Bytes
 from graphnav.spy.screen.picture_view import PictureView
 from graphnav.spy.screen.plot_view import MAX_CURVES, PlotView
 from graphnav.spy.screen.reason_line import ReasonLine

@@ -8,7 +8,8 @@ from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
-from graphnav.spy.screen.painters.painter import Bytes, Cells, Painter
+from graphnav.arrays import Bytes
+from graphnav.spy.screen.painters.painter import Cells, Painter
 
 
 class PictureView(Widget):

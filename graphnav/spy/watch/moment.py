@@ -6,9 +6,9 @@ from contextlib import suppress
 from typing import Any, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav.adapter import Adapter
+from graphnav.arrays import Doubles
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, codec_of, message_class_of, type_of
 from graphnav.errors import CatalogError
@@ -77,7 +77,7 @@ class Moment:
                         return message
         return None
 
-    def path_m(self) -> npt.NDArray[np.float64]:
+    def path_m(self) -> Doubles:
         """Return where the robot was, float64 (n, 2), x_m and y_m; begun anew where its clock goes back."""
         name = next(iter(self._watch.names_of(State.lcm_class)), None)
         newest = None if name is None else self._watch.newest(name)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Bytes
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of
 from graphnav.messages import Message
 from graphnav.pictures import PictureContext, Pictures
@@ -121,8 +121,8 @@ def _under_cursor(moment: Moment, cursor: Cursor) -> dict[str, Any] | None:
     return {"x_px": col * step_px, "y_px": row * step_px, "values": values}
 
 
-def _png(picture: npt.NDArray[np.uint8]) -> bytes:
-    from PIL import Image as Pillow  # noqa: PLC0415 - only a page that shows a picture needs it
+def _png(picture: Bytes) -> bytes:
+    from PIL import Image as Pillow
 
     out = io.BytesIO()
     Pillow.fromarray(picture).save(out, "PNG", compress_level=1)

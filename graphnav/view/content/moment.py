@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav.spy import Heard
 from graphnav.view.channel import WatchedChannel
 from graphnav.view.message_types import Kind
@@ -26,7 +26,7 @@ class Moment:
     newest: Heard
     points: list[Heard]
     others: Mapping[type, bytes]
-    path_m: npt.NDArray[np.float64]
+    path_m: Doubles
 
 
 def moment_of(watch: Watch, channel: WatchedChannel, after: int) -> Moment | None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TypeVar, cast
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav.codec import DecodeError, codec_of
 from graphnav.export.log_pass import POSES
 from graphnav.export.message_types import MessageTypes
@@ -59,7 +59,7 @@ class HeardPast:
             self._decoded[kind] = newest[0], self._message(*newest)
         return cast("M | None", self._decoded[kind][1])
 
-    def path_m(self) -> npt.NDArray[np.float64]:
+    def path_m(self) -> Doubles:
         """Return where the robot was so far, (n, 2), x_m and y_m; poses that are not finite are left out."""
         for arrival, lcm_class in self._waiting:
             pose = self._message(arrival, lcm_class)

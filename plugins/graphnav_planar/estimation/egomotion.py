@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav_planar.estimation.robust import agreement
 from graphnav_planar.estimation.series import Series
-
-Doubles = npt.NDArray[np.float64]
 
 _PAIR = 2
 _STEPS_OF_PAIRS = 3

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles
 from graphnav_planar.estimation.robust import NOISE_PX, agreement
-
-Doubles = npt.NDArray[np.float64]
 
 _ITERATIONS = 3
 _RIDGE_PX2 = 1e-6

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles
 
 NOISE_PX = 0.1
 NOISE_DOC = (

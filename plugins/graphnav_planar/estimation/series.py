@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles
 
 _RIDGE = 1e-3 * np.eye(2)
 """px^2 per m^2 and rad^2; next to what one vector holds it is nothing, without any it keeps the step at zero."""

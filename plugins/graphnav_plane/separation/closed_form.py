@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphnav_plane.separation.whitening import Doubles
+from graphnav.arrays import Doubles
 
 
 def rotation(samples: Doubles) -> Doubles:

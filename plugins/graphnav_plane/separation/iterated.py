@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from graphnav_plane.separation.whitening import Doubles
+from graphnav.arrays import Doubles
 
 Nonlinearity = Literal["gauss", "cubic"]
 
@@ -29,7 +29,7 @@ def rotation(samples: Doubles, start: Doubles, nonlinearity: Nonlinearity) -> Ro
     ``start``: (2, 2), the rows from which it searches. Tolerance and iterations are those of the package that [OI]
     used.
     """
-    from sklearn.decomposition import fastica  # noqa: PLC0415  # importing it takes a second
+    from sklearn.decomposition import fastica
 
     _, found, _, iterations = fastica(
         samples.T,

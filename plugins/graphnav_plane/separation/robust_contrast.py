@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphnav_plane.separation.whitening import Doubles
+from graphnav.arrays import Doubles
 
 _ANGLES = 32
 _TRIED = 600

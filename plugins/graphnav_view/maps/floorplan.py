@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.transforms import Transform
 
 from graphnav import Map
+from graphnav.arrays import Doubles
 from graphnav_view import style
-
-Doubles = npt.NDArray[np.float64]
 
 WALL, OBSTACLE, MOVING = 0, 1, 2
 _FACES = {WALL: style.WALL, OBSTACLE: style.OBSTACLE, MOVING: style.MOVING}

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from graphnav import Map
+from graphnav.arrays import Doubles
 from graphnav_view import style
 from graphnav_view.maps.floorplan import bounds_m, draw_bodies, nearest_point
 from graphnav_view.track import Track
-
-Doubles = npt.NDArray[np.float64]
 
 _MARGIN_M = 0.15
 

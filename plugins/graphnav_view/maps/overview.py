@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -26,8 +25,6 @@ from graphnav_view.maps.floorplan import MOVING, OBSTACLE, WALL, bounds_m, draw_
 from graphnav_view.outcome import drive_texts, outcome_text
 from graphnav_view.signals import Signals
 from graphnav_view.track import Track, track_of
-
-Doubles = npt.NDArray[np.float64]
 
 _LONG_SIDE_IN = 7.0
 _SHORTEST_SIDE_IN = 2.6

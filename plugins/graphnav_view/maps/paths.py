@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from graphnav import Map
@@ -20,7 +19,6 @@ from graphnav_view.track import Track, track_of
 if TYPE_CHECKING:
     from graphnav import Recording
 
-Doubles = npt.NDArray[np.float64]
 
 _LONG_SIDE_IN, _SHORTEST_SIDE_IN = 4.2, 1.4
 _MARGIN_M = 0.15

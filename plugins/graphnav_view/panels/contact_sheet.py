@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import FancyArrowPatch
 
 from graphnav import UserError
+from graphnav.arrays import Doubles
 from graphnav_view import style
 from graphnav_view.flow_colour import flow_rgb, flow_scale_px
 from graphnav_view.outcome import outcome_text
@@ -123,7 +124,7 @@ def _draw(axes: Axes, frame: Frame) -> None:
         axes.spines[:].set(color=style.CONTACT, linewidth=3.0)
 
 
-def _arrow(axes: Axes, control: npt.NDArray[np.float64], rows: int, cols: int) -> None:
+def _arrow(axes: Axes, control: Doubles, rows: int, cols: int) -> None:
     length = float(np.hypot(*control))
     if not 0 < length < math.inf:
         return

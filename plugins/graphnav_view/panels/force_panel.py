@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, FancyArrowPatch
 
+from graphnav.arrays import Doubles
 from graphnav_view import style
 from graphnav_view.panels.camera_panels import over_picture, show_image
 from graphnav_view.panels.keyframe import Frame, from_forward
-
-Doubles = npt.NDArray[np.float64]
 
 _HEIGHT_RATIO, _HALF_WIDTH_RATIO = 0.68, 0.36
 """Shares of the picture that the arrows fill: of its height, and of its width to each side."""

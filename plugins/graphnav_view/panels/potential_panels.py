@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 
+from graphnav.arrays import Doubles
 from graphnav_view import style
 from graphnav_view.panels.camera_panels import extent_px, over_picture
 from graphnav_view.panels.keyframe import Frame
-
-Doubles = npt.NDArray[np.float64]
 
 _ARROWS_ACROSS = 16
 _FIELD = "#27476e"

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 from matplotlib.transforms import Affine2D
@@ -15,8 +13,6 @@ from graphnav import Map, State
 from graphnav_view import style
 from graphnav_view.maps.floorplan import draw_bodies
 from graphnav_view.track import Track
-
-Doubles = npt.NDArray[np.float64]
 
 _LEAST_HEIGHT_M, _MOST_HEIGHT_M = 2.0, 12.0
 _SEEN = (0x2A / 255, 0x9D / 255, 0xF4 / 255)

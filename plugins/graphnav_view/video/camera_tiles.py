@@ -9,11 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Image, Plane, Potential, Steering
+from graphnav.arrays import Bytes
 from graphnav_view import style
 from graphnav_view.flow_colour import flow_rgb, wheel_rgb
 from graphnav_view.video.lettering import write
-
-Bytes = npt.NDArray[np.uint8]
 
 _WHEEL_PX = 64
 _BLANK = 60

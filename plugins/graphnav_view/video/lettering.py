@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 import cv2
-import numpy as np
-import numpy.typing as npt
+
+from graphnav.arrays import Bytes
 
 Colour = tuple[int, int, int]
 
@@ -15,7 +15,7 @@ _SCALE = 0.5
 
 
 def write(
-    tile: npt.NDArray[np.uint8],
+    tile: Bytes,
     text: str,
     at: tuple[int, int],
     colour: Colour,

@@ -6,15 +6,12 @@ import math
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Map, State
+from graphnav.arrays import Bytes, Doubles, Ints
 from graphnav_view import style
 from graphnav_view.maps.floorplan import MOVING, OBSTACLE, WALL, bounds_m, moved, outlines
 from graphnav_view.video.lettering import write
-
-Doubles = npt.NDArray[np.float64]
-Bytes = npt.NDArray[np.uint8]
 
 _SHIFT = 4
 """Binary digits of a pixel that lines are placed to."""
@@ -89,7 +86,7 @@ class TopView:
     def _fill(self, tile: Bytes, outline: Doubles, colour: tuple[int, int, int]) -> None:
         cv2.fillPoly(tile, [self._to_px(outline)[:, None]], colour, cv2.LINE_AA, _SHIFT)
 
-    def _to_px(self, points_m: Doubles) -> npt.NDArray[np.int32]:
+    def _to_px(self, points_m: Doubles) -> Ints:
         """Return points of W in the tile's pixels, times 2**_SHIFT."""
         away = (points_m - self._middle_m) * self._per_m * np.array([1.0, -1.0])
         return np.asarray(np.round((away + self._middle_px) * 2**_SHIFT), np.int32)

@@ -8,9 +8,9 @@ from collections.abc import Set as AbstractSet
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import Flow, Image, Map, Plane, Potential, State, Steering, Twist, VideoFrames
+from graphnav.arrays import Bytes
 from graphnav_view.flow_colour import flow_scale_px
 from graphnav_view.signals import Signals
 from graphnav_view.track import is_placed, track_of
@@ -18,7 +18,6 @@ from graphnav_view.video.camera_tiles import Stretch, camera_rgb, camera_tile, f
 from graphnav_view.video.lettering import write
 from graphnav_view.video.map_tile import TopView
 
-Bytes = npt.NDArray[np.uint8]
 Messages = Mapping[type, Any]
 
 _TILE_COLS = 480

@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles
 
 CIRCLE_SIDES = 16
 SHARPEST_MITRE = 4.0

@@ -11,13 +11,10 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles, Floats, Ints
 from graphnav_world.geometry.outlines import Strip, convex_parts
 from graphnav_world.geometry.patrol import Patrol
-
-Doubles = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int32]
 
 SUN_W = np.array([0.42, 0.27, 0.87])
 """Towards the light, in W (unit length)."""
@@ -87,7 +84,7 @@ class Faces:
     texture: Ints
     textures: tuple[str, ...]
     body: Ints
-    shade: npt.NDArray[np.float32]
+    shade: Floats
     moving: tuple[int, ...] = ()
     patrols: tuple[Patrol, ...] = ()
 

@@ -6,15 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import yaml
 
+from graphnav.arrays import Doubles
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.map_shapes import WALL_HEIGHT_M, WALL_THICKNESS_M, read_height, read_texture
 from graphnav_world.maps.map_text import MapText
-
-Doubles = npt.NDArray[np.float64]
 
 BEHIND_START_M = 0.6
 BEYOND_GOAL_M = 1.0

@@ -36,18 +36,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import yaml
 
 from graphnav import Place
+from graphnav.arrays import Doubles
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.corridor import Corridor, read_corridor
 from graphnav_world.maps.map_shapes import read_obstacle, read_region, read_wall
 from graphnav_world.maps.map_text import MapText, numbered
 from graphnav_world.maps.pillars import read_pillars
 from graphnav_world.rendering.textures import Texture
-
-Doubles = npt.NDArray[np.float64]
 
 KEYS = ("about", "textures", "view", "corridor", "walls", "obstacles", "pillars", "start", "goal", "passage")
 TEXTURES = {

@@ -6,15 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import yaml
 
+from graphnav.arrays import Doubles
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.patrol import Patrol
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.map_text import MapText, numbered
-
-Doubles = npt.NDArray[np.float64]
 
 SHAPES = ("circle", "box", "polygon")
 WALL_HEIGHT_M = 0.35

@@ -8,13 +8,10 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Bools, Doubles, Floats
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body, Kind
-
-Doubles = npt.NDArray[np.float64]
-Floats = npt.NDArray[np.float32]
 
 CELL_M = 0.025
 STRIDE = 2
@@ -96,7 +93,7 @@ class Passage:
             taut.append(way[here])
         return float(np.linalg.norm(np.diff(np.array(taut), axis=0), axis=1).sum() * CELL_M)
 
-    def _search(self, free: npt.NDArray[np.bool_]) -> list[Cell]:
+    def _search(self, free: Bools) -> list[Cell]:
         """Return the cells of a shortest 8-connected way (Dijkstra), empty if there is none."""
         start = self._start_cell()
         reachable = np.pad(free, STRIDE)[STRIDE:, STRIDE:]  # beyond either end it reads the rim, which is not free
@@ -134,7 +131,7 @@ def _back(came: dict[Cell, Cell], cell: Cell) -> Iterator[Cell]:
         yield cell
 
 
-def _sees(free: npt.NDArray[np.bool_], a: Cell, b: Cell) -> bool:
+def _sees(free: Bools, a: Cell, b: Cell) -> bool:
     """Whether the straight line between two cells is free."""
     steps = max(abs(a[0] - b[0]), abs(a[1] - b[1])) * 2
     rows = np.round(np.linspace(a[0], b[0], steps + 1)).astype(int)

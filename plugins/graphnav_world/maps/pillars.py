@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 import yaml
 
+from graphnav.arrays import Doubles
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.map_shapes import read_height, read_texture
 from graphnav_world.maps.map_text import MapText
-
-Doubles = npt.NDArray[np.float64]
 
 PILLAR_HEIGHT_M = 0.5
 MOST = 1000

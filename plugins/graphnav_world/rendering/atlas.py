@@ -7,12 +7,9 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Bytes, Floats
 from graphnav_world.rendering.textures import BLOCK, TEXEL_M, Texture
-
-Bytes = npt.NDArray[np.uint8]
-Floats = npt.NDArray[np.float32]
 
 FEWEST_LEVELS, MOST_LEVELS = 6, 8
 """Mip levels: texels of 0.16 m are coarse enough for what lies within 6 m, those of 0.64 m up to the horizon."""

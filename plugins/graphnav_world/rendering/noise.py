@@ -5,9 +5,8 @@ from __future__ import annotations
 from statistics import NormalDist
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float32]
+from graphnav.arrays import Floats
 
 STEPS = 4096
 _QUANTILES: Floats = np.array([NormalDist().inv_cdf((k + 0.5) / STEPS) for k in range(STEPS)], np.float32)

@@ -6,13 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles, Floats
 from graphnav_world.geometry.scene import Faces
 from graphnav_world.rendering.camera import Camera
-
-Doubles = npt.NDArray[np.float64]
-Floats = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from graphnav.arrays import Bytes, Doubles, Floats, Ints
 from graphnav_world.geometry.scene import Faces
 from graphnav_world.rendering.atlas import FEWEST_LEVELS, MOST_LEVELS, Atlas
 from graphnav_world.rendering.camera import Camera
@@ -17,11 +18,6 @@ from graphnav_world.rendering.noise import normal_noise
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.textures import TEXEL_M
 from graphnav_world.rendering.visibility import FLOOR, Visible, ZBuffer
-
-Bytes = npt.NDArray[np.uint8]
-Floats = npt.NDArray[np.float32]
-Doubles = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int32]
 
 STRETCH = 2.0
 """How much longer than wide a pixel's print on a surface may be before the texture is blurred along with it."""

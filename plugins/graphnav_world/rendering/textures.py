@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-Bytes = npt.NDArray[np.uint8]
-Floats = npt.NDArray[np.float32]
+from graphnav.arrays import Bytes, Floats
 
 TEXEL_M = 0.005
 LARGEST_GRAIN = 7

@@ -5,13 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from graphnav.arrays import Doubles, Floats, Ints, Longs
 from graphnav_world.rendering.camera import Camera
-
-Doubles = npt.NDArray[np.float64]
-Floats = npt.NDArray[np.float32]
-Ints = npt.NDArray[np.int32]
 
 FLOOR = -1
 LEVEL_RATIO, TINY = 1e-9, 1e-30
@@ -69,7 +65,7 @@ class ZBuffer:
         inverse_depth = np.where(prim < 0, self.floor_inverse_depth, halves[:, 1].view(np.float32))
         return Visible(prim, inverse_depth)
 
-    def _paint(self, key: npt.NDArray[np.int64], prims: Ints, quads: Doubles, per_ray: Doubles) -> None:
+    def _paint(self, key: Longs, prims: Ints, quads: Doubles, per_ray: Doubles) -> None:
         """Raise ``key`` (inverse depth's bits above, prim + 1 below) to the nearest of these prims."""
         first, last = self._spans(quads)
         prim, row = np.nonzero(last >= first)

@@ -8,13 +8,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from graphnav import Flow, Image, Stage, Stamp
+from graphnav.arrays import Bools, Bytes, Doubles
 
-Doubles = npt.NDArray[np.float64]
-Gray = npt.NDArray[np.uint8]
 Warp = Callable[[Doubles, Doubles], tuple[Doubles, Doubles]]
 
 INTERVAL_US = 100_000
@@ -52,10 +50,10 @@ class Pattern:
 class Pair:
     """Two frames, the later one's true flow (rows, cols, 2), and where it came from inside the earlier one."""
 
-    before: Gray
-    now: Gray
+    before: Bytes
+    now: Bytes
     flow_px: Doubles
-    inside: npt.NDArray[np.bool_]
+    inside: Bools
 
     @classmethod
     def of(cls, before: Doubles, now: Doubles, flow_px: Doubles, noise: float, seed: int) -> Pair:

@@ -13,9 +13,10 @@ from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 
 from graphnav import Stage
+from graphnav.arrays import Doubles
 
 if TYPE_CHECKING:
-    from tests.plugins.flow.conftest import Doubles, Pair
+    from tests.plugins.flow.conftest import Pair
 
 CENTRE = (79.5, 59.5)
 ESTIMATORS = [LucasKanade, Farneback, Dis]

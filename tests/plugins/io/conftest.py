@@ -7,13 +7,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from graphnav import Finished, Image, Source
+from graphnav.arrays import Bytes
 
 
-def frame(number: int, rows: int = 48, cols: int = 64) -> npt.NDArray[np.uint8]:
+def frame(number: int, rows: int = 48, cols: int = 64) -> Bytes:
     """Return a blue-green-red picture with its number as brightness of the left half, red on the right."""
     picture = np.zeros((rows, cols, 3), np.uint8)
     picture[:, : cols // 2] = 8 * number

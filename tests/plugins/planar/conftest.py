@@ -7,15 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_planar.teach import Teach
 
 from graphnav import Flow, Motion, PlanarModel
+from graphnav.arrays import Doubles
 from graphnav.codec import encode
 from graphnav.record import LogWriter
-
-Doubles = npt.NDArray[np.float64]
 
 ROWS, COLS, STEP_PX = 30, 40, 4
 FOCAL_PX = 80 / math.tan(math.radians(35))

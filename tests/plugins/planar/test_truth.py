@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_planar.truth import Truth
 from graphnav_world.rendering.camera import Camera
@@ -13,10 +12,9 @@ from graphnav_world.world import Pymunk
 
 import graphnav
 from graphnav import Latest, Stamp, State, Twist
+from graphnav.arrays import Bools, Doubles
 from graphnav.graph.find import shipped_folder
 from graphnav.testing import check_stage
-
-Doubles = npt.NDArray[np.float64]
 
 TWISTS = [(0.3, 0.0), (0.0, 1.5), (0.3, 1.0), (0.2, -1.5), (0.0, 0.0)]
 
@@ -36,7 +34,7 @@ def drive(world_map: str, tilt_deg: float = 75.0) -> list[tuple[graphnav.Truth, 
     return frames
 
 
-def floor_flow(camera: Camera, before: State, now: State) -> tuple[Doubles, npt.NDArray[np.bool_]]:
+def floor_flow(camera: Camera, before: State, now: State) -> tuple[Doubles, Bools]:
     """Return the floor's flow by the world's geometry, and where a pixel's ray meets the floor."""
     R_WC, eye = camera.pose(now.x_m, now.y_m, now.yaw_rad)
     rays = camera.rays() @ R_WC.T

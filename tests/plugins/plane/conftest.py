@@ -7,13 +7,10 @@ from itertools import count
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from graphnav import Flow, Planar, Stamp
-
-Doubles = npt.NDArray[np.float64]
-Cells = npt.NDArray[np.bool_]
+from graphnav.arrays import Bools, Doubles
 
 ROWS, COLS, STEP_PX = 30, 40, 4
 INTERVAL_US = 100_000
@@ -25,7 +22,7 @@ class Scene:
 
     flow: Flow
     planar: Planar
-    obstacle: Cells
+    obstacle: Bools
 
 
 class Scenes:

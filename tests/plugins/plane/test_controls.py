@@ -16,12 +16,13 @@ from graphnav_plane.row_prior import RowPrior
 from graphnav_plane.truth import Truth as Oracle
 
 from graphnav import Flow, Plane, Truth
+from graphnav.arrays import Bools
 
 if TYPE_CHECKING:
-    from tests.plugins.plane.conftest import Cells, Scenes
+    from tests.plugins.plane.conftest import Scenes
 
 
-def scored(plane: Plane, obstacle: Cells) -> dict[str, float]:
+def scored(plane: Plane, obstacle: Bools) -> dict[str, float]:
     stage = score.Plane()
     stage.reset(0)
     shape = obstacle.shape
@@ -34,7 +35,7 @@ def scored(plane: Plane, obstacle: Cells) -> dict[str, float]:
     return dict(stage.summary())
 
 
-def random_obstacle(seed: int) -> Cells:
+def random_obstacle(seed: int) -> Bools:
     rng = np.random.default_rng(seed)
     return np.asarray(rng.random((30, 40)) < np.linspace(0.6, 0.0, 30)[:, None])
 

@@ -14,9 +14,10 @@ from graphnav_plane.affine import Affine
 from graphnav_plane.homography import Homography, least_squares
 
 from graphnav import Flow, Plane, Stamp
+from graphnav.arrays import Doubles
 
 if TYPE_CHECKING:
-    from tests.plugins.plane.conftest import Doubles, Scenes
+    from tests.plugins.plane.conftest import Scenes
 
 METHODS = ["usac_magsac", "usac_default", "ransac", "lmeds"]
 

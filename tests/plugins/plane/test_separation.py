@@ -11,7 +11,9 @@ import pytest
 from graphnav_plane.ica import Ica
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
-from graphnav_plane.separation.whitening import Doubles, whiten
+from graphnav_plane.separation.whitening import whiten
+
+from graphnav.arrays import Doubles
 
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scenes

@@ -11,8 +11,7 @@ from graphnav_steer.balance import Balance
 from graphnav_steer.time_to_contact import Divergence, TimeToContact, inverse_time
 
 from graphnav import Flow, Latest, Steering
-
-Floats = npt.NDArray[np.float32]
+from graphnav.arrays import Floats
 
 ROWS, COLS = 120, 160
 INTERVAL_US = 100_000

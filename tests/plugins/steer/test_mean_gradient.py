@@ -6,16 +6,15 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_steer.field import obstacle_field
 from graphnav_steer.mean_gradient import MeanGradient
 from graphnav_steer.pca import Pca
 
 from graphnav import Goal, Latest, Planar, Plane, Steering
+from graphnav.arrays import Bytes
 
 MakePlane = Callable[..., Plane]
-Map = npt.NDArray[np.uint8]
 
 ROWS, COLS = 30, 40
 UNHEARD: Latest[Goal] = Latest()
@@ -28,7 +27,7 @@ def steer(plane: Plane, goal: Latest[Goal] = UNHEARD, **parameters: Any) -> Stee
     return stage.step(plane, goal, NO_PLANAR)
 
 
-def random_map(seed: int) -> Map:
+def random_map(seed: int) -> Bytes:
     rng = np.random.default_rng(seed)
     d = np.zeros((ROWS, COLS), np.uint8)
     for _ in range(3):

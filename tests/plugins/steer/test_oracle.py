@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_steer.oracle import Oracle
 from graphnav_steer.way import CELL_M, Way
 
 from graphnav import Latest, Map, State
+from graphnav.arrays import Doubles
 from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 from graphnav.runner import Runner
 
-Doubles = npt.NDArray[np.float64]
 RADIUS_M = 0.2
 
 

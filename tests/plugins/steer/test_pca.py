@@ -9,21 +9,20 @@ from typing import Any
 import hypothesis
 import hypothesis.strategies as st
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_steer.pca import Pca
 from hypothesis.extra import numpy as nps
 
 from graphnav import Goal, Latest, Planar, Plane, Steering
+from graphnav.arrays import Bytes
 
 MakePlane = Callable[..., Plane]
-Map = npt.NDArray[np.uint8]
 
 ROWS, COLS = 30, 40
 QUARTER = math.pi / 2
 UNHEARD: Latest[Goal] = Latest()
 NO_PLANAR: Latest[Planar] = Latest()
-GROUND: Map = np.zeros((ROWS, COLS), np.uint8)
+GROUND: Bytes = np.zeros((ROWS, COLS), np.uint8)
 PARAMETERS: list[dict[str, Any]] = [
     {},
     {"about": "zero"},
@@ -42,7 +41,7 @@ def steer(plane: Plane, goal: Latest[Goal] = UNHEARD, **parameters: Any) -> Stee
     return stage.step(plane, goal, NO_PLANAR).steering
 
 
-def drawn(rows: slice, cols: slice) -> Map:
+def drawn(rows: slice, cols: slice) -> Bytes:
     d = GROUND.copy()
     d[rows, cols] = 1
     return d
@@ -138,7 +137,7 @@ def test_what_is_symmetric_steers_straight_on(make_plane: MakePlane, parameters:
     bearing_rad=st.floats(-3.0, 3.0),
 )
 def test_mirrored_plane_mirrors_the_steering(
-    make_plane: MakePlane, parameters: dict[str, Any], d: Map, bearing_rad: float
+    make_plane: MakePlane, parameters: dict[str, Any], d: Bytes, bearing_rad: float
 ) -> None:
     half = d.shape[1] // 2
     tied = d[:, :half].sum() == d[:, d.shape[1] - half :].sum()
@@ -162,7 +161,7 @@ def test_mirrored_plane_mirrors_the_steering(
     parameters=st.sampled_from(PARAMETERS),
 )
 def test_everything_is_finite_whatever_the_grid(
-    make_plane: MakePlane, d: Map, bearing_rad: float, parameters: dict[str, Any]
+    make_plane: MakePlane, d: Bytes, bearing_rad: float, parameters: dict[str, Any]
 ) -> None:
     stage = Pca(guiding="goal", **parameters)
     stage.reset(seed=0)

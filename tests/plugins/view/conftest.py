@@ -10,15 +10,13 @@ from typing import Any
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 import yaml
 
 from graphnav import About, Flow, Image, Map, Message, Plane, Potential, State, Steering, Twist
+from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav.codec import encode
 from graphnav.record import ABOUT, LogWriter, Recording
-
-Doubles = npt.NDArray[np.float64]
 
 ROWS, COLS, FOCAL_PX, HEIGHT_M, TILT_RAD = 120, 160, 114.0, 1.0, math.radians(75)
 STEP_PX = 4
@@ -153,12 +151,12 @@ def _moving_pose(k: int) -> list[float]:
     return [2.5 * math.cos(angle), 2.5 + 2.5 * math.sin(angle), 0.1 * k]
 
 
-def _obstacle(floor: Doubles) -> npt.NDArray[np.bool_]:
+def _obstacle(floor: Doubles) -> Bools:
     away = np.abs(np.hypot(floor[..., 0], floor[..., 1] - RADIUS_M) - RADIUS_M)
     return away > HALF_WIDTH_M
 
 
-def _picture(floor: Doubles) -> npt.NDArray[np.uint8]:
+def _picture(floor: Doubles) -> Bytes:
     rng = np.random.default_rng(3)
     texture = cv2.GaussianBlur(rng.uniform(0, 255, (512, 512, 3)).astype(np.float32), (0, 0), 1.5)
     texture = np.clip((texture - 127) * 3 + 127, 0, 255)
@@ -168,7 +166,7 @@ def _picture(floor: Doubles) -> npt.NDArray[np.uint8]:
     return np.asarray(np.clip(seen, 0, 255), np.uint8)
 
 
-def _flow(floor: Doubles, before: Doubles) -> npt.NDArray[np.float32]:
+def _flow(floor: Doubles, before: Doubles) -> Floats:
     """Return the displacement since ``before`` of what is now at each pixel; walls move 30 % more."""
     c, s = math.cos(before[2]), math.sin(before[2])
     seen = (floor - before[:2]) @ np.array([[c, -s], [s, c]])
@@ -181,7 +179,7 @@ def _flow(floor: Doubles, before: Doubles) -> npt.NDArray[np.float32]:
     return np.asarray(uv * np.where(_obstacle(floor), 1.3, 1.0)[..., None], np.float32)
 
 
-def _margin(cells: int, rows: int = ROWS, cols: int = COLS) -> npt.NDArray[np.uint8]:
+def _margin(cells: int, rows: int = ROWS, cols: int = COLS) -> Bytes:
     valid = np.zeros((rows, cols), np.uint8)
     valid[cells:-cells, cells:-cells] = 1
     return valid

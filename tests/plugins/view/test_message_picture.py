@@ -8,12 +8,12 @@ from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graphnav import Flow, Image, Map, Message, PictureContext, Plane, Potential, Recording, State, Steering, Twist
+from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, decode, encode
 from graphnav.errors import DrawingError
@@ -22,7 +22,6 @@ from graphnav.pictures import Pictures
 
 KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth)
 Messages = dict[type[Message], Message]
-Bytes = npt.NDArray[np.uint8]
 
 
 @pytest.fixture(scope="module")

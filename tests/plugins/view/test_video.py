@@ -5,7 +5,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_view import graphnav_draw, style
 from graphnav_view.signals import Signals
@@ -13,10 +12,10 @@ from graphnav_view.video.mp4 import write_frames
 from graphnav_view.video.video_frames import caption, video_frames
 
 from graphnav import Flow, Image, Plane, Potential, State, Steering, Twist, UserError
+from graphnav.arrays import Bools, Bytes
 from graphnav.record import Recording
 
 Record = Callable[..., Recording]
-Bytes = npt.NDArray[np.uint8]
 
 
 def read(path: Path) -> tuple[list[Bytes], float]:
@@ -34,7 +33,7 @@ def write_video(recording: Recording, path: Path) -> Path:
     return write_frames(video, path)
 
 
-def near(frame: Bytes, colour: str) -> npt.NDArray[np.bool_]:
+def near(frame: Bytes, colour: str) -> Bools:
     return np.asarray(np.abs(frame.astype(int) - style.rgb(colour)).max(axis=-1) < 40)
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.patrol import Patrol
@@ -18,7 +17,8 @@ from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Renderer
 from graphnav_world.rendering.textures import Texture
 
-Doubles = npt.NDArray[np.float64]
+from graphnav.arrays import Doubles, Ints
+
 MAPS = Path(__file__).parents[3] / "graphs" / "graphnav_graphs" / "maps"
 
 
@@ -34,10 +34,10 @@ def maps() -> Path:
 
 
 @pytest.fixture(scope="session")
-def cast() -> Callable[[Camera, Placed, Faces], tuple[npt.NDArray[np.int32], Doubles]]:
+def cast() -> Callable[[Camera, Placed, Faces], tuple[Ints, Doubles]]:
     """Return a function that gives every pixel's face and depth, both (rows, cols), by intersecting each ray."""
 
-    def cast_rays(camera: Camera, placed: Placed, faces: Faces) -> tuple[npt.NDArray[np.int32], Doubles]:
+    def cast_rays(camera: Camera, placed: Placed, faces: Faces) -> tuple[Ints, Doubles]:
         rays = camera.rays().reshape(-1, 3) @ placed.R_WC.T
         eye = placed.eye_W
         with np.errstate(divide="ignore"):

@@ -8,15 +8,14 @@ from typing import Any
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Latest, Stamp, Twist
+from graphnav.arrays import Doubles
 
 TICK_S = 0.1
 AHEAD = Twist(v_mps=0.4, omega_radps=0.0)
-Pictures = npt.NDArray[np.float64]
 
 
 def drive(map_file: Path, twist: Twist = AHEAD, ticks: int = 8, **params: Any) -> list[WorldOutputs]:
@@ -25,7 +24,7 @@ def drive(map_file: Path, twist: Twist = AHEAD, ticks: int = 8, **params: Any) -
     return [world.step(Latest(twist, TICK_S), Stamp(round(k * TICK_S * 1e6))) for k in range(ticks)]
 
 
-def pictures(outputs: list[WorldOutputs]) -> Pictures:
+def pictures(outputs: list[WorldOutputs]) -> Doubles:
     return np.stack([out.image.pixels for out in outputs]).astype(np.float64)
 
 

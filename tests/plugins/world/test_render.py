@@ -7,7 +7,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import pytest
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
@@ -15,9 +14,10 @@ from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame
 
+from graphnav.arrays import Bytes, Doubles
+
 CAMERA = Camera()
 Make = Callable[..., tuple[Any, Any]]
-Bytes = npt.NDArray[np.uint8]
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -178,7 +178,7 @@ def test_light_makes_brighter(world: Make) -> None:
     assert dim == pytest.approx(normal / 2, rel=0.01)
 
 
-def _floor_to_pixels(placed: Placed) -> npt.NDArray[np.float64]:
+def _floor_to_pixels(placed: Placed) -> Doubles:
     """Return the homography from (x_m, y_m, 1) on the floor to pixels."""
     cx, cy = CAMERA.center_px
     K = np.array([[CAMERA.focal_px, 0, cx], [0, CAMERA.focal_px, cy], [0, 0, 1]])

@@ -7,11 +7,11 @@ import re
 import zlib
 
 import numpy as np
-import numpy.typing as npt
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from graphnav.arrays import Bytes
 from graphnav.spy.graphics.kitty import delete, put
 
 _SEQUENCE = re.compile(r"\x1b_G([^;]*)(?:;([A-Za-z0-9+/=]*))?\x1b\\")
@@ -24,7 +24,7 @@ def keys_of(text: str) -> dict[str, str]:
 
 
 @given(arrays(np.uint8, st.tuples(st.integers(1, 60), st.integers(1, 60), st.just(3))), st.integers(1, 2**32 - 1))
-def test_the_pixels_arrive_in_chunks(picture: npt.NDArray[np.uint8], image_id: int) -> None:
+def test_the_pixels_arrive_in_chunks(picture: Bytes, image_id: int) -> None:
     sent = put(picture, image_id, 7, 9)
     sequences = [found.groups() for found in _SEQUENCE.finditer(sent)]
     assert "".join(f"\x1b_G{keys};{data}\x1b\\" for keys, data in sequences) == sent

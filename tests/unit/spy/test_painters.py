@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from textual.strip import Strip
 
+from graphnav.arrays import Bytes
 from graphnav.spy.screen.painters.block_painter import BlockPainter
 from graphnav.spy.screen.painters.kitty_painter import KittyPainter
-from graphnav.spy.screen.painters.painter import Bytes, Painter
+from graphnav.spy.screen.painters.painter import Painter
 from graphnav.spy.screen.painters.sixel_painter import SixelPainter
 
 _TOKEN = re.compile(r"\x1b([78])|\x1b\[(\d+)([AC])|(\x1bP.*?\x1b\\)|(\x1b_G.*?\x1b\\)|( +)", re.DOTALL)

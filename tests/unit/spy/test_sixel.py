@@ -5,21 +5,19 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from graphnav.arrays import Bools, Bytes
 from graphnav.spy.graphics.sixel import SCALES, sixels
-
-Bytes = npt.NDArray[np.uint8]
 
 _SEQUENCE = re.compile(r'\x1bP0;1;0q"1;1;(\d+);(\d+)(.*)\x1b\\', re.DOTALL)
 _TOKEN = re.compile(r"#(\d+);2;(\d+);(\d+);(\d+)|#(\d+)|!(\d+)([?-~])|([?-~])|([$-])")
 
 
-def drawn(sequence: str) -> tuple[Bytes, npt.NDArray[np.bool_]]:
+def drawn(sequence: str) -> tuple[Bytes, Bools]:
     """Return what a terminal shows (rows, cols, 3), and which dots were drawn; written after the VT330 manual."""
     found = _SEQUENCE.fullmatch(sequence)
     assert found is not None

@@ -16,7 +16,7 @@ def embedded_picture(file: Path, about: Html, max_px: int) -> Html:
 
     WebP keeps the colours of small marks at a fifth of PNG's size. A text stands for a picture that cannot be read.
     """
-    from PIL import Image, features  # noqa: PLC0415 - comes with Matplotlib; only a report needs it
+    from PIL import Image, features
 
     try:
         with Image.open(file) as opened:

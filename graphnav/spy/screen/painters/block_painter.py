@@ -9,8 +9,9 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
+from graphnav.arrays import Bytes
 from graphnav.spy.graphics.half_blocks import UPPER_HALF, half_blocks, run_of, shades
-from graphnav.spy.screen.painters.painter import Bytes, Cells, centred
+from graphnav.spy.screen.painters.painter import Cells, centred
 
 _MAX_SEGMENTS = 50_000
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-import numpy as np
-import numpy.typing as npt
 from textual.strip import Strip
 
-Bytes = npt.NDArray[np.uint8]
+from graphnav.arrays import Bytes
 
 
 class Cells(NamedTuple):

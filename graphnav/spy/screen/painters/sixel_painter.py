@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 from textual.strip import Strip
 
+from graphnav.arrays import Bytes
 from graphnav.machine.terminal_graphics import CellSize
 from graphnav.spy.graphics.sixel import SCALES, sixels
-from graphnav.spy.screen.painters.painter import Bytes, Cells, centred
+from graphnav.spy.screen.painters.painter import Cells, centred
 from graphnav.spy.screen.painters.raw_strips import raw_strips
 
 _MAX_PX = 100_000
