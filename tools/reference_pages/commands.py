@@ -1,0 +1,72 @@
+"""The page of the commands, from their argument parsers."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+
+from graphnav.cli import COMMANDS, build_parser
+from reference_pages.markdown import bullets, code, page
+
+_INTRO = """\
+Every command prints this with `--help`. `graphnav --version` prints the version.
+
+| exit status | meaning |
+|---|---|
+| 0 | done |
+| 1 | the run failed, or something differs that was compared |
+| 2 | what was asked for is wrong: the message says where, what, and what to do |
+| 130 | Ctrl-C |
+| 141 | the program that reads the output has gone |"""
+
+
+def commands_page() -> str:
+    """Return the page."""
+    return page("Commands", _INTRO, *map(_section, COMMANDS))
+
+
+def _section(name: str) -> str:
+    parser = _parser_of(name)
+    words = [action for action in parser._actions if not action.option_strings]  # noqa: SLF001
+    options = [action for action in parser._actions if action.option_strings and action.dest != "help"]  # noqa: SLF001
+    usage = " ".join(["graphnav", name, *(["[OPTIONS]"] if options else []), *map(_word, words)])
+    parts = [f"## {name}", parser.description or "", f"```\n{usage}\n```"]
+    parts += [bullets(_line(action, parser) for action in (*words, *options)), *_epilog(parser)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _parser_of(name: str) -> argparse.ArgumentParser:
+    for action in build_parser(name)._actions:  # noqa: SLF001
+        if isinstance(action, argparse._SubParsersAction):  # noqa: SLF001
+            found: argparse.ArgumentParser = action.choices[name]
+            return found
+    raise LookupError(name)
+
+
+def _word(action: argparse.Action) -> str:
+    name = _value(action)
+    return {"?": f"[{name}]", "*": f"[{name} ...]", "+": f"{name} [{name} ...]"}.get(str(action.nargs), name)
+
+
+def _value(action: argparse.Action) -> str:
+    if action.choices is not None:
+        return "{" + ",".join(map(str, action.choices)) + "}"
+    if isinstance(action.metavar, tuple):
+        return " ".join(action.metavar)
+    return str(action.metavar or action.dest.upper())
+
+
+def _line(action: argparse.Action, parser: argparse.ArgumentParser) -> str:
+    value = "" if action.nargs == 0 else f" {_value(action)}"
+    names = [f"{option}{value}" for option in action.option_strings] or [_value(action)]
+    said = (action.help or "") % {**vars(action), "prog": parser.prog}
+    return f"{', '.join(map(code, names))}: {said}" if said else ", ".join(map(code, names))
+
+
+def _epilog(parser: argparse.ArgumentParser) -> Iterator[str]:
+    if not parser.epilog:
+        return
+    if parser.formatter_class is argparse.RawDescriptionHelpFormatter:
+        yield f"```text\n{parser.epilog.strip()}\n```"
+    else:
+        yield parser.epilog.strip()
