@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import graphnav
+import graphnav.hooks
 from graphnav import Message
 from reference_pages.markdown import bullets, docstring, page
 
@@ -23,6 +24,7 @@ _GROUPS = {
 _RETURNED = {"Run", "Study", "Log", "Drawing", "RunError"}
 """Classes whose objects functions return: how they are constructed is not public."""
 _FURTHER = "Further names"
+_HOOKS = "What a plugin may implement, each marked with `hookimpl`. An implementation may leave out arguments that it does not use."
 _OF_OTHERS = {"hookimpl": "Marks a function of a plugin as the implementation of a hook, as `graphnav_stages` (pluggy)."}
 
 
@@ -33,8 +35,10 @@ def python_page() -> str:
     rest = [name for name in graphnav.__all__ if name not in {*grouped, *messages, "__version__"}]
     groups = {**_GROUPS, **({_FURTHER: tuple(rest)} if rest else {})}
     parts = ["\n\n".join([f"## {title}", *map(_section, names)]) for title, names in groups.items()]
+    hooks = (value for value in vars(graphnav.hooks).values() if hasattr(value, "graphnav_spec"))
+    asked = "\n\n".join(["## Hooks", _HOOKS, *(_section_of(hook) for hook in hooks)])
     linked = bullets(f"[{name}](messages.md#{name.lower()})" for name in messages)
-    return page("Python", _INTRO, *parts, f"## Messages\n\n{linked}", _VERSION)
+    return page("Python", _INTRO, *parts, asked, f"## Messages\n\n{linked}", _VERSION)
 
 
 _VERSION = "## Version\n\n`graphnav.__version__`: the installed version, as a string."
@@ -50,9 +54,14 @@ def _section(name: str) -> str:
     if name in _OF_OTHERS:
         return f"### {name}\n\n{_OF_OTHERS[name]}"
     if inspect.isclass(value) or inspect.isfunction(value):
-        (node,) = ast.parse(textwrap.dedent(inspect.getsource(value))).body
-        return _class(node) if isinstance(node, ast.ClassDef) else _function(node)
+        return _section_of(value)
     return f"### {name}\n\n{_doc_of_constant(name)}"
+
+
+def _section_of(value: Any) -> str:
+    """Return the section of a class or function, from its source."""
+    (node,) = ast.parse(textwrap.dedent(inspect.getsource(value))).body
+    return _class(node) if isinstance(node, ast.ClassDef) else _function(node)
 
 
 def _function(node: Any) -> str:
