@@ -1,4 +1,4 @@
-"""Everything that keeps main green, in one order: format, lint, types, architecture, tests. CI runs this."""
+"""Everything that keeps main green, in one order: format, lint, types, architecture, docs, tests. CI runs this."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ STEPS: dict[str, list[str]] = {
     "lint": [sys.executable, "-m", "ruff", "check", "--quiet", *CHECKED],
     "types": [sys.executable, "-m", "mypy", *CHECKED],
     "architecture": [str(SCRIPTS / "lint-imports"), "--no-logo"],
+    "docs": [sys.executable, "-m", "sphinx", "-W", "--keep-going", "--nitpicky", "--quiet", "--fresh-env", "docs", "build/docs"],
     "tests": [sys.executable, "-m", "pytest", "-q", "-n", "auto"],
 }
 

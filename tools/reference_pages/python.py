@@ -17,7 +17,7 @@ _INTRO = """\
 The public names of `graphnav`. [From Python](../howto/python.md) shows how they are used; everything is typed. Names that are not on this page are not public."""
 _GROUPS = {
     "Run, look, compare": ("run", "ablate", "load", "check", "draw", "open_log", "Run", "Study", "Log", "Graph", "Drawing", "Recording"),
-    "Write a stage": ("Stage", "Source", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role", "hookimpl", "Continuity", "block_sum", "coarsen"),
+    "Write a stage": ("Stage", "Source", "Message", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role", "hookimpl", "Continuity", "block_sum", "coarsen"),
     "Write an adapter or a drawing": ("Adapter", "PictureContext", "VideoFrames"),
     "Errors": ("GraphnavError", "UserError", "ParamError", "DeclarationError", "RunError", "Problem", "Place", "did_you_mean", "shown_path"),
 }  # fmt: skip
@@ -46,7 +46,7 @@ _VERSION = "## Version\n\n`graphnav.__version__`: the installed version, as a st
 
 def _is_message(name: str) -> bool:
     value = getattr(graphnav, name)
-    return inspect.isclass(value) and issubclass(value, Message)
+    return inspect.isclass(value) and issubclass(value, Message) and value is not Message
 
 
 def _section(name: str) -> str:
