@@ -10,14 +10,25 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = Path(sysconfig.get_path("scripts"))
-CHECKED = ["graphnav", "plugins", "tests", "tools"]
+CHECKED = ["graphnav", "plugins", "tests", "tools", "docs/conf.py"]
 
 STEPS: dict[str, list[str]] = {
     "format": [sys.executable, "-m", "ruff", "format", "--check", "--quiet", *CHECKED],
     "lint": [sys.executable, "-m", "ruff", "check", "--quiet", *CHECKED],
     "types": [sys.executable, "-m", "mypy", *CHECKED],
     "architecture": [str(SCRIPTS / "lint-imports"), "--no-logo"],
-    "docs": [sys.executable, "-m", "sphinx", "-W", "--keep-going", "--nitpicky", "--quiet", "--fresh-env", "docs", "build/docs"],
+    "docs": [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-W",
+        "--keep-going",
+        "--nitpicky",
+        "--quiet",
+        "--fresh-env",
+        "docs",
+        "build/docs",
+    ],
     "tests": [sys.executable, "-m", "pytest", "-q", "-n", "auto"],
 }
 

@@ -25,6 +25,25 @@ def named_blocks(document: Path) -> dict[str, str]:
     return {name: text for text, name in found}
 
 
+def page_script(document: Path) -> str:
+    """Return what a reader does: write the files that the page names, run its ``sh`` blocks, in the page's order."""
+    found = re.findall(
+        r"^```(\w*)\n((?:(?:#|//) (\S+\.\w+)\n)?.*?)^```", document.read_text(), re.DOTALL | re.MULTILINE
+    )
+    steps = (_writing(name, text) if name else text for language, text, name in found if name or language == "sh")
+    return "".join(steps)
+
+
+def _writing(name: str, text: str) -> str:
+    return f"mkdir -p \"$(dirname {name})\"\ncat > {name} <<'END_OF_FILE'\n{text}END_OF_FILE\n"
+
+
+def write_files(document: Path, folder: Path) -> None:
+    """Write the files that a page names."""
+    for name, text in named_blocks(document).items():
+        (folder / name).write_text(text)
+
+
 def shell(script: str, folder: Path, url: str, timeout_s: float = 300) -> str:
     """Run a script in ``folder``, with LCM on ``url``; return what it printed. A command that fails fails the test.
 

@@ -1,9 +1,8 @@
-"""docs/live.md: its graphs check, its adapters turn messages, its driver stops by itself; links lead somewhere."""
+"""The pages about a robot of one's own: graphs check, adapters turn messages, the driver stops by itself."""
 
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 import time
@@ -18,11 +17,9 @@ from graphnav_lcm import twist_t
 from graphnav import Image
 from graphnav.codec import encode
 
-from .conftest import DOCS, blocks, named_blocks, shell
+from .conftest import DOCS, blocks, shell, write_files
 
-LIVE = DOCS / "live.md"
-FILES = named_blocks(LIVE)
-DOCUMENTS = [LIVE, *sorted((DOCS / "examples").glob("*/README.md"))]
+PAGES = [DOCS / "howto" / name for name in ("robot.md", "adapters.md", "teach.md")]
 
 SENDER = """
 import time, lcm
@@ -57,11 +54,11 @@ print(json.dumps([*pose, out.left_mps, out.right_mps, out.utime]))
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory, group: str) -> Path:
-    """Return a folder that holds the files of the document, and what its commands make."""
+    """Return a folder that holds the files of the pages, and what their commands make."""
     folder = tmp_path_factory.mktemp("live")
-    for name, text in FILES.items():
-        (folder / name).write_text(text)
-    shell("\n".join(blocks(LIVE, "sh")), folder, group)
+    for page in PAGES:
+        write_files(page, folder)
+        shell("\n".join(blocks(page, "sh")), folder, group)
     return folder
 
 
@@ -122,9 +119,3 @@ def until(act: Callable[[], None], is_done: Callable[[], bool]) -> None:
     while not is_done():
         assert time.monotonic() < end_s
         act()
-
-
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda document: str(document.relative_to(DOCS)))
-def test_links_lead_somewhere(document: Path) -> None:
-    for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", document.read_text()):
-        assert (document.parent / target).is_file(), target

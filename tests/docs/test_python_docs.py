@@ -1,4 +1,4 @@
-"""``docs/python.md``: its blocks run in order, and it names every function of the door."""
+"""``docs/howto/python.md``: its blocks run in order, and it names every function of the door."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "python.md"
+DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "howto" / "python.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```", DOCUMENT.read_text(), re.DOTALL | re.MULTILINE)
 
 

@@ -13,8 +13,9 @@ from reference_pages.markdown import bullets, code, page, sentence
 Schema = Mapping[str, Any]
 
 _INTRO = """\
-A graph is a YAML file (YAML 1.2: `1e-3` is a number, `on` and `no` are strings). `graphnav check FILE` reports everything that is wrong with one, with line and column;
-`graphnav schema > graph.schema.json` prints the JSON Schema, with which editors complete and check a graph while you write it.
+A graph is a YAML file (YAML 1.2: `1e-3` is a number, `on` and `no` are strings). `graphnav check FILE` reports
+everything that is wrong with one, with line and column; `graphnav schema > graph.schema.json` prints the JSON
+Schema, with which editors complete and check a graph while you write it.
 
 ```yaml
 about: A camera that looks at the floor.
@@ -24,11 +25,14 @@ stages:
   flow:  {use: flow.lucas_kanade, in: {image: robot.image}}
 ```
 
-A channel is called `stage.port`; `stage` alone is enough where the stage has one output. Paths are relative to the file that contains them."""
+A channel is called `stage.port`; `stage` alone is enough where the stage has one output. Paths are relative to the
+file that contains them."""
 _MORE = {
-    "extends": "Mappings are merged key by key; anything else is replaced. `null` removes a stage, a wire or an entry of a section. "
-    "A stage whose `use` changes is swapped as `--set` would swap it: wires of ports with the same name and type stay.",
-    "stages": "Stages by name (lower-case letters, digits and `_`, beginning with a letter). Order matters in one way: sources that are due at the same time fire in the order of the file.",
+    "extends": "Mappings are merged key by key; anything else is replaced. `null` removes a stage, a wire or an entry "
+    "of a section. A stage whose `use` changes is swapped as `--set` would swap it: wires of ports with the same name "
+    "and type stay.",
+    "stages": "Stages by name (lower-case letters, digits and `_`, beginning with a letter). Order matters in one way: "
+    "sources that are due at the same time fire in the order of the file.",
     "run": "How the graph runs, unless the command line says otherwise.",
 }
 _PLACEHOLDER = {"stages": "NAME", "channels": "STAGE.PORT", "deploy": "PROCESS"}

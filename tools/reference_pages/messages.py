@@ -10,11 +10,14 @@ from graphnav.typeinfo import describe_type, nested_types
 from reference_pages.markdown import bullets, code, docstring, page, sentence
 
 _INTRO = """\
-What stages exchange. Each message is a frozen dataclass in Python and an LCM type on the wire, of the package `graphnav_lcm` unless its name says otherwise. `graphnav types NAME` prints the same, and
-`graphnav types NAME --lcm` the definition that `lcm-gen` turns into C, C++, Java, Go, Lua or C#.
+What stages exchange. Each message is a frozen dataclass in Python and an LCM type on the wire, of the package
+`graphnav_lcm` unless its name says otherwise. `graphnav types NAME` prints the same, and `graphnav types NAME
+--lcm` the definition that `lcm-gen` turns into C, C++, Java, Go, Lua or C#.
 
-Conventions: names end in their unit; `utime` is the stamp in microseconds and `seq` counts the messages of a channel; both are filled by the runner and are not fields in Python.
-Images and grids are row-major, rows down, columns right. The robot's frame R has x forward and y left; W is the world. Angles and turning rates are positive counterclockwise."""
+Conventions: names end in their unit; `utime` is the stamp in microseconds and `seq` counts the messages of a
+channel; both are filled by the runner and are not fields in Python. Images and grids are row-major, rows down,
+columns right. The robot's frame R has x forward and y left; W is the world. Angles and turning rates are positive
+counterclockwise."""
 
 
 def messages_page() -> str:
@@ -27,7 +30,11 @@ def messages_page() -> str:
     read = [adapter.lcm_class for _, adapter in sorted(catalog.adapters().readers.items())]
     adapted = {lcm_name(one): one for lcm_class in read for one in (lcm_class, *nested_types(lcm_class))}
     parts = ["## Parts of messages", "Types that other types contain.", *map(_section, nested.values())]
-    other = ["## Types of other packages", "Read and written by the adapters that ship.", *map(_section, adapted.values())]
+    other = [
+        "## Types of other packages",
+        "Read and written by the adapters that ship.",
+        *map(_section, adapted.values()),
+    ]
     return page("Messages", _INTRO, "## Messages", *map(_section, ours), *parts, *other)
 
 

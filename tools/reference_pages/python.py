@@ -6,6 +6,7 @@ import ast
 import inspect
 import textwrap
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import graphnav
@@ -14,18 +15,33 @@ from graphnav import Message
 from reference_pages.markdown import bullets, docstring, page
 
 _INTRO = """\
-The public names of `graphnav`. [From Python](../howto/python.md) shows how they are used; everything is typed. Names that are not on this page are not public."""
+The public names of `graphnav`. [From Python](../howto/python.md) shows how they are used; everything is typed.
+Names that are not on this page are not public."""
 _GROUPS = {
-    "Run, look, compare": ("run", "ablate", "load", "check", "draw", "open_log", "Run", "Study", "Log", "Graph", "Drawing", "Recording"),
-    "Write a stage": ("Stage", "Source", "Message", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role", "hookimpl", "Continuity", "block_sum", "coarsen"),
+    "Run, look, compare": (
+        *("run", "ablate", "load", "check", "draw", "open_log"),
+        *("Run", "Study", "Log", "Graph", "Drawing", "Recording"),
+    ),
+    "Write a stage": (
+        *("Stage", "Source", "Message", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role"),
+        *("hookimpl", "Continuity", "block_sum", "coarsen"),
+    ),
     "Write an adapter or a drawing": ("Adapter", "PictureContext", "VideoFrames"),
-    "Errors": ("GraphnavError", "UserError", "ParamError", "DeclarationError", "RunError", "Problem", "Place", "did_you_mean", "shown_path"),
-}  # fmt: skip
+    "Errors": (
+        *("GraphnavError", "UserError", "ParamError", "DeclarationError", "RunError"),
+        *("Problem", "Place", "did_you_mean", "shown_path"),
+    ),
+}
 _RETURNED = {"Run", "Study", "Log", "Drawing", "RunError"}
 """Classes whose objects functions return: how they are constructed is not public."""
 _FURTHER = "Further names"
-_HOOKS = "What a plugin may implement, each marked with `hookimpl`. An implementation may leave out arguments that it does not use."
-_OF_OTHERS = {"hookimpl": "Marks a function of a plugin as the implementation of a hook, as `graphnav_stages` (pluggy)."}
+_HOOKS = (
+    "What a plugin may implement, each marked with `hookimpl`. "
+    "An implementation may leave out arguments that it does not use."
+)
+_OF_OTHERS = {
+    "hookimpl": "Marks a function of a plugin as the implementation of a hook, as `graphnav_stages` (pluggy)."
+}
 
 
 def python_page() -> str:
@@ -141,7 +157,7 @@ def _doc_of_constant(name: str) -> str:
     for module in (inspect.getmodule(graphnav.Stage), inspect.getmodule(graphnav.Latest)):
         assert module is not None
         body = ast.parse(inspect.getsource(module)).body
-        for one, after in zip(body, body[1:], strict=False):
+        for one, after in pairwise(body):
             if isinstance(one, ast.Assign) and [ast.unparse(target) for target in one.targets] == [name]:
                 return f"```python\n{ast.unparse(one)}\n```\n\n{docstring(_constant(after))}"
     raise LookupError(name)

@@ -1,0 +1,77 @@
+"""The book: the commands of every page run, the tutorial's drives end as it says, generated pages are fresh."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import socket
+from pathlib import Path
+
+import pytest
+import yaml
+from gen_docs import FOLDER, PAGES
+
+from .conftest import DOCS, blocks, page_script, shell, write_files
+
+ELSEWHERE = {"howto/robot.md", "howto/adapters.md", "howto/teach.md"}
+"""Pages whose commands run in tests of their own."""
+RUN = [
+    page
+    for page in sorted(str(path.relative_to(DOCS)) for path in DOCS.glob("*/*.md"))
+    if page not in ELSEWHERE and blocks(DOCS / page, "sh")
+]
+NEEDS_FILES_OF = {"tutorial/own-study.md": ("tutorial/own-stage.md", "tutorial/own-map.md")}
+NEEDS_PROGRAMS = {"howto/other-languages.md": ("cc", "javac", "java")}
+ENDS = {
+    "tutorial/first-drive.md": {"first": "goal", "swapped": "timeout"},
+    "tutorial/own-stage.md": {"blind": "contact", "mine": "goal"},
+    "tutorial/own-map.md": {"room": "goal", "oracle": "goal"},
+}
+"""How the tutorial says that its drives end, by run folder."""
+
+
+@pytest.mark.parametrize("page", RUN)
+def test_the_commands_of_the_page_run(page: str, tmp_path: Path, group: str) -> None:
+    for program in NEEDS_PROGRAMS.get(page, ()):
+        if shutil.which(program) is None:
+            pytest.skip(f"there is no {program}")
+    for other in NEEDS_FILES_OF.get(page, ()):
+        write_files(DOCS / other, tmp_path)
+    shell(_shorter(page_script(DOCS / page)), tmp_path, group, timeout_s=600)
+    ends = {name: json.loads((tmp_path / name / "summary.json").read_text())["outcome"] for name in ENDS.get(page, {})}
+    assert ends == ENDS.get(page, {})
+    shutil.rmtree(tmp_path)  # logs of whole drives
+
+
+def _shorter(script: str) -> str:
+    """Return a script with fewer worlds and shorter drives in its studies, and a port of this machine that is free."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        port = listener.getsockname()[1]
+    fewer = re.sub(r"--seeds 0:(10|12)\b", lambda seeds: f"--seeds 0:{1 if seeds[1] == '10' else 2}", script)
+    short = re.sub(r"(graphnav ablate \w+(?:\.yaml)?)", r"\1 --set run.until_s=3 --gallery 0", fewer)
+    return short.replace(":8786", f":{port}").replace("--port 8786", f"--port {port}")
+
+
+def test_the_pages_that_run_elsewhere_exist() -> None:
+    assert all((DOCS / page).is_file() for page in ELSEWHERE | NEEDS_FILES_OF.keys() | NEEDS_PROGRAMS.keys())
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_generated_page_is_fresh(name: str) -> None:
+    assert (FOLDER / name).read_text() == PAGES[name](), "run python tools/gen_docs.py"
+
+
+def test_every_page_is_in_the_contents() -> None:
+    contents = yaml.safe_load((DOCS / "_toc.yml").read_text())
+    entries = [entry for part in contents["subtrees"] for entry in part["entries"]]
+    entries += [inner for entry in entries for inner in entry.get("entries", ())]
+    listed = {entry["file"] for entry in entries if "file" in entry} | {contents["root"]}
+    listed |= {
+        str(path.relative_to(DOCS).with_suffix(""))
+        for e in entries
+        if "glob" in e
+        for path in DOCS.glob(f"{e['glob']}.md")
+    }
+    assert listed == {str(path.relative_to(DOCS).with_suffix("")) for path in DOCS.rglob("*.md")}
