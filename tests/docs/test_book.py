@@ -1,4 +1,4 @@
-"""The book: the commands of every page run, the tutorial's drives end as it says, generated pages are fresh."""
+"""The book: commands run and print what the pages show, drives end as they say, generated pages are fresh."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from gen_docs import FOLDER, PAGES
+from gen_docs import FOLDER
+from reference_pages import PAGES
 
 from .conftest import DOCS, blocks, page_script, shell, write_files
 
@@ -38,10 +39,27 @@ def test_the_commands_of_the_page_run(page: str, tmp_path: Path, group: str) -> 
             pytest.skip(f"there is no {program}")
     for other in NEEDS_FILES_OF.get(page, ()):
         write_files(DOCS / other, tmp_path)
-    shell(_shorter(page_script(DOCS / page)), tmp_path, group, timeout_s=600)
+    printed = shell(_shorter(page_script(DOCS / page)), tmp_path, group, timeout_s=600)
+    assert [line for line in _shown(page) if not _is_printed(line, printed)] == []
     ends = {name: json.loads((tmp_path / name / "summary.json").read_text())["outcome"] for name in ENDS.get(page, {})}
     assert ends == ENDS.get(page, {})
     shutil.rmtree(tmp_path)  # logs of whole drives
+
+
+def _shown(page: str) -> list[str]:
+    """Return the lines of output that a page shows, in its ``text`` blocks."""
+    return [line for block in blocks(DOCS / page, "text") for line in block.splitlines() if line.strip()]
+
+
+def _is_printed(line: str, printed: str) -> bool:
+    """Whether a line was printed, numbers and spaces apart; of a line with "..." what stands before."""
+    wanted, dots, _ = _without_numbers(line).partition("...")
+    lines = map(_without_numbers, printed.splitlines())
+    return any(found.startswith(wanted) if dots else found == wanted for found in lines)
+
+
+def _without_numbers(line: str) -> str:
+    return re.sub(r"[-+]?\d[\d.]*", "0", " ".join(line.split()))
 
 
 def _shorter(script: str) -> str:
@@ -50,7 +68,7 @@ def _shorter(script: str) -> str:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
     fewer = re.sub(r"--seeds 0:(10|12)\b", lambda seeds: f"--seeds 0:{1 if seeds[1] == '10' else 2}", script)
-    short = re.sub(r"(graphnav ablate \w+(?:\.yaml)?)", r"\1 --set run.until_s=3 --gallery 0", fewer)
+    short = re.sub(r"(graphnav ablate \w+(?:\.yaml)?)(?!.*until_s)", r"\1 --set run.until_s=3 --gallery 0", fewer)
     return short.replace(":8786", f":{port}").replace("--port 8786", f"--port {port}")
 
 

@@ -88,7 +88,7 @@ def _type(value: Schema) -> str:
     if "anyOf" in value:
         return " or ".join(_type(one) for one in value["anyOf"])
     kinds = value["type"] if isinstance(value["type"], list) else [value["type"]]
-    return " or ".join({"object": "mapping", "array": "list"}.get(kind, kind) for kind in kinds)
+    return " or ".join({"object": "mapping", "array": "list"}.get(kind, str(kind)) for kind in kinds)
 
 
 def _bounds(value: Schema) -> str:
