@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     )
     from graphnav.pictures import PictureContext, VideoFrames
     from graphnav.record import Recording
+    from graphnav.spec import FileFormat, Range, Record, Value, key
     from graphnav.stage import Age, Finished, Latest, Role, Since, Source, Stage, Stamp, Stamped, param
 
 __version__ = "0.2.0"
@@ -99,6 +100,7 @@ _HOMES = {
     ),
     "graphnav.pictures": ("PictureContext", "VideoFrames"),
     "graphnav.record": ("Recording",),
+    "graphnav.spec": ("FileFormat", "Range", "Record", "Value", "key"),
     "graphnav.stage": ("Age", "Finished", "Latest", "Role", "Since", "Source", "Stage", "Stamp", "Stamped", "param"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
@@ -110,6 +112,7 @@ __all__ = [
     "Continuity",
     "DeclarationError",
     "Drawing",
+    "FileFormat",
     "Finished",
     "Flow",
     "Goal",
@@ -131,6 +134,8 @@ __all__ = [
     "Plane",
     "Potential",
     "Problem",
+    "Range",
+    "Record",
     "Recording",
     "Role",
     "Run",
@@ -148,6 +153,7 @@ __all__ = [
     "Truth",
     "Twist",
     "UserError",
+    "Value",
     "VideoFrames",
     "__version__",
     "ablate",
@@ -157,6 +163,7 @@ __all__ = [
     "did_you_mean",
     "draw",
     "hookimpl",
+    "key",
     "load",
     "open_log",
     "param",

@@ -1,0 +1,21 @@
+"""What a file may say, declared by classes: they read it, check it, and describe it for editors and people."""
+
+from graphnav.spec.declared.file_format import FileFormat
+from graphnav.spec.declared.json_schema import DIALECT, Schema, object_schema, param_schema
+from graphnav.spec.declared.plugin_formats import plugin_formats
+from graphnav.spec.declared.read_record import read_record
+from graphnav.spec.declared.record import Range, Record, key, keys_of
+
+__all__ = [
+    "DIALECT",
+    "FileFormat",
+    "Range",
+    "Record",
+    "Schema",
+    "key",
+    "keys_of",
+    "object_schema",
+    "param_schema",
+    "plugin_formats",
+    "read_record",
+]
