@@ -58,8 +58,9 @@ def _study(keys: StudyKeys, path: Path, source: SourceText, problems: list[Probl
 
 def _texts(keys: StudyKeys, word: str, problems: list[Problem]) -> Texts:
     """Return the strings under a key, one or a list, each with its place."""
-    given = getattr(keys, word) or ()
-    each = [((word,), given)] if isinstance(given, str) else [((word, str(n)), text) for n, text in enumerate(given)]
+    given = getattr(keys, word)
+    listed = [((word, str(number)), text) for number, text in enumerate(given or ())]
+    each = [((word,), given)] if isinstance(given, str) else listed
     found: Texts = {}
     for path, text in each:
         place = keys.place(*path)

@@ -50,8 +50,7 @@ class FileFormat(Generic[R]):
             They are not YAML.
         """
         value, problems = parse_yaml(data, source)
-        record, found = read_record(self.record, value)
-        return record, problems + found
+        return (None, problems) if problems else read_record(self.record, value)
 
     def schema(self) -> Schema:
         """Return the JSON Schema of such files."""

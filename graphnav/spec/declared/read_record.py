@@ -175,7 +175,7 @@ class _Reader:
         try:
             return at.key.as_param(kind, at.name).parse(value.data)
         except ParamError as error:
-            return self._wrong(value.place, error.what, error.hint or at.key.hint)
+            return self._wrong(value.place, error.what, error.hint)
 
     def _not(self, kind: Any, value: Value, at: _At) -> Any:
         count = f" of {len(value.data)}" if isinstance(value.data, list) else ""

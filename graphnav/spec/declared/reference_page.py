@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Iterator
 from typing import Any, get_args
 
-from graphnav.spec.declared.kinds import is_list, is_mapping, is_record, is_union, positions_of, said
+from graphnav.spec.declared.kinds import is_list, is_mapping, is_range, is_record, is_union, positions_of, said
 from graphnav.spec.declared.record import Key, Record, keys_of
 from graphnav.spec.write import write_value
 from graphnav.stage import unit_of
@@ -43,7 +43,7 @@ def _section(cls: type[Record]) -> Iterator[str]:
 
 def _row(key: Key, is_choice: bool) -> str:  # noqa: FBT001 - of a table
     bounds = key.as_param(float, key.name).bounds_text
-    items = f"at least {key.min_items} items" if key.min_items else ""
+    items = "" if not key.min_items else "not empty" if key.min_items == 1 else f"at least {key.min_items} items"
     value = ", ".join(filter(None, (_linked(key.type), bounds, items)))
     default = "" if key.plain_default is None else f"`{write_value(key.plain_default)}`"
     needed = "one of them" if is_choice else "required" if key.required else default
@@ -53,14 +53,15 @@ def _row(key: Key, is_choice: bool) -> str:  # noqa: FBT001 - of a table
 def _linked(kind: Any) -> str:
     """Return a type in words, in which records are links to their sections."""
     if is_union(kind):
-        members = dict.fromkeys(_linked(member) for member in get_args(kind) if member is not type(None))
-        return " or ".join(members)
+        *others, last = dict.fromkeys(_linked(member) for member in get_args(kind) if member is not type(None))
+        return f"{', '.join(others)} or {last}" if others else last
     if is_record(kind):
         return f"[{kind.noun}](#{_heading(kind).lower().replace(' ', '-')})"
-    if is_mapping(kind):
-        return f"names, each of {_linked(get_args(kind)[1])}"
-    if is_list(kind):
-        return f"list, each {_linked(get_args(kind)[0])}"
+    if is_range(kind):
+        return f"{said(get_args(kind)[0])} or a range"
+    if (is_list(kind) or is_mapping(kind)) and len(_records(kind)) > 0:
+        each = get_args(kind)[0] if is_list(kind) else get_args(kind)[1]
+        return f"{said(kind)}, each {_linked(each)}" if is_list(kind) else f"names, each with {_linked(each)}"
     return said(kind)
 
 

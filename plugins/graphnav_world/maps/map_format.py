@@ -9,22 +9,25 @@ EXAMPLE = """\
 about: A room with two boxes, an L-shaped corridor out of it, and someone who walks to and fro in it.
 
 start: {at_m: [0, 0], heading_deg: 0}
-goal: {box: {center_m: [6, 4.5], size_m: [1.4, 0.6]}}
+goal: {box: {center_m: [7, 4.5], size_m: [1.3, 0.6]}}
 
 textures:
   floor: {mean: 125, contrast: 34, grain_m: 0.16}
   box: {mean: [60, 110], contrast: 30}
 
 walls:
-  # The room, from the upper side of its door around to the lower side; it leads on into the corridor's outer wall.
-  - along: [[3, 0.7], [3, 2], [-1, 2], [-1, -2], [3, -2], [3, -0.7], [6.7, -0.7], [6.7, 5], [5.3, 5], [5.3, 0.7]]
+  # Room and corridor are one line: from the upper side of the door around the room, then around the corridor.
+  - along:
+      [[3, 0.7], [3, 2], [-1, 2], [-1, -2], [3, -2], [3, -0.7],
+       [5, -0.7], {arc: {center_m: [5, 2], radius_m: 2.7, from_deg: -90, to_deg: 0}}, [7.7, 5],
+       [6.3, 5], [6.3, 2], {arc: {center_m: [5, 2], radius_m: 1.3, from_deg: 0, to_deg: -90}}]
     closed: true
 
 obstacles:
   - {box: {center_m: [1, [0.9, 1.3]], size_m: [0.5, 0.5], turn_deg: [0, 90]}, height_m: 0.4, texture: box}
   - {box: {center_m: [1.5, -1.2], size_m: [0.8, 0.4]}, height_m: 0.4, texture: box}
-  - circle: {center_m: [5.6, 2.5], radius_m: 0.15}
-    moves: {through_m: [[6.4, 2.5]], speed_mps: 0.1}
+  - circle: {center_m: [7.5, 3.2], radius_m: 0.12}
+    moves: {through_m: [[7.1, 3.2]], speed_mps: 0.05}
 """
 
 MAP = FileFormat(
