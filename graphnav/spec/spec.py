@@ -1,4 +1,4 @@
-"""The words of a graph: their shape is checked here, their meaning against the catalog later."""
+"""Read a graph: the shape of its values is checked here, their meaning against the catalog later."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RESERVED_STAGES = ("run",)
 
 @dataclass
 class StageSpec:
-    """What is written under one stage's name."""
+    """One of ``stages``."""
 
     name: str
     place: Place
@@ -29,31 +29,31 @@ class StageSpec:
     use_place: Place
     params: dict[str, Entry] = field(default_factory=dict)
     wires: dict[str, Entry] = field(default_factory=dict)
-    """By input port; the value is a text, the reference."""
+    """By input port; the value is a string, the reference."""
     times: dict[str, Entry] = field(default_factory=dict)
     """``every_ms`` and ``deadline_ms`` where they are given; the value is a number."""
     has_timer: bool = False
     """Whether ``every_ms`` is written, right or wrong."""
     use_note: str = ""
-    """The ``--set`` that swapped it, empty if the graph says so."""
+    """The ``--set`` that swapped it, empty if the graph itself uses it."""
     wire_notes: dict[str, str] = field(default_factory=dict)
     """How swaps came to wires, by input port."""
     unwired: set[str] = field(default_factory=set)
     """Inputs that are known to be open, which has been said."""
     unclear: bool = False
-    """Whether something is wrong with ``in`` or ``with`` as a whole, so that what seems missing may stand there."""
+    """Whether something is wrong with ``in`` or ``with`` as a whole, so that what seems missing may be in it."""
 
 
 @dataclass
 class Spec:
-    """What is written in a graph."""
+    """A graph as it is written."""
 
     about: str = ""
     run: dict[str, Entry] = field(default_factory=dict)
     stages: dict[str, StageSpec] = field(default_factory=dict)
     stages_place: Place | None = None
     channels: dict[str, Entry] = field(default_factory=dict)
-    """By reference; the value is a text, the channel's name."""
+    """By reference; the value is a string, the channel's name."""
     deploy: dict[str, Entry] = field(default_factory=dict)
     inputs: dict[str, InputSpec] = field(default_factory=dict)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
@@ -63,7 +63,7 @@ class Spec:
 
 
 def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
-    """Return the words of a graph and everything that is wrong with their shape."""
+    """Return a graph as it is written, and everything that is wrong with its shape."""
     parser = _Parser()
     return parser.graph(value), parser.problems
 

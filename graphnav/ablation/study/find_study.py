@@ -67,7 +67,7 @@ def classify(name: str | Path) -> Literal["study", "graph"]:
     Raises
     ------
     UserError
-        There is no such file, or it is no YAML.
+        There is no such file, or it is not YAML.
     """
     path = find(name)
     return kind_of(parse_yaml(read(path), shown_path(path))[0])

@@ -1,4 +1,4 @@
-"""What a study's file may say."""
+"""Declared keys of a study's file."""
 
 from __future__ import annotations
 

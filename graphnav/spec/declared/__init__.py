@@ -1,4 +1,4 @@
-"""What a file may say, declared by classes: they read it, check it, and describe it for editors and people."""
+"""Declared files: classes whose fields read, check and describe the keys of YAML files."""
 
 from graphnav.spec.declared.file_format import FileFormat
 from graphnav.spec.declared.json_schema import DIALECT, Schema, object_schema, param_schema

@@ -80,7 +80,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Key:
-    """What the declaration of a key says."""
+    """A declared key."""
 
     name: str
     type: Any

@@ -1,11 +1,11 @@
-"""What a map may say of what stands on the floor."""
+"""Declared keys of a map: walls, obstacles, pillars, corridors."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 from graphnav import Range, Record, key
-from graphnav_world.maps.shape_keys import Bend, Point, Shaped, Size
+from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Bend, Point, Shaped, Size
 
 MAX_PILLARS = 1000
 _TEXTURE = "its texture: one of `textures`, or floor, wall or obstacle"
@@ -26,9 +26,9 @@ class Wall(Record):
       - {along: [[0, 0], [4, 0], [4, 3], [0, 3]], closed: true}    # a room
     """
 
-    along: tuple[Point | Bend, ...] = key(doc="its middle line: points [x, y] and arcs, in order")
-    height_m: Range[float] = key(Range(0.35, 0.35), gt=0.0, doc="above the floor")
-    thickness_m: Range[float] = key(Range(0.1, 0.1), gt=0.0, doc="across the line")
+    along: tuple[Point | Bend, ...] = key(ge=-MAX_M, le=MAX_M, doc="its middle line: points [x, y] and arcs, in order")
+    height_m: Range[float] = key(Range(0.35, 0.35), gt=0.0, le=MAX_M, doc="above the floor")
+    thickness_m: Range[float] = key(Range(0.1, 0.1), gt=0.0, le=MAX_M, doc="across the line")
     closed: bool = key(default=False, doc="whether it returns from the last point to the first")
     texture: str = key("wall", doc=_TEXTURE)
 
@@ -45,10 +45,12 @@ class Moves(Record):
     moves: {through_m: [[2, 2], [2, 3]], speed_mps: [0.1, 0.3], around: true}
     """
 
-    through_m: tuple[Point, ...] = key(min_items=1, doc="the points that its centre moves to, from its own centre")
+    through_m: tuple[Point, ...] = key(
+        min_items=1, ge=-MAX_M, le=MAX_M, doc="the points that its centre moves to, from its own centre"
+    )
     speed_mps: Range[float] = key(ge=0.0, doc="along the way")
     around: bool = key(default=False, doc="whether it goes from the last point on to the first; else back as it came")
-    ahead_m: Range[float] = key(Range(0.0, 0.0), ge=0.0, doc="how far along the way it begins")
+    ahead_m: Range[float] = key(Range(0.0, 0.0), ge=0.0, le=MAX_M, doc="how far along the way it begins")
 
 
 class Obstacle(Shaped):
@@ -63,9 +65,9 @@ class Obstacle(Shaped):
         moves: {through_m: [[2, 2]], speed_mps: 0.2}
     """
 
-    height_m: Range[float] = key(Range(0.5, 0.5), gt=0.0, doc="above the floor")
+    height_m: Range[float] = key(Range(0.5, 0.5), gt=0.0, le=MAX_M, doc="above the floor")
     texture: str = key("obstacle", doc=_TEXTURE)
-    moves: Moves | None = key(None, doc="how it moves; without it stands still")
+    moves: Moves | None = key(None, doc="how it moves; without it, it stands still")
 
 
 class Region(Shaped):
@@ -80,8 +82,8 @@ class Field(Record):
 
     noun = "the field"
 
-    corner_m: Point = key(doc="its corner with the least x and y")
-    size_m: Size = key(gt=0.0, doc="its lengths along x and y")
+    corner_m: Point = key(ge=-MAX_M, le=MAX_M, doc="its corner of minimum x and y")
+    size_m: Size = key(gt=0.0, le=MAX_M, doc="its lengths along x and y")
 
 
 class Pillars(Record):
@@ -91,10 +93,10 @@ class Pillars(Record):
     example = "pillars: {count: [20, 40], radius_m: [0.1, 0.25], gap_m: 0.8, field: {corner_m: [0, 0], size_m: [8, 6]}}"
 
     count: Range[int] = key(ge=1, le=MAX_PILLARS, doc="how many")
-    radius_m: Range[float] = key(gt=0.0, doc="of each; a range is drawn for each")
-    gap_m: Range[float] = key(ge=0.0, doc="the least distance between the rims of two")
+    radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of each; a range is drawn for each")
+    gap_m: Range[float] = key(ge=0.0, le=MAX_M, doc="the minimum distance between the rims of two")
     field: Field = key(doc="where they are")
-    height_m: Range[float] = key(Range(0.5, 0.5), gt=0.0, doc="above the floor")
+    height_m: Range[float] = key(Range(0.5, 0.5), gt=0.0, le=MAX_M, doc="above the floor")
     texture: str = key("obstacle", doc=_TEXTURE)
 
 
@@ -111,13 +113,15 @@ class CorridorKeys(Record):
     """
 
     turn: Literal["left", "right"] = key(doc="the side to which it bends: left is counterclockwise")
-    radius_m: Range[float] = key(gt=0.0, doc="of the bend's middle line")
-    half_width_m: Range[float] = key(gt=0.0, doc="from the middle line to either wall")
-    bend_deg: Range[float] = key(gt=0.0, doc="how far it bends")
-    run_in_m: Range[float] = key(gt=0.0, doc="the straight part before the bend")
-    run_out_m: Range[float] = key(gt=0.0, doc="the straight part between the bend and the goal, which is 0.5 m deep")
-    start_offset_m: Range[float] = key(doc="of the robot from the middle line, to the left")
-    start_heading_deg: Range[float] = key(doc="of the robot, from x counterclockwise")
-    height_m: Range[float] = key(Range(0.35, 0.35), gt=0.0, doc="of the walls above the floor")
-    thickness_m: Range[float] = key(Range(0.1, 0.1), gt=0.0, doc="of the walls")
+    radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of the bend's middle line")
+    half_width_m: Range[float] = key(gt=0.0, le=MAX_M, doc="from the middle line to either wall")
+    bend_deg: Range[float] = key(gt=0.0, le=MAX_DEG, doc="how far it bends")
+    run_in_m: Range[float] = key(gt=0.0, le=MAX_M, doc="the straight part before the bend")
+    run_out_m: Range[float] = key(
+        gt=0.0, le=MAX_M, doc="the straight part between the bend and the goal, which is 0.5 m deep"
+    )
+    start_offset_m: Range[float] = key(ge=-MAX_M, le=MAX_M, doc="of the robot from the middle line, to the left")
+    start_heading_deg: Range[float] = key(ge=-MAX_DEG, le=MAX_DEG, doc="of the robot, from x counterclockwise")
+    height_m: Range[float] = key(Range(0.35, 0.35), gt=0.0, le=MAX_M, doc="of the walls above the floor")
+    thickness_m: Range[float] = key(Range(0.1, 0.1), gt=0.0, le=MAX_M, doc="of the walls")
     texture: str = key("wall", doc="of the walls: one of `textures`, or floor, wall or obstacle")

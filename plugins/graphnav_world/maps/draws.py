@@ -1,4 +1,4 @@
-"""What one seed draws of a map, and what is wrong with it."""
+"""Draw the numbers of a map from a seed."""
 
 from __future__ import annotations
 

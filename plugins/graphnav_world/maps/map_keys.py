@@ -1,4 +1,4 @@
-"""What a map may say."""
+"""Declared keys of a map."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from graphnav import Range, Record, key
 from graphnav_world.maps.body_keys import CorridorKeys, Obstacle, Pillars, Region, Wall
-from graphnav_world.maps.shape_keys import Point
+from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Point
 
 
 class TextureKeys(Record):
@@ -46,8 +46,10 @@ class Start(Record):
     noun = "the start"
     example = "start: {at_m: [0, [-0.5, 0.5]], heading_deg: 90}"
 
-    at_m: Point = key(doc="its centre")
-    heading_deg: Range[float] = key(Range(0.0, 0.0), doc="the way that it looks: 0 is along x, 90 along y")
+    at_m: Point = key(ge=-MAX_M, le=MAX_M, doc="its centre")
+    heading_deg: Range[float] = key(
+        Range(0.0, 0.0), ge=-MAX_DEG, le=MAX_DEG, doc="the way that it looks: 0 is along x, 90 along y"
+    )
 
 
 class PassageKeys(Record):
@@ -60,7 +62,9 @@ class PassageKeys(Record):
     noun = "a passage"
     example = "passage: {margin_m: 0.1, straight_blocked: true}"
 
-    margin_m: Range[float] = key(Range(0.0, 0.0), ge=0.0, doc="how much the path is wider than the robot, on each side")
+    margin_m: Range[float] = key(
+        Range(0.0, 0.0), ge=0.0, le=MAX_M, doc="how much the path is wider than the robot, on each side"
+    )
     straight_blocked: bool = key(default=False, doc="whether something has to stand in the straight way to the goal")
 
 

@@ -1,10 +1,14 @@
-"""What a map may say of an outline on the floor."""
+"""Declared keys of a map: shapes on the floor."""
 
 from __future__ import annotations
 
 from typing import ClassVar, NamedTuple
 
 from graphnav import Range, Record, key
+
+MAX_M = 1000.0
+"""Bound of lengths and coordinates; a map is much smaller."""
+MAX_DEG = 3600.0
 
 
 class Point(NamedTuple):
@@ -20,8 +24,8 @@ class Circle(Record):
     noun = "a circle"
     example = "circle: {center_m: [1, 0.5], radius_m: [0.15, 0.25]}"
 
-    center_m: Point = key(doc="its centre")
-    radius_m: Range[float] = key(gt=0.0, doc="from the centre to the corners")
+    center_m: Point = key(ge=-MAX_M, le=MAX_M, doc="its centre")
+    radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="from the centre to the corners")
 
 
 class Size(NamedTuple):
@@ -37,9 +41,11 @@ class Box(Record):
     noun = "a box"
     example = "box: {center_m: [3, 0], size_m: [0.4, 0.2], turn_deg: 30}"
 
-    center_m: Point = key(doc="its centre")
-    size_m: Size = key(gt=0.0, doc="its lengths along x and y before it is turned")
-    turn_deg: Range[float] = key(Range(0.0, 0.0), doc="turns it about its centre, counterclockwise")
+    center_m: Point = key(ge=-MAX_M, le=MAX_M, doc="its centre")
+    size_m: Size = key(gt=0.0, le=MAX_M, doc="its lengths along x and y before it is turned")
+    turn_deg: Range[float] = key(
+        Range(0.0, 0.0), ge=-MAX_DEG, le=MAX_DEG, doc="turns it about its centre, counterclockwise"
+    )
 
 
 class Polygon(Record):
@@ -48,7 +54,7 @@ class Polygon(Record):
     noun = "a polygon"
     example = "polygon: {points_m: [[4, 0], [5, 0], [5, 1], [4.5, 0.5]]}"
 
-    points_m: tuple[Point, ...] = key(min_items=3, doc="its corners, in order around it")
+    points_m: tuple[Point, ...] = key(min_items=3, ge=-MAX_M, le=MAX_M, doc="its corners, in order around it")
 
 
 class Shaped(Record):
@@ -74,10 +80,14 @@ class ArcKeys(Record):
     noun = "an arc"
     example = "arc: {center_m: [2, 1], radius_m: 1, from_deg: -90, to_deg: 0}"
 
-    center_m: Point = key(doc="the centre of the circle")
-    radius_m: Range[float] = key(gt=0.0, doc="of the circle")
-    from_deg: Range[float] = key(doc="the direction from the centre to where it begins; 0 is along x, 90 along y")
-    to_deg: Range[float] = key(doc="the direction to where it ends: counterclockwise if greater than `from_deg`")
+    center_m: Point = key(ge=-MAX_M, le=MAX_M, doc="the centre of the circle")
+    radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of the circle")
+    from_deg: Range[float] = key(
+        ge=-MAX_DEG, le=MAX_DEG, doc="the direction from the centre to where it begins; 0 is along x, 90 along y"
+    )
+    to_deg: Range[float] = key(
+        ge=-MAX_DEG, le=MAX_DEG, doc="the direction to where it ends: counterclockwise if greater than `from_deg`"
+    )
 
 
 class Bend(Record):
