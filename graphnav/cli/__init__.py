@@ -21,7 +21,7 @@ COMMANDS = {
     "draw": "draw a graph: boxes in the terminal, svg, mermaid or dot",
     "stages": "list what can be plugged in, or tell all about one stage",
     "new-stage": "write a working one-file plugin and its test",
-    "schema": "print the JSON Schema of graphs, for completion in editors",
+    "schema": "print the JSON Schema of graphs, studies or maps, for completion in editors",
     "teach": "run an obstacle-free graph and save the planar model that it learns",
     "replay": "step the stages of a recorded run again, with swaps, and compare with what was recorded",
     "figure": "draw the pictures of a recorded run again, of any time, as a contact sheet",

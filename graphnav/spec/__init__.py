@@ -12,6 +12,7 @@ from graphnav.spec.declared import (
     param_schema,
     plugin_formats,
     read_record,
+    record_object,
 )
 from graphnav.spec.file_bytes import read_bytes
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, QueueSpec, parse_times
@@ -51,5 +52,6 @@ __all__ = [
     "plugin_formats",
     "read_bytes",
     "read_record",
+    "record_object",
     "write_value",
 ]

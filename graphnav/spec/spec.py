@@ -5,18 +5,29 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from graphnav.errors import Place, Problem
+from graphnav.spec.declared.read_record import read_record
+from graphnav.spec.declared.record import Record, key
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, OutsideWords, QueueSpec
 from graphnav.spec.value import Entry, Value
 
 GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "deploy", "inputs", "outputs", "queues")
 STAGE_KEYS = ("use", "with", "in", *TIME_KEYS)
-DEPLOY_KEYS = ("stages", "host", "restart")
-RESTARTS = ("never", "on_failure", "always")
 STAGE_NAME = re.compile(r"[a-z][a-z0-9_]*")
 RESERVED_STAGES = ("run",)
 """No stage is called so: ``--set run.seed=1`` means the option."""
+
+
+class ProcessKeys(Record):
+    """One process of ``deploy``."""
+
+    noun = "a process"
+
+    stages: tuple[str, ...] = key(doc="the names of its stages", hint="write stages: [name, ...]")
+    host: str = key("", doc="where it runs; without it, on this machine")
+    restart: Literal["never", "on_failure", "always"] = key("never", doc="when it is started again")
 
 
 @dataclass
@@ -88,8 +99,8 @@ class _Parser(OutsideWords):
         for ref, entry in spec.channels.items():
             self._text(entry.value, f"the channel name of '{ref}'")
         spec.deploy = self._section(words, "deploy")
-        for name, entry in spec.deploy.items():
-            self._process(name, entry)
+        for entry in spec.deploy.values():
+            self.problems += read_record(ProcessKeys, entry.value)[1]
         spec.inputs, spec.outputs, spec.queues = self._inputs(words), self._outputs(words), self._queues(words)
         return spec
 
@@ -140,23 +151,3 @@ class _Parser(OutsideWords):
             unclear=unclear
             or any(not isinstance(words[word].value.data, dict | None) for word in ("with", "in") if word in words),
         )
-
-    def _process(self, name: str, entry: Entry) -> None:
-        who = f"process '{name}' of 'deploy'"
-        words = self._mapping(entry.value, who)
-        if not isinstance(entry.value.data, dict | None):
-            return
-        self._known(words, DEPLOY_KEYS, who)
-        stages = words["stages"].value if "stages" in words else None
-        if stages is None or not isinstance(stages.data, list) or not all(isinstance(s.data, str) for s in stages.data):
-            place = stages.place if stages else entry.place
-            self._problem(place, f"{who} does not list its stages", "write stages: [name, ...]")
-        if "host" in words:
-            self._text(words["host"].value, f"'host' of {who}")
-        if "restart" in words and words["restart"].value.data not in RESTARTS:
-            value = words["restart"].value
-            self._problem(value.place, f"'restart' of {who} must be {_any_of(RESTARTS)}, not {value.kind}")
-
-
-def _any_of(words: tuple[str, ...]) -> str:
-    return f"{', '.join(words[:-1])} or {words[-1]}"

@@ -6,9 +6,9 @@ from graphnav.catalog import Catalog
 from graphnav.graph.schema.outside_schema import inputs_schema, outputs_schema, queues_schema
 from graphnav.graph.schema.schema_parts import CHANNEL, PORT
 from graphnav.graph.schema.schema_variants import by_keys, stage_variants
-from graphnav.spec import DIALECT, RunOptions, Schema, object_schema, param_schema
+from graphnav.spec import DIALECT, RunOptions, Schema, object_schema, param_schema, record_object
 from graphnav.spec.outside import MAX_EVERY_MS, MIN_EVERY_MS
-from graphnav.spec.spec import RESERVED_STAGES, RESTARTS, STAGE_NAME
+from graphnav.spec.spec import RESERVED_STAGES, STAGE_NAME, ProcessKeys
 from graphnav.stage import Stage, params_of, ports_of, summary_of
 
 _REF = rf"^{STAGE_NAME.pattern}(\.{STAGE_NAME.pattern})?$"
@@ -115,18 +115,10 @@ def _use(cls: type[Stage]) -> Schema:
 
 
 def _deploy() -> Schema:
-    process = object_schema(
-        {
-            "stages": {"type": "array", "items": {"type": "string"}},
-            "host": {"type": "string"},
-            "restart": {"enum": list(RESTARTS)},
-        },
-        required=["stages"],
-    )
     return {
         "type": ["object", "null"],
         "description": "which stages would run in which process and where; lockstep does not use it",
-        "additionalProperties": process,
+        "additionalProperties": record_object(ProcessKeys, {}),
     }
 
 

@@ -1,7 +1,7 @@
 """Declared files: classes whose fields read, check and describe the keys of YAML files."""
 
 from graphnav.spec.declared.file_format import FileFormat
-from graphnav.spec.declared.json_schema import DIALECT, Schema, object_schema, param_schema
+from graphnav.spec.declared.json_schema import DIALECT, Schema, object_schema, param_schema, record_object
 from graphnav.spec.declared.plugin_formats import plugin_formats
 from graphnav.spec.declared.read_record import read_record
 from graphnav.spec.declared.record import Range, Record, key, keys_of
@@ -18,4 +18,5 @@ __all__ = [
     "param_schema",
     "plugin_formats",
     "read_record",
+    "record_object",
 ]

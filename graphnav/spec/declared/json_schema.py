@@ -38,19 +38,23 @@ def object_schema(properties: Schema, required: Iterable[str] = ()) -> Schema:
     return {**schema, "required": [*required]} if required else schema
 
 
+def record_object(cls: type[Record], found: dict[str, Schema]) -> Schema:
+    """Return the schema of a record by itself; those of the records in it are added to ``found``, by name."""
+    keys = keys_of(cls)
+    words = {name: _key(one, found) for name, one in keys.items()}
+    schema = object_schema(words, [name for name, one in keys.items() if one.required])
+    schema["description"] = " ".join((inspect.getdoc(cls) or "").partition("\n\n")[0].split())
+    if cls.one_of:
+        given = {"not": {"type": "null"}}
+        schema["oneOf"] = [{"required": [name], "properties": {name: given}} for name in cls.one_of]
+    return schema
+
+
 def _reference(cls: type[Record], found: dict[str, Schema]) -> Schema:
     """Return a reference to the schema of a record, which is added to ``found``."""
     if cls.__name__ not in found:
         found[cls.__name__] = {}
-        keys = keys_of(cls)
-        words = {name: _key(one, found) for name, one in keys.items()}
-        schema = object_schema(words, [name for name, one in keys.items() if one.required])
-        schema["description"] = " ".join((inspect.getdoc(cls) or "").partition("\n\n")[0].split())
-        if cls.one_of:
-            schema["oneOf"] = [
-                {"required": [name], "properties": {name: {"not": {"type": "null"}}}} for name in cls.one_of
-            ]
-        found[cls.__name__] = schema
+        found[cls.__name__] = record_object(cls, found)
     return {"$ref": f"#/$defs/{cls.__name__}"}
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError
 from graphnav.spec.declared.file_format import FileFormat
+
+if TYPE_CHECKING:
+    from graphnav.catalog import Catalog
 
 
 def plugin_formats(catalog: Catalog) -> dict[str, FileFormat[Any]]:
