@@ -1,11 +1,10 @@
-"""The pages of maps and studies are fresh; what they show can be read, planned and driven."""
+"""What the pages of maps and studies show can be read, planned and driven."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-import format_pages
 import pytest
 import yaml
 from graphnav_world.maps.map_format import MAP
@@ -18,10 +17,6 @@ from graphnav.catalog import Catalog
 from .conftest import DOCS, blocks, shell
 
 MAPS, STUDIES = DOCS / "reference" / "maps.md", DOCS / "reference" / "studies.md"
-
-
-def test_the_pages_are_fresh() -> None:
-    assert format_pages.stale() == []
 
 
 def test_the_map_of_the_page_is_driven_by_the_command_of_the_page(tmp_path: Path) -> None:
