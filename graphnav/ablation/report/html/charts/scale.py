@@ -18,6 +18,14 @@ _NOISE = 1e-4
 
 
 @dataclass(frozen=True)
+class PlacedTick:
+    """A tick of an axis: its pixel and its number."""
+
+    at: float
+    text: str
+
+
+@dataclass(frozen=True)
 class Scale:
     """A linear or logarithmic axis from ``low`` to ``high``, drawn from ``start`` to ``stop`` in pixels."""
 
@@ -36,8 +44,17 @@ class Scale:
         share = (inside - low) / (high - low)
         return self.start + share * (self.stop - self.start)
 
-    def said(self, tick: float) -> str:
-        """Return the number that stands at a tick; at the lower end of a logarithmic axis, that all below is there."""
+    @property
+    def middle(self) -> float:
+        """The pixel of the middle, where the axis' title is."""
+        return (self.start + self.stop) / 2
+
+    def placed_ticks(self) -> list[PlacedTick]:
+        """Return all ticks."""
+        return [PlacedTick(self.at(tick), self.label(tick)) for tick in self.ticks]
+
+    def label(self, tick: float) -> str:
+        """Return the number of a tick; ``≤`` precedes the lower end of a logarithmic axis, which holds all below."""
         if self.is_log:
             return f"≤{tick:g}" if tick == self.low else f"{tick:g}"
         return number(tick, f".{self.decimals}f")

@@ -148,7 +148,7 @@ def test_few_worlds_are_said_to_be_few(tmp_path: Path) -> None:
 def test_runs_without_scores_have_a_report(tmp_path: Path) -> None:
     plan = plan_of({"ica": "method", "affine": "method"}, figures=())
     records = [record_of(case, seed, "end") for case in plan.cases for seed in plan.seeds]
-    assert "no figure" in page(plan, records, tmp_path).text
+    assert "no metric" in page(plan, records, tmp_path).text
 
 
 def test_a_variant_that_always_fails_is_a_row_with_its_reason(tmp_path: Path) -> None:
