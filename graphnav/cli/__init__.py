@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from graphnav.cli.lasting_output import lasting_output
+from graphnav.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
 from graphnav.machine.single_thread import ONE_THREAD
 
@@ -123,7 +123,7 @@ def _status_of(args: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:
+    except ReaderLeftError:
         return PIPE_CLOSED
     except OSError as error:
         print(
@@ -136,7 +136,7 @@ def _status_of(args: argparse.Namespace) -> int:
 
 def _complete() -> None:
     """Answer the shell that asks what can follow; does not return."""
-    from graphnav.completion import complete, completed_command  # noqa: PLC0415
+    from graphnav.completion import complete, completed_command
 
     chosen = completed_command()
     parser = build_parser(chosen, argparse.ArgumentParser)

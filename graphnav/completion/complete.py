@@ -68,7 +68,7 @@ def complete(parser: argparse.ArgumentParser, name: str | None) -> None:
 
     ``name``: the command on the line, whose options ``parser`` has.
     """
-    import argcomplete  # noqa: PLC0415 - only where the shell asks
+    import argcomplete
 
     for action in _actions(parser, name):
         candidates = _NAMES.get(name or "") if action.metavar == "NAME" else _BY_METAVAR.get(str(action.metavar))
@@ -95,7 +95,7 @@ def _completer(candidates: _Candidates) -> Callable[..., list[str]]:
 
 def _words() -> list[str]:
     """Return the complete words behind the program."""
-    import argcomplete.lexers  # noqa: PLC0415 - only where the shell asks
+    import argcomplete.lexers
 
     line, point = os.environ.get("COMP_LINE", ""), int(os.environ.get("COMP_POINT", "0"))
     before: list[str] = argcomplete.lexers.split_line(line, point)[3]

@@ -28,9 +28,9 @@ def stages_of(names: Iterable[str], index: Index) -> dict[str, str]:
 
 
 def _stages_of_file(name: str) -> dict[str, str]:
-    from graphnav.errors import Place  # noqa: PLC0415
-    from graphnav.graph import find_graph  # noqa: PLC0415
-    from graphnav.graph.read.graph_files import read_bytes, read_files  # noqa: PLC0415
+    from graphnav.errors import Place
+    from graphnav.graph import find_graph
+    from graphnav.graph.read.graph_files import read_bytes, read_files
 
     path = find_graph(name)
     uses: dict[str, str] = {}

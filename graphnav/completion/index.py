@@ -36,10 +36,10 @@ class Index:
 
 def build_index() -> Index:
     """Return the index; it imports every plugin, which takes about a second. What cannot be used is left out."""
-    from graphnav.catalog import Catalog  # noqa: PLC0415
-    from graphnav.graph import shipped_folder  # noqa: PLC0415
-    from graphnav.spec import RunOptions  # noqa: PLC0415
-    from graphnav.stage import params_of  # noqa: PLC0415
+    from graphnav.catalog import Catalog
+    from graphnav.graph import shipped_folder
+    from graphnav.spec import RunOptions
+    from graphnav.stage import params_of
 
     catalog = Catalog()
     index = Index(families=list(catalog.families()))
@@ -56,7 +56,7 @@ def build_index() -> Index:
 
 
 def _add_stages(index: Index, catalog: Catalog, family: str) -> None:
-    from graphnav.stage import params_of, ports_of  # noqa: PLC0415
+    from graphnav.stage import params_of, ports_of
 
     for name in catalog.names(family):
         cls = catalog.stage(f"{family}.{name}")
@@ -66,8 +66,8 @@ def _add_stages(index: Index, catalog: Catalog, family: str) -> None:
 
 
 def _add_graphs(index: Index, catalog: Catalog) -> None:
-    from graphnav.graph import load_graph, shipped_folder, shipped_graphs  # noqa: PLC0415
-    from graphnav.spec import parse_yaml  # noqa: PLC0415
+    from graphnav.graph import load_graph, shipped_folder, shipped_graphs
+    from graphnav.spec import parse_yaml
 
     channels: dict[str, None] = {}
     for name, path in shipped_graphs().items():
@@ -84,7 +84,7 @@ def _add_graphs(index: Index, catalog: Catalog) -> None:
 
 def _add_types(index: Index) -> None:
     """Add the messages of all plugins, and the LCM types."""
-    from graphnav.codec import SHIPPED, lcm_name, message_classes  # noqa: PLC0415
+    from graphnav.codec import SHIPPED, lcm_name, message_classes
 
     messages = list(message_classes())
     names = {message.__name__ for message in messages}

@@ -7,6 +7,6 @@ SHELLS = ("bash", "zsh", "fish")
 
 def shell_script(shell: str, program: str = "graphnav") -> str:
     """Return what one of `SHELLS` has to evaluate so that TAB completes the command line of ``program``."""
-    from argcomplete.shell_integration import shellcode  # noqa: PLC0415 - only where a shell asks
+    from argcomplete.shell_integration import shellcode
 
     return shellcode([program], shell=shell).strip() + "\n"

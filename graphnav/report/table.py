@@ -15,31 +15,42 @@ from graphnav.clock import MAX_LATE_S
 from graphnav.runner.recording.summary import Summary
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
-_MOST_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, for a figure that is cut would be a wrong one."""
+_ENDINGS = {
+    "goal": "goal reached",
+    "contact": "contact with an obstacle",
+    "timeout": "time limit reached",
+    "end": "end of the input reached",
+}
+_MAX_COLS = 1000
+"""Tables are as wide as they need: a narrow terminal wraps them, because a truncated number would be a wrong one."""
 
 
 def print_summary(console: Console, summary: Summary) -> None:
-    """Print how the run ended, what each stage did and what was scored."""
-    console.print(_headline(summary))
+    """Print what each stage did, what was scored, and last how the run ended."""
+    console.print(_amount(summary))
     tables = [_stages(summary), *_outside(summary.live or {})]
     if any(summary.scores.values()):
         tables.append(_scores(summary))
     for table in tables:
-        table.width = Measurement.get(console, console.options.update(width=_MOST_COLS), table).maximum
+        table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
     console.print(Group(*tables), soft_wrap=True)
+    console.print(_ending(summary))
 
 
-def _headline(summary: Summary) -> Text:
+def _amount(summary: Summary) -> Text:
     rate = summary.frames / summary.wall_s if summary.wall_s else 0.0
     counted = "ticks" if summary.live is None else "firings"
-    text = Text(summary.outcome, style=f"bold {_COLOURS.get(summary.outcome, 'default')}")
-    text.append(
-        f" after {summary.sim_s:.1f} s: {summary.frames} {counted}, seed {summary.seed}", style="default not bold"
-    )
-    text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} {counted}/s)", style="default not bold")
+    text = Text(f"{summary.frames} {counted}, seed {summary.seed}")
+    text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} {counted}/s)")
     if summary.behind_s > MAX_LATE_S:
-        text.append(f", {summary.behind_s:.1f} s behind the wall clock", style="yellow not bold")
+        text.append(f", {summary.behind_s:.1f} s behind the wall clock", style="yellow")
+    return text
+
+
+def _ending(summary: Summary) -> Text:
+    outcome = summary.outcome
+    text = Text(_ENDINGS.get(outcome, outcome), style=f"bold {_COLOURS.get(outcome, 'default')}")
+    text.append(f" after {summary.sim_s:.1f} s", style="default not bold")
     return text
 
 
@@ -85,9 +96,9 @@ def _right_table(names: Sequence[str], values: Sequence[str]) -> Table:
 def _scores(summary: Summary) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("score")
-    table.add_column("figure")
+    table.add_column("metric")
     table.add_column("value", justify="right")
-    for stage, figures in summary.scores.items():
-        for place, (figure, value) in enumerate(figures.items()):
-            table.add_row("" if place else stage, figure, f"{value:.4g}")
+    for stage, metrics in summary.scores.items():
+        for place, (metric, value) in enumerate(metrics.items()):
+            table.add_row("" if place else stage, metric, f"{value:.4g}")
     return table

@@ -96,7 +96,7 @@ def wide_scale_of(values: Iterable[float]) -> Scale:
 
 def _even_ticks(low: float, high: float, max_ticks: int) -> tuple[float, ...]:
     """Return round numbers at equal distances from ``low`` or below to ``high`` or above."""
-    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - only a report needs it
+    from matplotlib.ticker import MaxNLocator
 
     locator = MaxNLocator(nbins=max_ticks, steps=_STEPS)
     return tuple(round(float(tick), 12) for tick in locator.tick_values(low, high))
@@ -104,7 +104,7 @@ def _even_ticks(low: float, high: float, max_ticks: int) -> tuple[float, ...]:
 
 def _decade_ticks(low: float, high: float) -> tuple[float, ...]:
     """Return 1, 3, 10, 30 and so on from ``low`` or below to ``high`` or above."""
-    from matplotlib.ticker import LogLocator  # noqa: PLC0415 - only a report needs it
+    from matplotlib.ticker import LogLocator
 
     ticks = [float(f"{tick:.0e}") for tick in LogLocator(subs=(1, 3)).tick_values(low, 10 * high)]
     first = max(place for place, tick in enumerate(ticks) if tick <= low * (1 + _FLAT))
