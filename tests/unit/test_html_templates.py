@@ -49,10 +49,12 @@ def test_no_template_switches_escaping_off(path: Path) -> None:
 
 
 def test_only_the_engine_makes_markup() -> None:
-    makers = set()
-    for path in CORE.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Markup":
-                if not (len(node.args) == 1 and isinstance(node.args[0], ast.Constant)):
-                    makers.add(path.relative_to(CORE).as_posix())
+    makers = {
+        path.relative_to(CORE).as_posix()
+        for path in CORE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        if isinstance(node.func, ast.Name) and node.func.id == "Markup"
+        if not (len(node.args) == 1 and isinstance(node.args[0], ast.Constant))
+    }
     assert makers == {"html_templates.py"}
