@@ -1,4 +1,4 @@
-"""Tab completion: what can follow on a command line."""
+"""Tab completion of the command line."""
 
 from graphnav.completion.complete import complete, completed_command
 from graphnav.completion.shell_script import SHELLS, shell_script

@@ -1,4 +1,4 @@
-"""Answer a shell that asks what can follow."""
+"""Answer a shell that asks for completions."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _NAMES: Mapping[str, _Candidates] = {
     "types": lambda _, __, index: index.types,
     "export": _channels,
 }
-"""What NAME is, by command."""
+"""Candidates of NAME by command."""
 
 
 def completed_command() -> str | None:

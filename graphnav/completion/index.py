@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Index:
-    """What can be completed without knowing the working folder."""
+    """All names that can be completed without knowing the working folder."""
 
     families: list[str] = field(default_factory=list)
     params: dict[str, dict[str, list[str]]] = field(default_factory=dict)
@@ -35,7 +35,7 @@ class Index:
 
 
 def build_index() -> Index:
-    """Return the index; it imports every plugin, which takes about a second. What cannot be used is left out."""
+    """Return the index; it imports every plugin, which takes about a second. Unusable ones are left out."""
     from graphnav.catalog import Catalog
     from graphnav.graph import shipped_folder
     from graphnav.spec import RunOptions

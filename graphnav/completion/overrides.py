@@ -1,4 +1,4 @@
-"""What can follow in ``--set`` and ``--vary``: stages, parameters, values, stage classes."""
+"""Complete ``--set`` and ``--vary``: stages, parameters, values, stage classes."""
 
 from __future__ import annotations
 

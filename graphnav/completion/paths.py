@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 RUN_LOG = "run.lcmlog"
-"""What makes a folder a run folder."""
+"""The file by which a folder is a run folder."""
 _RUNS = "runs"
 _MAX_RUNS = 20
 

@@ -1,4 +1,4 @@
-"""What happened in a run, as a table for the terminal."""
+"""The summary of a run as tables for the terminal."""
 
 from __future__ import annotations
 

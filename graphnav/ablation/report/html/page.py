@@ -39,7 +39,7 @@ def write_report(plan: Plan, comparison: Comparison, records: Sequence[Record], 
 
 
 def page_of(study: StudyResults) -> Markup:
-    """Return the whole page."""
+    """Return the page."""
     sections = [
         _Section("graph", "What was swapped", drawings(study)),
         _Section("tables", "Results", tables(study)),

@@ -14,7 +14,7 @@ from graphnav.ablation.report.html.render import rendered
 
 _HEIGHT = 300.0
 HALF_WIDTH, FULL_WIDTH = 556.0, 1128.0
-"""Widths of charts that stand side by side, and of one that stands alone."""
+"""Widths of charts that share a row, and of one that fills it."""
 _LEFT, _TOP, _BOTTOM, _CHAR = 46.0, 34.0, 46.0, 7.8
 _MAX_NAME = 26
 _LINE = 15.0
@@ -63,7 +63,7 @@ class _Line:
 
 
 def line_chart(title: str, x_label: str, series: Sequence[Series], width: float = HALF_WIDTH) -> Markup:
-    """Return SVG; each line's name stands at its right end."""
+    """Return SVG; each line's name is at its right end."""
     points = [point for one in series for point in one.points]
     names = [one.name if len(one.name) <= _MAX_NAME else one.name[: _MAX_NAME - 1] + "…" for one in series]
     right = width - 14 - max((len(name) for name in names), default=0) * _CHAR

@@ -19,12 +19,12 @@ _TOP, _BOTTOM = 30.0, 26.0
 _ROWS = (26.0, 21.0)
 _MANY_ROWS = 14
 PANELS = 3
-"""How many stand side by side."""
+"""Panels in a row."""
 
 
 @dataclass(frozen=True)
 class Mark:
-    """A mean with its interval; ``look``: classes of the style sheet; ``points``: values that stand behind it."""
+    """A mean with its interval; ``look``: classes of the style sheet; ``points``: the values of which it is the mean."""
 
     mean: float
     low: float
@@ -42,7 +42,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Panel:
-    """One graph's marks, by the chart's row; a text stands where a row has no mark."""
+    """One graph's marks, by the chart's row; a string replaces a missing mark."""
 
     title: str
     marks: Mapping[str, Mark | str]

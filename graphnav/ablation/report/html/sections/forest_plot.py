@@ -90,7 +90,7 @@ def missing_reason(row: Row) -> str:
     failed = row.outcomes.get("failed", 0)
     if failed and failed == row.runs:
         return f"failed in all of {row.runs} worlds"
-    return "not said by any run" if row.runs else "no run yet"
+    return "not measured in any run" if row.runs else "no run yet"
 
 
 def chart_key(*, with_worlds: bool = False) -> Markup:

@@ -43,7 +43,7 @@ class _Clause:
 
 @dataclass(frozen=True)
 class _Rival:
-    """What one rival does, and how that differs from the base; ``missing``: why that is not known."""
+    """The value of one rival and its difference from the base; ``missing``: why that is not known."""
 
     variant: str
     where: str
@@ -118,10 +118,10 @@ def _everywhere(study: StudyResults, metric: str) -> str:
     found = {graph: of for graph in graphs if (of := study.estimate(graph, base, metric)) is not None}
     if len(found) > _MAX_NAMES:
         return f"{means_text([of.mean for of in found.values()])} on {len(found)} {_places(study)}"
-    said = [
+    values = [
         estimated(of.mean, of.low, of.high) + (f" on {graph}" if len(graphs) > 1 else "") for graph, of in found.items()
     ]
-    return ", ".join(said) or "in no run yet"
+    return ", ".join(values) or "in no run yet"
 
 
 def _places(study: StudyResults) -> str:

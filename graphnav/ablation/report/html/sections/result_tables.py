@@ -15,7 +15,7 @@ from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results import Row
 
 _MAX_OPEN = 40
-"""Rows of a table that stands open."""
+"""Longer tables are folded."""
 
 
 @dataclass(frozen=True)
