@@ -24,7 +24,7 @@ PANELS = 3
 
 @dataclass(frozen=True)
 class Mark:
-    """A mean with its interval; ``look``: classes of the style sheet; ``points``: the values of which it is the mean."""
+    """A mean with its interval; ``look``: classes of the style sheet; ``points``: the values that it averages."""
 
     mean: float
     low: float
