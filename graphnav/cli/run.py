@@ -16,6 +16,7 @@ from graphnav.errors import DrawingError, GraphnavError
 from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
+    from graphnav.catalog import Catalog
     from graphnav.graph import Graph
     from graphnav.runner.recording.run_recorded import LiveSink
     from graphnav.runner.recording.summary import Summary
@@ -65,13 +66,9 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.api.execute import runs_live
     from graphnav.api.open_tap import open_tap
     from graphnav.lcm_url import tap_url
-    from graphnav.record import LOG
     from graphnav.report.folder import make_run_folder, removed_if_empty
-    from graphnav.report.pictures import draw_pictures
     from graphnav.report.table import print_summary
-    from graphnav.runner.recording.log_forecast import size_text
-    from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id
-    from graphnav.runner.recording.saved_graph import GRAPH
+    from graphnav.runner.recording.run_recorded import new_run_id
 
     catalog, graph = load(args)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
@@ -79,10 +76,8 @@ def main(args: argparse.Namespace) -> int:
     stages = graph.make_stages()
     folder = make_run_folder(args.folder, graph.path.stem)
     console = Console(stderr=args.json, highlight=False, soft_wrap=True)
-    for notice in graph.notices:
+    for notice in (*graph.notices, *([live_notice] if is_live else [])):
         console.print(notice, markup=False)
-    if is_live:
-        console.print(live_notice, markup=False)
     run_id = new_run_id()
     with removed_if_empty(folder):
         tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
@@ -95,23 +90,34 @@ def main(args: argparse.Namespace) -> int:
         print_summary(console, summary)
     if summary.failure:
         print(summary.failure, file=sys.stderr)
-    files = [LOG, GRAPH, SUMMARY]
+    files = _draw(args, catalog, summary, folder)
+    console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
+    return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
+
+
+def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path) -> list[str]:
+    """Draw the pictures of a run; return the files of its folder as they are listed, the log with its size."""
+    from graphnav.record import LOG
+    from graphnav.report.pictures import draw_pictures
+    from graphnav.runner.recording.log_forecast import size_text
+    from graphnav.runner.recording.run_recorded import SUMMARY
+    from graphnav.runner.recording.saved_graph import GRAPH
+
+    files, pictures = [LOG, GRAPH, SUMMARY], list[str]()
     if summary.outcome == "stopped":
         print(f"no pictures were drawn; for them run: graphnav figure {folder}", file=sys.stderr)
     elif not args.no_pictures and summary.frames:
         try:
-            files += [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
+            pictures = [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
         except DrawingError as error:
             print(f"not drawn: {error}", file=sys.stderr)
             if args.verbose:
                 traceback.print_exception(error.__cause__)
-            files = [*files, *sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)]
+            pictures = sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)
         except KeyboardInterrupt:
             print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
             raise
-    files[0] = f"{LOG} ({size_text((folder / LOG).stat().st_size)})"
-    console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
-    return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
+    return [f"{LOG} ({size_text((folder / LOG).stat().st_size)})", GRAPH, SUMMARY, *pictures]
 
 
 def _listing(folder: Path, files: list[str], width: int | None) -> str:

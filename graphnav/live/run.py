@@ -28,8 +28,9 @@ from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.lockstep import Outcome
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.owned_stages import Sink
+from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import ChannelsExcept, ChannelsOnly, SmallOnly
-from graphnav.runner.recording.run_recorded import LiveSink, note_failure, write_summary
+from graphnav.runner.recording.run_recorded import LiveSink, write_summary
 from graphnav.runner.recording.saved_graph import save_graph
 from graphnav.runner.recording.summary import Summary, figures_of, scores_of, versions
 from graphnav.stage import Stage
@@ -61,74 +62,105 @@ def run_live(
     UserError
         The folder cannot be written at all, or a log that is to be played does not hold what the graph says.
     """
-    failures: list[str] = []
-    outcome: str = Outcome.FAILED
-    scores: dict[str, dict[str, float]] = {}
-    url = live_url(graph, url)
+    run = _LiveRun(graph, folder, live_url(graph, url), Failures(on_failure), tap)
     with ExitStack() as cleanup, Interrupt() as interrupt:
-        save_graph(graph, folder)
-        wake, clock = threading.Event(), LiveClock()
-        intakes = [Intake(source, clock, needs_all=_needs_all(graph, ref)) for ref, source in graph.inputs.items()]
-        playback = Playback([(one.source, one.mailbox) for one in intakes if one.source.log is not None], wake.set)
-        cleanup.callback(playback.close)
-        writer = ThreadedLogWriter(folder / LOG, notice=notice)
-        cleanup.callback(writer.close)
-        runner = LiveRunner(graph, stages, clock, intakes, wake)
-        cleanup.callback(note_failure, failures, on_failure, runner.close)
-        runner.log_to([_kept(graph, writer, keep), *_watched(graph, tap, url)], writer if keep is None else None)
-        if tap is not None:
-            cleanup.callback(tap.close)
-        observer = Observer(runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
-        try:
-            writer.write(ABOUT, clock.now(), encode(live_about(graph, by_outside_names=False), clock.now(), 0))
-            runner.reset(graph.run.seed)
-            link = opened(graph, runner, url, wake, observer)
-            with link as motors, closing(Watchdog(runner, observer.tell)):
-                playback.start()
-
-                def keep_going() -> bool:
-                    if observer.look():
-                        on_time(clock.run_s())
-                    _check_helpers(graph, url, motors, playback)
-                    return not (interrupt.asked or should_stop())
-
-                try:
-                    outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
-                finally:
-                    interrupt.settle()
-                    observer.finish()
-        except KeyboardInterrupt:
-            outcome = Outcome.STOPPED
-            observer.tell_broken_off()
-        except GraphnavError as error:
-            failures.append(str(error))
-            on_failure(error)
-        try:
-            scores = scores_of(runner.units) if runner.is_ready else {}
-        except GraphnavError as error:
-            failures.append(str(error))
-            on_failure(error)
-    status = observer.status
-    summary = Summary(
-        outcome=str(Outcome.FAILED if failures else outcome),
-        failure="\n".join(failures),
-        graph=graph.path.stem,
-        seed=graph.run.seed,
-        until_s=graph.run.until_s,
-        frames=runner.firings,
-        sim_s=status.run_s,
-        wall_s=round(status.wall_s, 4),
-        stages=figures_of(runner.units),
-        scores=scores,
-        notices=[*graph.notices, *observer.told],
-        tap_dropped=status.tap_dropped,
-        run_id=run_id,
-        versions=versions(),
-        behind_s=status.behind_s,
-        live=_live_part(status, writer, url),
-    )
+        run.begin(stages, keep, run_id, notice, cleanup)
+        run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
+    summary = run.summary(run_id)
     write_summary(summary, folder)
     return summary
+
+
+class _LiveRun:
+    """A run in progress, from the first event of its log to its summary."""
+
+    def __init__(self, graph: Graph, folder: Path, url: str, failures: Failures, tap: LiveSink | None) -> None:
+        self._graph, self._folder, self._url, self._failures, self._tap = graph, folder, url, failures, tap
+        self._wake = threading.Event()
+        self._outcome: str = Outcome.FAILED
+        self._scores: dict[str, dict[str, float]] = {}
+
+    def begin(
+        self,
+        stages: dict[str, Stage],
+        keep: Collection[str] | None,
+        run_id: str,
+        notice: Callable[[str], None],
+        cleanup: ExitStack,
+    ) -> None:
+        """Open the logs that are written and played and wire the stages; ``cleanup`` gets what closes all that."""
+        graph, tap = self._graph, self._tap
+        save_graph(graph, self._folder)
+        self._clock = LiveClock()
+        intakes = [Intake(one, self._clock, needs_all=_needs_all(graph, ref)) for ref, one in graph.inputs.items()]
+        played = [(one.source, one.mailbox) for one in intakes if one.source.log is not None]
+        self._playback = Playback(played, self._wake.set)
+        cleanup.callback(self._playback.close)
+        self._writer = writer = ThreadedLogWriter(self._folder / LOG, notice=notice)
+        cleanup.callback(writer.close)
+        self._runner = LiveRunner(graph, stages, self._clock, intakes, self._wake)
+        cleanup.callback(self._failures.close, self._runner.close)
+        sinks = [_kept(graph, writer, keep), *_watched(graph, tap, self._url)]
+        self._runner.log_to(sinks, writer if keep is None else None)
+        if tap is not None:
+            cleanup.callback(tap.close)
+        self._observer = Observer(self._runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
+
+    def perform(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
+        """Run the stages to the end and read their scores."""
+        now = self._clock.now
+        try:
+            with self._failures.noted():
+                about = live_about(self._graph, by_outside_names=False)
+                self._writer.write(ABOUT, now(), encode(about, now(), 0))
+                self._runner.reset(self._graph.run.seed)
+                self._fire(on_time, interrupt, should_stop)
+        except KeyboardInterrupt:
+            self._outcome = Outcome.STOPPED
+            self._observer.tell_broken_off()
+        with self._failures.noted():
+            self._scores = scores_of(self._runner.units) if self._runner.is_ready else {}
+
+    def _fire(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
+        """Open what comes in and leaves, and fire the stages until the run ends."""
+        graph, runner, observer, playback = self._graph, self._runner, self._observer, self._playback
+        link = opened(graph, runner, self._url, self._wake, observer)
+        with link as motors, closing(Watchdog(runner, observer.tell)):
+            playback.start()
+
+            def keep_going() -> bool:
+                if observer.look():
+                    on_time(self._clock.run_s())
+                _check_helpers(graph, self._url, motors, playback)
+                return not should_stop()
+
+            try:
+                self._outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
+            finally:
+                interrupt.settle()
+                observer.finish()
+
+    def summary(self, run_id: str) -> Summary:
+        """Return the summary of a run that has ended."""
+        status = self._observer.status
+        return Summary(
+            outcome=str(Outcome.FAILED if self._failures else self._outcome),
+            failure=str(self._failures),
+            graph=self._graph.path.stem,
+            seed=self._graph.run.seed,
+            until_s=self._graph.run.until_s,
+            frames=self._runner.firings,
+            sim_s=status.run_s,
+            wall_s=round(status.wall_s, 4),
+            stages=figures_of(self._runner.units),
+            scores=self._scores,
+            notices=[*self._graph.notices, *self._observer.told],
+            tap_dropped=status.tap_dropped,
+            run_id=run_id,
+            versions=versions(),
+            behind_s=status.behind_s,
+            live=_live_part(status, self._writer, self._url),
+        )
 
 
 def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:

@@ -86,62 +86,98 @@ def replay(
         ``out`` cannot be written.
     """
     wall_begin_s = time.monotonic()
-    plan = make_plan(made.graph, options.play)
-    contents = read_contents(recording, made.graph, made.about, is_live=made.is_live)
-    begin_us = recording.begin_us if made.is_live else 0
-    end_us = max((message.at_us for message in contents.order), default=begin_us)
-    from_us = begin_us + round(options.from_s * 1e6)
-    if not contents.order:
-        what = f"{recording.path} holds no messages of its graph"
-        raise UserError.of(what, "name the graph that made it with --graph FILE, or another log")
-    if from_us > end_us:
-        what = f"{recording.path} ends at {(end_us - begin_us) / 1e6:.2f} s"
-        raise UserError.of(what, f"--from {options.from_s:g} is behind that")
-    make_session = live_session if made.is_live else lockstep_session
-    session = make_session(recording, made, plan, contents, from_us if options.is_cold else begin_us)
-    stages = plan.stepped.make_stages()
-    recorded = made.about.channels if made.about is not None else None
-    scope = Scope(begin_us, from_us, session.last_us, options.tolerance, made.is_small, recorded)
-    new = [channel for channel in plan.compared if recorded is not None and channel.name not in recorded]
-    compared = [channel for channel in plan.compared if channel not in new]
-    comparison, counts = Comparison(recording, compared, contents, scope), MessageCounts()
-    lost, failure, done_us = [*contents.lost, *session.lost], "", begin_us
+    work = _Replay(recording, made, options)
     with ExitStack() as cleanup:
-        log = None if out is None else cleanup.enter_context(_log_writer(out, made, begin_us))
-        replayer: Replayer = session.make(stages, [comparison, counts], log)
-        comparison.now_us = lambda: replayer.utime
-        try:
-            cleanup.callback(replayer.close)
-            replayer.reset(made.graph.run.seed)
-            for done in replayer.replay():
-                done_us = done
-                on_tick(done_us - begin_us)
-        except DecodeError:
-            lost.append(f"replayed up to {(done_us - begin_us) / 1e6:.2f} s: the next message is damaged")
-        except StageError as error:
-            failure = str(error)
-            on_failure(error)
+        log = None if out is None else cleanup.enter_context(_log_writer(out, made, work.begin_us))
+        replayer = work.begin(log)
+        cleanup.callback(replayer.close)
+        work.step(replayer, on_tick, on_failure)
         scores = _scores(replayer, on_failure)
-    stepped = {channel.name for channel in plan.compared}
-    played = tuple(channel.name for channel in plan.played if contents.messages[channel.name])
-    return ReplayResult(
-        log=str(recording.path),
-        from_s=options.from_s,
-        until_s=(done_us - begin_us) / 1e6,
-        n_ticks=replayer.ticks,
-        is_live=made.is_live,
-        wall_s=time.monotonic() - wall_begin_s,
-        stepped=tuple(node.name for node in plan.stepped.order),
-        played=played,
-        not_needed=plan.not_needed,
-        channels=comparison.results(done_us if replayer.ticks else begin_us - 1),
-        new={channel.name: counts.of(channel.name) for channel in new},
-        not_replayed=tuple(_not_replayed(recording, made, (stepped | set(played)) - contents.other_types)),
-        lost=tuple(lost),
-        failure=failure,
-        scores=scores,
-        recorded_scores=recorded_scores(recording.path),
-    )
+    return work.result(replayer, scores, time.monotonic() - wall_begin_s)
+
+
+class _Replay:
+    """A replay in progress, from what the log holds to how the replayed messages differ."""
+
+    def __init__(self, recording: Recording, made: LogGraph, options: ReplayOptions) -> None:
+        self._recording, self._made, self._options = recording, made, options
+        self._plan = make_plan(made.graph, options.play)
+        self._contents = read_contents(recording, made.graph, made.about, is_live=made.is_live)
+        self.begin_us = recording.begin_us if made.is_live else 0
+        self._from_us = self.begin_us + round(options.from_s * 1e6)
+        self._done_us, self._failure = self.begin_us, ""
+        self._check_reach()
+        make_session = live_session if made.is_live else lockstep_session
+        start_us = self._from_us if options.is_cold else self.begin_us
+        self._session = make_session(recording, made, self._plan, self._contents, start_us)
+        self._lost = [*self._contents.lost, *self._session.lost]
+        self._stages = self._plan.stepped.make_stages()
+
+    def _check_reach(self) -> None:
+        """Raise UserError where nothing is left to compare."""
+        path = self._recording.path
+        if not self._contents.order:
+            hint = "name the graph that made it with --graph FILE, or another log"
+            raise UserError.of(f"{path} holds no messages of its graph", hint)
+        end_us = max(message.at_us for message in self._contents.order)
+        if self._from_us > end_us:
+            what = f"{path} ends at {(end_us - self.begin_us) / 1e6:.2f} s"
+            raise UserError.of(what, f"--from {self._options.from_s:g} is behind that")
+
+    def begin(self, log: LogWriter | None) -> Replayer:
+        """Wire the stages to what compares their messages; return what steps them."""
+        made, compared = self._made, self._plan.compared
+        recorded = made.about.channels if made.about is not None else None
+        last_us, tolerance = self._session.last_us, self._options.tolerance
+        scope = Scope(self.begin_us, self._from_us, last_us, tolerance, made.is_small, recorded)
+        self._new = [channel for channel in compared if recorded is not None and channel.name not in recorded]
+        known = [channel for channel in compared if channel not in self._new]
+        self._comparison = Comparison(self._recording, known, self._contents, scope)
+        self._counts = MessageCounts()
+        replayer: Replayer = self._session.make(self._stages, [self._comparison, self._counts], log)
+        self._comparison.now_us = lambda: replayer.utime
+        return replayer
+
+    def step(
+        self, replayer: Replayer, on_tick: Callable[[int], None], on_failure: Callable[[GraphnavError], None]
+    ) -> None:
+        """Go through the log, until it ends, is damaged, or a stage fails."""
+        try:
+            replayer.reset(self._made.graph.run.seed)
+            for done_us in replayer.replay():
+                self._done_us = done_us
+                on_tick(done_us - self.begin_us)
+        except DecodeError:
+            done_s = (self._done_us - self.begin_us) / 1e6
+            self._lost.append(f"replayed up to {done_s:.2f} s: the next message is damaged")
+        except StageError as error:
+            self._failure = str(error)
+            on_failure(error)
+
+    def result(self, replayer: Replayer, scores: dict[str, dict[str, float]], wall_s: float) -> ReplayResult:
+        """Return how what was replayed differs from the log."""
+        plan, contents, path = self._plan, self._contents, self._recording.path
+        stepped = {channel.name for channel in plan.compared}
+        played = tuple(channel.name for channel in plan.played if contents.messages[channel.name])
+        replayed = (stepped | set(played)) - contents.other_types
+        return ReplayResult(
+            log=str(path),
+            from_s=self._options.from_s,
+            until_s=(self._done_us - self.begin_us) / 1e6,
+            n_ticks=replayer.ticks,
+            is_live=self._made.is_live,
+            wall_s=wall_s,
+            stepped=tuple(node.name for node in plan.stepped.order),
+            played=played,
+            not_needed=plan.not_needed,
+            channels=self._comparison.results(self._done_us if replayer.ticks else self.begin_us - 1),
+            new={channel.name: self._counts.of(channel.name) for channel in self._new},
+            not_replayed=tuple(_not_replayed(self._recording, self._made, replayed)),
+            lost=tuple(self._lost),
+            failure=self._failure,
+            scores=scores,
+            recorded_scores=recorded_scores(path),
+        )
 
 
 def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> dict[str, dict[str, float]]:

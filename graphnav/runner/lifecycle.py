@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from graphnav.errors import StageError
+from graphnav.errors import StageError, message_line, one_line
 from graphnav.runner.seeds import seed_of
 from graphnav.runner.unit import Unit
 
@@ -21,7 +21,7 @@ def reset_stages(units: Mapping[str, Unit], seed: int) -> None:
         try:
             unit.stage.reset(seed_of(seed, name))
         except (Exception, SystemExit) as error:
-            what = f"{type(error).__name__}: {error}" if not str(error) else " ".join(str(error).split())
+            what = message_line(error) or one_line(error)
             raise StageError(name, unit.node.use, 0.0, what) from error
 
 

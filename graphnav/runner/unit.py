@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from graphnav.errors import StageError
+from graphnav.errors import StageError, message_line, one_line
 from graphnav.graph import Channel, Node
 from graphnav.messages import Message
 from graphnav.runner.durations import Durations
@@ -108,7 +108,5 @@ class Unit:
 
 def _said(error: BaseException) -> str:
     """Return an exception in one line."""
-    text = " ".join(str(error).split())
-    if isinstance(error, ValueError | RuntimeError) and text:
-        return text
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+    is_telling = isinstance(error, ValueError | RuntimeError)
+    return (message_line(error) if is_telling else "") or one_line(error)

@@ -20,6 +20,7 @@ from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.lockstep import Outcome, Runner
 from graphnav.runner.lockstep_status import LockstepStatus
 from graphnav.runner.owned_stages import Sink
+from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import ChannelsOnly, SmallOnly
 from graphnav.runner.recording.log_forecast import LogForecast
 from graphnav.runner.recording.saved_graph import save_graph
@@ -87,25 +88,50 @@ def run_recorded(
     UserError
         The folder cannot be written at all.
     """
-    failures: list[str] = []
-    outcome: str = Outcome.FAILED
-    scores: dict[str, dict[str, float]] = {}
+    run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
     with ExitStack() as cleanup, Interrupt() as interrupt:
-        writer = _begin(graph, folder)
-        started = time.monotonic()
-        cleanup.callback(note_failure, failures, on_failure, writer.close)
-        sinks = [_kept(graph, writer, keep)]
-        if tap is not None:
-            cleanup.callback(tap.close)
-            tap.announce(about_of(graph))
-            sinks.append(tap)
+        run.begin(stages, keep, cleanup)
+        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
+        forecast = LogForecast(graph.run.until_s, run.writer, folder, notice) if _keeps_all(graph, keep) else None
+        run.perform(clock, forecast, on_tick, lambda: interrupt.asked)
+    summary = run.summary(clock.behind_s)
+    write_summary(summary, folder)
+    return summary
+
+
+class _LockstepRun:
+    """A run in progress, from the first event of its log to its summary."""
+
+    def __init__(self, graph: Graph, folder: Path, failures: Failures, tap: LiveSink | None, run_id: str) -> None:
+        self._graph, self._folder, self._failures, self._tap, self._run_id = graph, folder, failures, tap, run_id
+        self._outcome: str = Outcome.FAILED
+        self._scores: dict[str, dict[str, float]] = {}
+        self._wall_s = 0.0
+
+    def begin(self, stages: dict[str, Stage], keep: Collection[str] | None, cleanup: ExitStack) -> None:
+        """Open the log, announce the run and wire the stages; ``cleanup`` gets what closes all that."""
+        self.writer = _begin(self._graph, self._folder)
+        cleanup.callback(self._failures.close, self.writer.close)
+        sinks = [_kept(self._graph, self.writer, keep)]
+        if self._tap is not None:
+            cleanup.callback(self._tap.close)
+            self._tap.announce(about_of(self._graph))
+            sinks.append(self._tap)
         bus = Bus("memq://")
         cleanup.callback(bus.close)
-        runner = Runner(graph, stages, bus, sinks)
-        cleanup.callback(note_failure, failures, on_failure, runner.close)
-        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
-        status = None if tap is None else LockstepStatus(runner, tap, run_id, lambda: tap.dropped)
-        forecast = LogForecast(graph.run.until_s, writer, folder, notice) if _keeps_all(graph, keep) else None
+        self._runner = Runner(self._graph, stages, bus, sinks)
+        cleanup.callback(self._failures.close, self._runner.close)
+
+    def perform(
+        self,
+        clock: SimulatedClock,
+        forecast: LogForecast | None,
+        on_tick: Callable[[int], None],
+        should_stop: Callable[[], bool],
+    ) -> None:
+        """Run the stages to the end and read their scores."""
+        runner, tap, started_s = self._runner, self._tap, time.monotonic()
+        status = None if tap is None else LockstepStatus(runner, tap, self._run_id, lambda: tap.dropped)
 
         def before_tick(utime: int) -> bool:
             on_tick(utime)
@@ -114,43 +140,39 @@ def run_recorded(
             clock.advance(utime)
             if status is not None:
                 status.before_tick(utime, clock.behind_s)
-            return not interrupt.asked
+            return not should_stop()
 
         try:
-            writer.write(ABOUT, 0, encode(about_of(graph), 0, 0))
-            runner.reset(graph.run.seed)
-            started = time.monotonic()
-            outcome = runner.run(graph.run.until_s, before_tick)
+            with self._failures.noted():
+                self.writer.write(ABOUT, 0, encode(about_of(self._graph), 0, 0))
+                runner.reset(self._graph.run.seed)
+                started_s = time.monotonic()
+                self._outcome = runner.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
-            outcome = Outcome.STOPPED
-        except GraphnavError as error:
-            failures.append(str(error))
-            on_failure(error)
-        try:
-            scores = scores_of(runner.units) if runner.is_ready else {}
-        except GraphnavError as error:
-            failures.append(str(error))
-            on_failure(error)
-        wall_s = time.monotonic() - started
-    summary = Summary(
-        outcome=str(Outcome.FAILED if failures else outcome),
-        failure="\n".join(failures),
-        graph=graph.path.stem,
-        seed=graph.run.seed,
-        until_s=graph.run.until_s,
-        frames=runner.ticks,
-        sim_s=runner.utime / 1e6,
-        wall_s=round(wall_s, 4),
-        stages=figures_of(runner.units),
-        scores=scores,
-        notices=list(graph.notices),
-        tap_dropped=tap.dropped if tap is not None else 0,
-        run_id=run_id,
-        versions=versions(),
-        behind_s=round(clock.behind_s, 4),
-    )
-    write_summary(summary, folder)
-    return summary
+            self._outcome = Outcome.STOPPED
+        with self._failures.noted():
+            self._scores = scores_of(runner.units) if runner.is_ready else {}
+        self._wall_s = time.monotonic() - started_s
+
+    def summary(self, behind_s: float) -> Summary:
+        """Return the summary of a run that has ended."""
+        return Summary(
+            outcome=str(Outcome.FAILED if self._failures else self._outcome),
+            failure=str(self._failures),
+            graph=self._graph.path.stem,
+            seed=self._graph.run.seed,
+            until_s=self._graph.run.until_s,
+            frames=self._runner.ticks,
+            sim_s=self._runner.utime / 1e6,
+            wall_s=round(self._wall_s, 4),
+            stages=figures_of(self._runner.units),
+            scores=self._scores,
+            notices=list(self._graph.notices),
+            tap_dropped=self._tap.dropped if self._tap is not None else 0,
+            run_id=self._run_id,
+            versions=versions(),
+            behind_s=round(behind_s, 4),
+        )
 
 
 def write_summary(summary: Summary, folder: Path) -> None:
@@ -188,13 +210,3 @@ def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink
 def _keeps_all(graph: Graph, keep: Collection[str] | None) -> bool:
     """Whether the log holds every message."""
     return keep is None and graph.run.record != "small"
-
-
-def note_failure(failures: list[str], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]) -> None:
-    """Close something; what goes wrong is added to ``failures`` for the summary."""
-    try:
-        close()
-    except GraphnavError as error:
-        if str(error) not in failures:
-            failures.append(str(error))
-            on_failure(error)
