@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import shutil
+import statistics
 import subprocess
 import sysconfig
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -66,7 +69,7 @@ BREAKS = {
         "No folder in ablation has a cycle",
     ),
     "ablation-exports": (
-        "graphnav/api/studies/study_plan.py",
+        "graphnav/api/studies/study_request.py",
         "import graphnav.ablation.plan.variants",
         "Ablations are used through what their folders export",
     ),
@@ -104,3 +107,28 @@ def test_a_broken_contract_is_seen(tree: Path, name: str) -> None:
     done = lint(tree)
     assert done.returncode == 1, done.stdout + done.stderr
     assert f"{contract} BROKEN" in " ".join(done.stdout.split())
+
+
+CORE = sorted((ROOT / "graphnav").rglob("*.py"))
+MAX_FUNCTION_LINES, MAX_MODULES, MAX_MEDIAN_LINES = 50, 15, 90
+
+
+def test_functions_of_the_core_are_short() -> None:
+    long = [
+        f"{path.relative_to(ROOT)}: {node.name} has {node.end_lineno - node.lineno + 1} lines"
+        for path in CORE
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.end_lineno is not None
+        if node.end_lineno - node.lineno >= MAX_FUNCTION_LINES
+    ]
+    assert not long, f"split them; the docstring counts, too: {long}"
+
+
+def test_folders_of_the_core_are_small() -> None:
+    modules = Counter(str(path.parent.relative_to(ROOT)) for path in CORE)
+    del modules["graphnav/cli"]  # a module a command
+    assert {folder: n for folder, n in modules.items() if n > MAX_MODULES} == {}
+
+
+def test_the_median_file_of_the_core_is_short() -> None:
+    assert statistics.median(len(path.read_text(encoding="utf-8").splitlines()) for path in CORE) <= MAX_MEDIAN_LINES
