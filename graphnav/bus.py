@@ -130,8 +130,8 @@ class Bus:
         subscription = self._lcm.subscribe(pattern, handler)
         if subscription is None:
             raise BusError(
-                f"LCM cannot listen on {self.url}: its port is taken, or LCM's self test of the network failed\n"
-                "  choose another port, or run: graphnav doctor"
+                f"LCM cannot listen on {self.url}: its port is taken, or LCM's self test of the network failed",
+                "choose another port, or run: graphnav doctor",
             )
         if not self._is_counted:
             self._sockets |= own_sockets() - others  # LCM opens what it listens on at the first subscription
@@ -173,17 +173,17 @@ def require_route(url: str) -> None:
     parts = urlsplit(url)
     if not _is_multicast(parts.hostname or ""):
         raise BusError(
-            f"'{parts.hostname}' is not a multicast address\n  write {GROUP}, or another group of 239.0.0.0/8"
+            f"'{parts.hostname}' is not a multicast address", f"write {GROUP}, or another group of 239.0.0.0/8"
         )
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             if parts.port == 0:
                 raise BusError(
-                    f"port 0 of {parts.hostname} is not a port to listen on\n  write {GROUP}, or another port"
+                    f"port 0 of {parts.hostname} is not a port to listen on", f"write {GROUP}, or another port"
                 )
             probe.connect((parts.hostname or "", parts.port or _PORT))
         except OSError as error:
-            raise NoRouteError(f"no multicast route to {parts.hostname}\n  run as root: {MAKE_ROUTE}") from error
+            raise NoRouteError(f"no multicast route to {parts.hostname}", f"run as root: {MAKE_ROUTE}") from error
         except ValueError as error:
             raise BusError(f"LCM does not open {url}: {error}") from error
 

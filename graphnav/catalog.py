@@ -16,7 +16,7 @@ import pluggy
 
 import graphnav.hooks
 from graphnav.adapter import Adapters, collect_adapters
-from graphnav.errors import CatalogError, DeclarationError, did_you_mean, one_line
+from graphnav.errors import CatalogError, DeclarationError, Hint, did_you_mean, message_line, one_line
 from graphnav.messages import snake_case
 from graphnav.stage import Source, Stage, params_of, ports_of
 
@@ -175,7 +175,7 @@ class Catalog:
                 self._plugins.register(module, name=f"{family}: {origin}")
                 self._plugins.check_pending()
             except pluggy.PluginValidationError as error:
-                raise CatalogError(f"{origin}: {' '.join(str(error).split())}") from error
+                raise CatalogError(f"{origin}: {message_line(error)}") from error
         self._adapters = None
         stages = {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
         if family == ADAPTERS and stages:
@@ -194,7 +194,7 @@ class Catalog:
             found = self._plugins.subset_hook_caller("graphnav_stages", others)()
         except Exception as error:
             raise CatalogError(
-                f"{origin}: graphnav_stages() failed: {type(error).__name__}: {error}", "mend the plugin"
+                f"{origin}: graphnav_stages() failed: {type(error).__name__}: {error}", "fix the plugin"
             ) from error
         if not all(isinstance(classes, list | tuple) for classes in found):
             raise CatalogError(f"{origin}: graphnav_stages() returns no list", "return [MyStage]")
@@ -254,7 +254,7 @@ def _real_file(path: Path) -> str:
     try:
         if path.is_file():
             return str(path.resolve())
-        near = did_you_mean(path.name, (p.name for p in path.parent.glob("*.py")))
+        near: Hint = did_you_mean(path.name, (p.name for p in path.parent.glob("*.py")))
     except (OSError, ValueError):  # a name too long, or with a null character
         near = ""
     raise CatalogError(f"plugin {path}: there is no such file", near)

@@ -1,4 +1,4 @@
-"""What can be wrong, said in one shape: where, what, and what to do."""
+"""Errors in one shape: where, what, and what to do."""
 
 from __future__ import annotations
 
@@ -6,11 +6,19 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
+
+ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate"]
+"""A name that is not known, several candidates for one wire, something given twice; ``wrong``: anything else."""
 
 
 @dataclass(frozen=True, order=True)
 class Place:
-    """Where something was written: a file (or the command line), line and column from 1, 0 if unknown."""
+    """Location of something in a file, or an option of the command line as it was typed.
+
+    ``line`` and ``column`` count from 1, 0 if unknown. Without a line the column says which value of an option it is,
+    and is not printed.
+    """
 
     file: str
     line: int = 0
@@ -23,16 +31,41 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Suggestion:
+    """Words to write instead; false if there are none."""
+
+    names: tuple[str, ...]
+    """The words alone, the nearest first."""
+    text: str
+    """The sentence that proposes them."""
+
+    def __bool__(self) -> bool:
+        return bool(self.names)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+Hint = str | Suggestion
+
+
+@dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong: where, what, and an imperative that mends it (empty if there is none)."""
+    """One thing that is wrong: where, what, and an imperative that fixes it (empty if there is none)."""
 
     place: Place | None
     what: str
-    hint: str = ""
+    hint: Hint = ""
+    kind: ProblemKind = "wrong"
+
+    @property
+    def suggestion(self) -> str:
+        """The word to write instead of an unknown one; empty if none is near."""
+        return self.hint.names[0] if isinstance(self.hint, Suggestion) and self.hint else ""
 
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""
-        return f"{where}{self.what}" + "".join(f"\n  {line}" for line in self.hint.splitlines())
+        return f"{where}{self.what}" + "".join(f"\n  {line}" for line in str(self.hint).splitlines())
 
 
 class GraphnavError(Exception):
@@ -51,7 +84,7 @@ class UserError(GraphnavError):
         super().__init__("\n".join(map(str, self.problems)))
 
     @classmethod
-    def of(cls, what: str, hint: str = "", place: Place | None = None) -> UserError:
+    def of(cls, what: str, hint: Hint = "", place: Place | None = None) -> UserError:
         """Return an error with a single problem."""
         return cls(Problem(place, what, hint))
 
@@ -62,7 +95,7 @@ class ParamError(GraphnavError):
     Raised by ``Stage.check`` and by a stage's construction.
     """
 
-    def __init__(self, param: str, what: str, hint: str = "") -> None:
+    def __init__(self, param: str, what: str, hint: Hint = "") -> None:
         self.param, self.what, self.hint = param, what, hint
         super().__init__(f"{param}: {what}" + (f"\n  {hint}" if hint else ""))
 
@@ -74,13 +107,13 @@ class DeclarationError(GraphnavError):
 class CatalogError(UserError):
     """A stage is not in the catalog, or its plugin cannot be used; shown at the ``use`` that asked for it."""
 
-    def __init__(self, what: str, hint: str = "") -> None:
+    def __init__(self, what: str, hint: Hint = "") -> None:
         self.what, self.hint = what, hint
-        super().__init__(Problem(None, what, hint))
+        super().__init__(Problem(None, what, hint, "unknown" if isinstance(hint, Suggestion) and hint else "wrong"))
 
 
 class StageError(GraphnavError):
-    """A stage raised, or returned what it may not; the run stops, its log is whole; exit status 1."""
+    """A stage raised, or returned what it may not; the run stops, its log is complete; exit status 1."""
 
     def __init__(self, stage: str, use: str, at_s: float, what: str) -> None:
         self.stage, self.use, self.at_s, self.what = stage, use, at_s, what
@@ -88,7 +121,11 @@ class StageError(GraphnavError):
 
 
 class BusError(GraphnavError):
-    """LCM could not be opened or used."""
+    """LCM could not be opened or used: what happened, and what to do (empty if nothing can be)."""
+
+    def __init__(self, what: str, hint: str = "") -> None:
+        self.what, self.hint = what, hint
+        super().__init__(str(Problem(None, what, hint)))
 
 
 class NoRouteError(BusError):
@@ -100,22 +137,28 @@ class LogError(GraphnavError):
 
 
 class DrawingError(GraphnavError):
-    """A plugin that draws raised; what it drew from is whole. One line."""
+    """A plugin that draws raised; what it drew from is unchanged. One line."""
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return the hint that proposes the known word nearest to ``word``, empty if none is near."""
+def did_you_mean(word: str, known: Iterable[str]) -> Suggestion:
+    """Return the hint that proposes the known word nearest to ``word``; it is false if none is near."""
     near = difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.6)
-    return f"did you mean '{near[0]}'?" if near else ""
+    return Suggestion(tuple(near), f"did you mean '{near[0]}'?") if near else Suggestion((), "")
 
 
 def one_line(error: BaseException) -> str:
-    """Return an exception's type and text in one line."""
-    return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+    """Return an exception's type and message in one line."""
+    message = message_line(error)
+    return f"{type(error).__name__}: {message}" if message else type(error).__name__
+
+
+def message_line(error: BaseException) -> str:
+    """Return an exception's message in one line."""
+    return " ".join(f"{error}".split())
 
 
 def printable(text: str) -> str:
-    """Return a text in which control characters, which a terminal would obey, stand as escapes; line breaks stay."""
+    """Return a string with the control characters that a terminal would obey escaped; line breaks stay."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 

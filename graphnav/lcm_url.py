@@ -48,6 +48,5 @@ def _chosen(choices: tuple[tuple[str, str | None], ...]) -> str:
     try:
         require_route(with_defaults(url))
     except BusError as error:
-        what, _, hint = str(error).partition("\n")
-        raise UserError.of(what, hint.strip(), place) from error
+        raise UserError.of(error.what, error.hint, place) from error
     return url

@@ -91,16 +91,14 @@ class Codec:
 
     def encode_into(self, fields: Mapping[str, Any], out: list[Any]) -> None:
         """Append the bytes of a struct without its fingerprint."""
+        self._check_names(fields)
         try:
-            self._check_names(fields)
             values = self._take_arrays(fields) if self._arrays else fields
             for part in self._parts:
                 part.encode(values, out)
         except KeyError as error:
             raise EncodeError(f"{self.name}.{error.args[0]} is missing") from error
         except EncodeError as error:
-            if str(error).startswith(self.name):
-                raise
             raise EncodeError(f"{self.name}.{error}") from error
 
     def decode_from(self, data: bytes, at: int) -> tuple[Values, int]:

@@ -16,6 +16,8 @@ def families() -> Iterator[Finding]:
         try:
             names = catalog.names(family)
         except CatalogError as error:
-            yield Finding(f"family {family}", fine=False, seen=error.what, fix=error.hint or "reinstall its package")
+            yield Finding(
+                f"family {family}", fine=False, seen=error.what, fix=str(error.hint) or "reinstall its package"
+            )
         else:
             yield Finding(f"family {family}", fine=True, seen=", ".join(names) or "no stages")

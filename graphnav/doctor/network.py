@@ -28,7 +28,7 @@ def multicast() -> Finding:
         url = tap_url()
     except UserError as error:
         problem = error.problems[0]
-        fix = MAKE_ROUTE if isinstance(error.__cause__, NoRouteError) else problem.hint
+        fix = MAKE_ROUTE if isinstance(error.__cause__, NoRouteError) else str(problem.hint)
         where = f"{problem.place}: " if problem.place else ""
         return Finding("multicast", fine=False, seen=where + problem.what, fix=fix)
     if not _comes_back(f"udpm://{urlsplit(url).hostname}:{_PROBE_PORT}?ttl=0"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from graphnav.errors import Place, Problem, did_you_mean
+from graphnav.errors import Hint, Place, Problem, did_you_mean
 from graphnav.spec.value import Entry, Value
 
 
@@ -46,5 +46,5 @@ class Shapes:
                 self._problem(entry.place, f"{who} has no key '{word}'", hint)
         return all(word in keys for word in words)
 
-    def _problem(self, place: Place, what: str, hint: str = "") -> None:
+    def _problem(self, place: Place, what: str, hint: Hint = "") -> None:
         self.problems.append(Problem(place, what, hint))

@@ -50,3 +50,5 @@ class Entry:
 
     place: Place
     value: Value
+    is_override: bool = False
+    """Whether an override gives it, not the graph's own file."""

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any
 
 from graphnav.codec import DecodeError, codec_of, decode, lcm_name, type_named, type_of
-from graphnav.errors import UserError, did_you_mean, shown_name
+from graphnav.errors import Hint, UserError, did_you_mean, shown_name
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.adapted_types import load_adapted_types
@@ -78,9 +78,9 @@ class Traffic:
 
     def _unknown(self, name: str, feed: Feed) -> UserError:
         name, names = shown_name(name), sorted(map(shown_name, self.channels))
-        hint = did_you_mean(name, names) or f"channels are {', '.join(names)}"
+        hint: Hint = did_you_mean(name, names) or f"channels are {', '.join(names)}"
         if dropped := drops_of(feed):
-            hint += f"\n{dropped}, perhaps of this channel: run 'graphnav doctor'"
+            hint = f"{hint}\n{dropped}, perhaps of this channel: run 'graphnav doctor'"
         return UserError.of(f"{feed.name} has no channel '{name}'", hint)
 
     def hear(self, heard: Heard) -> ChannelTraffic:

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from graphnav.errors import DeclarationError, ParamError, did_you_mean
+from graphnav.errors import DeclarationError, Hint, ParamError, did_you_mean
 
 REQUIRED = dataclasses.MISSING
 _SCALARS = (bool, int, float, str, Path)
@@ -207,7 +207,7 @@ def _convert_union(name: str, kind: Any, value: Any) -> Any:
     raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}", _hint(kind, value))
 
 
-def _hint(kind: Any, value: Any) -> str:
+def _hint(kind: Any, value: Any) -> Hint:
     if not isinstance(value, str):
         return ""
     if kind is bool and value.lower() in _YES_AND_NO:
