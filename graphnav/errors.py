@@ -58,6 +58,10 @@ class Problem:
     hint: Hint = ""
     kind: ProblemKind = "wrong"
 
+    def __post_init__(self) -> None:
+        if self.kind == "wrong" and self.suggestion:
+            object.__setattr__(self, "kind", "unknown")  # a near name is proposed where one is not known
+
     @property
     def suggestion(self) -> str:
         """The word to write instead of an unknown one; empty if none is near."""
@@ -109,7 +113,7 @@ class CatalogError(UserError):
 
     def __init__(self, what: str, hint: Hint = "") -> None:
         self.what, self.hint = what, hint
-        super().__init__(Problem(None, what, hint, "unknown" if isinstance(hint, Suggestion) and hint else "wrong"))
+        super().__init__(Problem(None, what, hint))
 
 
 class StageError(GraphnavError):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from graphnav import Recording
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import load_graph, parse_override
 from graphnav.record import LOG
 from graphnav.replay import ReplayOptions, graph_to_replay, replay
 from graphnav.runner.recording.run_recorded import run_recorded
@@ -24,7 +24,7 @@ def measure(until_s: float = UNTIL_S, play: tuple[str, ...] = PLAY) -> dict[str,
     """Return the wall seconds of one run and of one replay of it, and their ratio."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        graph = load_graph(GRAPH, Catalog(), [f"run.until_s={until_s}", SLOW])
+        graph = load_graph(GRAPH, Catalog(), [*map(parse_override, (f"run.until_s={until_s}", SLOW))])
         stages = graph.make_stages()
         begin_s = time.monotonic()
         summary = run_recorded(graph, stages, folder)

@@ -10,8 +10,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from graphnav.errors import UserError
-from graphnav.spec import write_value
+from graphnav.errors import Place, UserError
+from graphnav.graph import Override, Target
 
 T = TypeVar("T")
 
@@ -59,34 +59,40 @@ def texts_of(values: object, name: str, example: str) -> tuple[str, ...]:
     return tuple(map(str, found))
 
 
-def set_texts(values: object) -> list[str]:
-    """Return what ``--set`` takes for a mapping of targets to values.
+def overrides_of(values: object) -> tuple[Override, ...]:
+    """Return the overrides of a mapping of targets to values.
 
     Raises
     ------
     UserError
-        It is not a mapping, or it holds what a graph cannot.
+        It is not a mapping, a key is not a target, or a graph cannot hold a value.
     """
     hint = 'write set={"plane": "plane.affine", "robot.noise_sigma": 3}'
     if values is None:
-        return []
+        return ()
     if not isinstance(values, Mapping):
         raise wrong_type("set", values, "a mapping", hint)
-    for target in values:
+    found = []
+    for target, value in values.items():
         if not isinstance(target, str) or not target or "=" in target:
             raise UserError.of(f"set: {target!r} is not a stage, a parameter or a wire", hint)
-    return [f"{target}={value_text(value, f'set[{target!r}]')}" for target, value in values.items()]
+        place = Place(f"set[{target!r}]")
+        found.append(Override(Target.parse(target, place), yaml_value(value, place.file), place))
+    return tuple(found)
 
 
-def value_text(value: object, name: str) -> str:
-    """Return a value as YAML reads it back: a string stays a string, also where it looks like a number.
+def yaml_value(value: object, name: str) -> object:
+    """Return a value as plain YAML data: without numpy's types, paths as strings.
 
     Raises
     ------
     UserError
         A graph cannot hold it.
     """
-    return write_value(plain(value, name))
+    value = plain(value, name)
+    if isinstance(value, list):
+        return [yaml_value(item, name) for item in value]
+    return str(value) if isinstance(value, Path) else value
 
 
 def plain(value: object, name: str) -> object:

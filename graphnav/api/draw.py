@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from graphnav.api.arguments import PathLike
 from graphnav.api.load import loaded
+from graphnav.api.parameters import documented
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph
 from graphnav.render import dot_of, mermaid_of, svg_of, text_of
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 _COLOURS = ("cyan", "magenta", "green", "yellow", "blue", "red", "bright_cyan", "bright_magenta", "bright_green")
 
 
+@documented
 def draw(
     graph: PathLike | Graph,
     *,
@@ -25,8 +27,6 @@ def draw(
     plugins: Sequence[PathLike] = (),
 ) -> Drawing:
     """Return the drawing of a graph: a picture in a notebook, boxes in a terminal.
-
-    The arguments are those of `graphnav.load`.
 
     Raises
     ------

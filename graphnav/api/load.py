@@ -7,13 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from graphnav.api.arguments import PathLike, path_of, paths_of, plain, set_texts
+from graphnav.api.arguments import PathLike, overrides_of, path_of, paths_of, plain
+from graphnav.api.parameters import documented
 from graphnav.catalog import Catalog
 from graphnav.errors import ParamError, Problem, UserError
-from graphnav.graph import Graph, RunOptions, load_graph
+from graphnav.graph import Graph, Override, RunOptions, load_graph
 from graphnav.stage import params_of
 
 
+@documented
 def load(
     graph: PathLike | Graph,
     *,
@@ -21,17 +23,6 @@ def load(
     plugins: Sequence[PathLike] = (),
 ) -> Graph:
     """Return the checked graph of a file, or of the name of one that ships.
-
-    Parameters
-    ----------
-    graph
-        A YAML file, or the name of a graph in the working folder or among those that ship: ``"corridor_ccw"``.
-    set
-        What ``--set`` takes, as a mapping: ``{"plane": "plane.affine"}`` swaps a stage, ``{"robot.noise_sigma": 3}`` a
-        parameter, ``{"plane.in.flow": "flow.flow"}`` a wire, ``{"run.until_s": 5}`` an option of the run, and
-        ``{"twin+": "plane.affine"}`` adds a stage. Lists, numpy scalars, paths and None are values too.
-    plugins
-        Files with stages of your own, as ``--plugin`` takes them.
 
     Raises
     ------
@@ -43,6 +34,7 @@ def load(
     return checked
 
 
+@documented
 def check(
     graph: PathLike | Graph,
     *,
@@ -51,19 +43,22 @@ def check(
 ) -> list[Problem]:
     """Return everything that is wrong with a graph, sorted by line: an empty list if nothing is.
 
-    The arguments are those of `graphnav.load`. ``str(problem)`` is what ``graphnav check`` prints.
+    ``str(problem)`` is what ``graphnav check`` prints; ``place``, ``what``, ``hint``, ``kind`` and ``suggestion`` are
+    its parts.
 
     Raises
     ------
     UserError
         An argument has a wrong type.
     """
-    texts, files = set_texts(set), paths_of(plugins, "plugins", "my_stage.py")
+    overrides, files = overrides_of(set), paths_of(plugins, "plugins", "my_stage.py")
     if isinstance(graph, Graph):
-        _refuse_changes(texts, files)
+        _refuse_changes(overrides, files)
     name = None if isinstance(graph, Graph) else path_of(graph, "graph", "corridor_ccw")
     try:
-        found = graph if isinstance(graph, Graph) else load_with(add_plugins(Catalog(), files), str(name), texts, files)
+        found = (
+            graph if isinstance(graph, Graph) else load_with(add_plugins(Catalog(), files), str(name), overrides, files)
+        )
         found.make_stages()
     except UserError as error:
         return list(error.problems)
@@ -83,12 +78,12 @@ def loaded(
     UserError
         Everything that is wrong with it.
     """
-    texts, files = set_texts(sets), paths_of(plugins, "plugins", "my_stage.py")
+    overrides, files = overrides_of(sets), paths_of(plugins, "plugins", "my_stage.py")
     if isinstance(graph, Graph):
-        _refuse_changes(texts, files)
+        _refuse_changes(overrides, files)
         return graph
     name = path_of(graph, "graph", "corridor_ccw")
-    return load_with(add_plugins(catalog, files), str(name), texts, files)
+    return load_with(add_plugins(catalog, files), str(name), overrides, files)
 
 
 def add_plugins(catalog: Catalog, files: Iterable[Path]) -> Catalog:
@@ -104,20 +99,28 @@ def add_plugins(catalog: Catalog, files: Iterable[Path]) -> Catalog:
     return catalog
 
 
-def load_with(catalog: Catalog, graph: str, sets: Sequence[str], plugins: Sequence[Path]) -> Graph:
+def load_with(
+    catalog: Catalog,
+    graph: str,
+    overrides: Sequence[Override],
+    plugins: Sequence[Path],
+    problems: Sequence[Problem] = (),
+) -> Graph:
     """Return a checked graph; ``catalog`` holds the ``plugins`` already, and the run's folder gets copies of them.
+
+    ``problems``: what is wrong with options that were read before, to be reported with the graph's.
 
     Raises
     ------
     UserError
         Everything that is wrong with it.
     """
-    found = load_graph(graph, catalog, sets=sets)
+    found = load_graph(graph, catalog, overrides, problems)
     return replace(found, plugins=tuple(dict.fromkeys((*found.plugins, *(path.resolve() for path in plugins)))))
 
 
-def _refuse_changes(sets: Sequence[str], plugins: Sequence[Path]) -> None:
-    if sets or plugins:
+def _refuse_changes(overrides: Sequence[Override], plugins: Sequence[Path]) -> None:
+    if overrides or plugins:
         raise UserError.of("set and plugins change a graph while it is loaded", "give them to graphnav.load")
 
 

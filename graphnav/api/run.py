@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args
 
@@ -14,6 +15,7 @@ from graphnav.api.load import add_plugins, loaded, with_run_options
 from graphnav.api.notices import tell
 from graphnav.api.one_thread import one_thread
 from graphnav.api.open_tap import TapMode, open_tap
+from graphnav.api.parameters import documented
 from graphnav.api.result_folder import new_folder
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError
@@ -28,6 +30,7 @@ _drawing = threading.Lock()
 """Matplotlib's settings belong to the process: runs in several threads draw one after another."""
 
 
+@documented
 def run(
     graph: PathLike | Graph,
     *,
@@ -52,30 +55,6 @@ def run(
     Works in notebooks, in threads and several times in a process. Notices (what is late, what could not be drawn) go to
     the logger ``graphnav``.
 
-    Parameters
-    ----------
-    graph, set, plugins
-        As `graphnav.load` takes them; a graph that it returned is run as it is.
-    seed
-        Seed of all randomness, in place of the graph's.
-    until_s
-        When to stop, in place of the graph's: simulated seconds; live, seconds since the start.
-    folder
-        The run folder, new or empty. None: a temporary one, removed when neither the `Run` nor its log is in use any
-        more.
-    pace
-        Simulated seconds per second of wall time; None: as fast as the machine allows.
-    tap
-        What goes out for ``graphnav spy`` and other programs that watch: ``"thin"``, ``"full"``, ``"none"``.
-    live
-        Run by the wall clock and on channels of other programs; a graph with inputs is live by itself.
-    url
-        LCM URL of what comes in and leaves, live.
-    pictures
-        Draw the panels and the map from the log.
-    check
-        Raise `RunError` if the run fails.
-
     Raises
     ------
     UserError
@@ -88,25 +67,43 @@ def run(
     GraphnavError
         The disk refuses.
     """
+    _check_arguments(pace, tap, url)
     catalog = Catalog()
     checked = with_run_options(loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s})
-    _check_arguments(pace, tap, url)
-    is_live = runs_live(checked, live=live, pace=pace, url=url)
+    result = _run(checked, catalog, folder, _Mode(live, pace, url, tap), draws=pictures)
+    if result.failure and not check:
+        tell(f"the run failed: {result.failure}")
+    return result.check() if check else result
+
+
+@dataclass(frozen=True)
+class _Mode:
+    """By which clock a graph runs, and what leaves it."""
+
+    live: bool
+    pace: float | None
+    url: str | None
+    tap: TapMode
+
+
+def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *, draws: bool) -> Run:
+    """Run a graph into a folder and draw it; raise KeyboardInterrupt where Ctrl-C ended a lockstep run."""
+    is_live = runs_live(graph, live=mode.live, pace=mode.pace, url=mode.url)
     if is_live:
-        live_url(checked, url, "url")
-    stages = checked.make_stages()
+        live_url(graph, mode.url, "url")
+    stages = graph.make_stages()
     kept = new_folder(folder)
     errors: list[GraphnavError] = []
     run_id = new_run_id()
     with one_thread():
         summary = execute(
-            checked,
+            graph,
             stages,
             kept.path,
             is_live=is_live,
-            pace=pace,
-            url=url,
-            tap=open_tap(tap, run_id, tell=tell),
+            pace=mode.pace,
+            url=mode.url,
+            tap=open_tap(mode.tap, run_id, tell=tell),
             run_id=run_id,
             on_time=lambda _: None,
             on_failure=errors.append,
@@ -114,11 +111,8 @@ def run(
         )
     if summary.outcome == Outcome.STOPPED and not is_live:
         raise KeyboardInterrupt
-    if summary.failure and not check:
-        tell(f"the run failed: {summary.failure}")
-    drawn = _draw(catalog, checked, kept.path) if pictures and summary.frames else ()
-    result = Run(checked, summary, kept, drawn, errors[0] if errors else None)
-    return result.check() if check else result
+    drawn = _draw(catalog, graph, kept.path) if draws and summary.frames else ()
+    return Run(graph, summary, kept, drawn, errors[0] if errors else None)
 
 
 def _check_arguments(pace: object, tap: object, url: object) -> None:

@@ -11,18 +11,19 @@ from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_plugin_option, catalog_of, count
 from graphnav.cli.status import INTERRUPTED, OK
-from graphnav.errors import CatalogError, GraphnavError, UserError
+from graphnav.errors import CatalogError, GraphnavError, Problem, UserError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from graphnav.ablation.plan import Plan
+    from graphnav.ablation.plan import CheckedStudy, Plan
+    from graphnav.api.studies.study_request import StudyRequest
     from graphnav.catalog import Catalog
 
 _ABOUT = """\
 A study is a YAML file, the name of one that ships, or graphs and --vary. Its folder keeps every run: a study that was
-stopped or killed goes on when the same command is given again, and a longer range of seeds adds runs to those that
-are there.
+stopped or killed goes on when the same command is given again, and a longer range of seeds adds runs to the
+existing ones.
 """
 
 
@@ -37,6 +38,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.epilog = _ABOUT
     parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files, or names of what ships")
+    _add_study_options(parser)
+    _add_execution_options(parser)
+    parser.add_argument("--report", type=Path, metavar="DIR", help="write tables and report of a study's folder again")
+    parser.add_argument(
+        "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
+    )
+
+
+def _add_study_options(parser: argparse.ArgumentParser) -> None:
+    """Declare what changes a study."""
     parser.add_argument(
         "--vary",
         dest="varies",
@@ -72,6 +83,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="columns of the table, deciding first",
     )
     add_plugin_option(parser)
+
+
+def _add_execution_options(parser: argparse.ArgumentParser) -> None:
+    """Declare how and where the runs are made."""
     parser.add_argument(
         "-o",
         dest="folder",
@@ -95,10 +110,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the failures that are drawn")
     parser.add_argument("--yes", action="store_true", help="do not ask before more than 1000 runs")
-    parser.add_argument("--report", type=Path, metavar="DIR", help="write tables and report of a study's folder again")
-    parser.add_argument(
-        "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
-    )
 
 
 def main(args: argparse.Namespace) -> int:
@@ -106,7 +117,8 @@ def main(args: argparse.Namespace) -> int:
     from rich.console import Console
 
     from graphnav.ablation.execution import read_plan
-    from graphnav.cli.study_output import write_outputs, write_pairing
+    from graphnav.api.studies.study_files import write_study_files
+    from graphnav.cli.study_output import print_outputs, write_pairing
 
     _refuse_mixtures(args)
     console = Console(highlight=False, soft_wrap=True)
@@ -116,16 +128,18 @@ def main(args: argparse.Namespace) -> int:
         return OK
     if args.report:
         plan = read_plan(args.report)
-        write_outputs(plan, args.report, _catalog_of_what_is_left(plan), console)
+        files = write_study_files(plan, args.report, _catalog_of_what_is_left(plan))
+        print_outputs(plan, args.report, files, console)
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
     catalog = catalog_of(args)
-    return _study(_plan(args, catalog), catalog, args, console)
+    study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
+    return _run(study, catalog, args, console)
 
 
 def _refuse_mixtures(args: argparse.Namespace) -> None:
-    """Raise UserError where --report or --compare stands beside what only a study that runs takes."""
+    """Raise UserError where --report or --compare is given with options of a study that runs."""
     chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
     if not chosen:
         return
@@ -137,48 +151,49 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
         raise UserError.of(what, f"leave {'it' if len(given) == 1 else 'them'} out")
 
 
-def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
-    """Return the checked plan of the study that the command line says."""
-    from graphnav.ablation.study import study_of_command
-    from graphnav.api.studies.study_plan import checked_plan
+def _request(args: argparse.Namespace) -> StudyRequest:
+    """Return the study that the command line asks for."""
+    from graphnav.ablation.study import parse_varies
+    from graphnav.api.studies.study_request import StudyRequest
+    from graphnav.graph import parse_overrides
 
-    study = study_of_command(
-        args.names,
-        varies=args.varies,
-        sets=args.sets,
+    problems: list[Problem] = []
+    return StudyRequest(
+        names=args.names,
+        varies=parse_varies(args.varies, problems),
+        overrides=parse_overrides(args.sets, problems),
+        seeds=args.seeds,
         metrics=args.figures,
         within=args.within,
-        seeds=args.seeds,
         one_at_a_time=args.one_at_a_time,
+        plugins=args.plugins,
+        problems=problems,
     )
-    return checked_plan(study, catalog, shlex.join(["graphnav", *args.words]), args.plugins)
 
 
-def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
+def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
     """Make the pending runs of a study, draw its failures, write its report."""
-    from graphnav.ablation.execution import StudyFolder, TaskFactory, pending_jobs
-    from graphnav.cli.study_output import write_outputs
-    from graphnav.cli.study_run import draw_worst, make_missing, workers_of
+    from graphnav.ablation.execution import StudyFolder, pending_jobs
+    from graphnav.api.studies.study_run import ExecutionOptions, run_study
+    from graphnav.cli.study_output import print_outputs
+    from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
 
+    plan, options = study.plan, ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs)
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
-            folder.begin(plan)
-            tasks = TaskFactory(plan, catalog)
-            with workers_of(args.cluster, args.jobs, folder) as workers:
-                if not make_missing(plan, tasks, folder, workers, console, is_sure=args.yes):
-                    return OK
-                draw_worst(plan, tasks, folder, workers, console, each=args.gallery, keep_logs=args.keep_logs)
-            write_outputs(plan, folder.path, catalog, console)
+            with interrupted_by_sigterm():
+                files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
+            if files is not None:
+                print_outputs(plan, folder.path, files, console)
         except KeyboardInterrupt:
-            print(
-                f"stopped: {_state(plan, len(pending_jobs(plan, folder)))}; the same command goes on", file=sys.stderr
-            )
+            state = _state(plan, len(pending_jobs(plan, folder)))
+            print(f"stopped: {state}; the same command goes on", file=sys.stderr)
             return INTERRUPTED
         except UserError:
             raise
         except GraphnavError as error:
             state = _state(plan, len(pending_jobs(plan, folder)))
-            raise GraphnavError(f"{error}\n  {state}; mend this, and the same command goes on") from error
+            raise GraphnavError(f"{error}\n  {state}; fix this, and the same command goes on") from error
     return OK
 
 

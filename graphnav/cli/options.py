@@ -7,11 +7,11 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.errors import Place, UserError
+from graphnav.errors import Place, Problem, UserError
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
-    from graphnav.graph import Graph
+    from graphnav.graph import Graph, Override
     from graphnav.record import ChannelFilter
 
 
@@ -25,7 +25,7 @@ def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True)
 
 
 def add_set_option(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--set``."""
+    """Declare ``--set``, for `overrides_of`."""
     parser.add_argument(
         "--set",
         dest="sets",
@@ -35,6 +35,23 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
         help="swap a stage (plane=plane.affine), a parameter (plane.rule=otsu), a time (guard.every_ms=20) or a wire "
         "(plane.in.flow=flow.flow), or add a stage (twin+=plane.affine)",
     )
+
+
+def overrides_of(args: argparse.Namespace) -> tuple[Override, ...]:
+    """Return the overrides of ``--set``.
+
+    Raises
+    ------
+    UserError
+        Every option that is not an override.
+    """
+    from graphnav.graph import parse_overrides
+
+    problems: list[Problem] = []
+    overrides = parse_overrides(args.sets, problems)
+    if problems:
+        raise UserError(problems)
+    return overrides
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -222,8 +239,11 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
         Everything that is wrong with the graph or the options.
     """
     from graphnav.api.load import load_with, with_run_options
+    from graphnav.graph import parse_overrides
 
     catalog = catalog_of(args)
-    graph = load_with(catalog, args.graph, args.sets, args.plugins)
+    problems: list[Problem] = []
+    overrides = parse_overrides(args.sets, problems)
+    graph = load_with(catalog, args.graph, overrides, args.plugins, problems)
     given = {"seed": getattr(args, "seed", None), "until_s": getattr(args, "until", None)}
     return catalog, with_run_options(graph, given, {"seed": "--seed", "until_s": "--until"})

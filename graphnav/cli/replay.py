@@ -10,7 +10,7 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of
+from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of, overrides_of
 from graphnav.cli.status import FAILED, OK
 from graphnav.errors import LogError, UserError
 
@@ -76,7 +76,7 @@ def main(args: argparse.Namespace) -> int:
     log = find_log(args.log)
     catalog = catalog_of(args)
     with _opened(log) as recording, damage_told(recording):
-        made = graph_to_replay(recording, catalog, graph=args.graph, sets=args.sets, plugins=args.plugins)
+        made = graph_to_replay(recording, catalog, graph=args.graph, overrides=overrides_of(args), plugins=args.plugins)
         play = [word for words in args.play for word in words]
         _print_notices(made, play)
         options = ReplayOptions(play, args.from_s, args.cold, args.tolerance or Tolerance())

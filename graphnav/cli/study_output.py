@@ -17,22 +17,12 @@ from graphnav.ablation.report import (
     print_paired_studies,
 )
 from graphnav.ablation.results import metric_columns, pair_studies, read_records
-from graphnav.api.studies.study_files import write_study_files
-from graphnav.catalog import Catalog
+from graphnav.api.studies.study_files import StudyFiles
 from graphnav.errors import UserError, did_you_mean
 
 
-def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) -> None:
-    """Make tables and report from the runs that are there, and print the table in short.
-
-    Raises
-    ------
-    UserError
-        A run's summary is not whole.
-    GraphnavError
-        The disk refuses; what it refuses stays as it was.
-    """
-    files = write_study_files(plan, folder, catalog)
+def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console) -> None:
+    """Print the table of a study in short, and the files that were written."""
     comparison = files.comparison
     print_comparison(console, comparison, plan)
     for figure in plan.figures if files.records else ():
@@ -40,7 +30,7 @@ def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) 
             hint = did_you_mean(figure, metric_columns(plan, files.records)) or f"{RESULTS} has them all"
             console.print(f"no run says the figure '{figure}'\n  {hint}", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
-        console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
+        console.print(f"{missing} of {plan.n_jobs} runs do not exist yet")
     console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
 
 

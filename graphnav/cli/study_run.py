@@ -4,23 +4,13 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 
 from rich.console import Console
 
-from graphnav.ablation.execution import (
-    StudyFolder,
-    TaskFactory,
-    Workers,
-    draw_failures,
-    execute,
-    pending_drawings,
-    pending_jobs,
-)
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.results import read_records, worst_failures
-from graphnav.api.studies.ablate import study_workers
+from graphnav.ablation.plan import Job
+from graphnav.api.studies.study_run import StudyRun
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
 
@@ -29,66 +19,58 @@ MANY_RUNS = 1000
 
 
 @contextmanager
-def workers_of(cluster: str | None, jobs: int | None, folder: StudyFolder) -> Iterator[Workers]:
-    """Let a cluster, or as many processes as asked for or there are cores, make runs; SIGTERM stops like Ctrl-C."""
+def interrupted_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM stop a study like Ctrl-C."""
     old = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        with study_workers(cluster, jobs, folder.scratch) as workers:
-            yield workers
+        yield
     finally:
         signal.signal(signal.SIGTERM, old)
 
 
-def make_missing(
-    plan: Plan, tasks: TaskFactory, folder: StudyFolder, workers: Workers, console: Console, *, is_sure: bool
-) -> bool:
-    """Make the runs that are not there; return whether all are there then, False where the user does not want them.
+class StudyConsole:
+    """A person at a console: sees the runs made, and is asked before many."""
 
-    Raises
-    ------
-    UserError
-        They are many, and there is nobody to ask.
-    """
-    jobs = pending_jobs(plan, folder)
-    if len(jobs) < plan.n_jobs:
-        console.print(f"{plan.n_jobs - len(jobs)} of {plan.n_jobs} runs are there already", markup=False)
-    if len(jobs) > MANY_RUNS and not is_sure:
-        if not (sys.stdin.isatty() and console.is_terminal):
-            what = f"{len(jobs)} runs are to be made, and there is nobody to ask whether that is meant"
+    def __init__(self, console: Console, *, is_sure: bool) -> None:
+        self._console, self._is_sure = console, is_sure
+
+    def accept(self, run: StudyRun) -> Sequence[Job] | None:
+        """Return the pending runs, None where the user does not want them.
+
+        Raises
+        ------
+        UserError
+            They are many, and this is not a terminal to ask at.
+        """
+        jobs, total = run.pending(), run.plan.n_jobs
+        if len(jobs) < total:
+            self._console.print(f"{total - len(jobs)} of {total} runs exist already", markup=False)
+        if len(jobs) <= MANY_RUNS or self._is_sure:
+            return jobs
+        if not (sys.stdin.isatty() and self._console.is_terminal):
+            what = f"{len(jobs)} runs are pending; cannot ask for confirmation: not a terminal"
             raise UserError.of(what, "add --yes, or take fewer seeds")
-        if len(jobs) == plan.n_jobs:
-            console.print("one run is made first, to see how long it takes")
-            execute(jobs[:1], tasks, folder, workers)
+        if len(jobs) == total:
+            self._console.print("one run is made first, to see how long it takes")
+            run.make(jobs[:1])
             jobs = jobs[1:]
-        if not _wants(len(jobs), _seconds_a_run(plan, folder) / workers.at_once, console):
-            console.print("nothing more is run; --seeds and --vary make the study smaller")
-            return False
-    with study_bar(Console(stderr=True), plan.name, plan.n_jobs - len(jobs), plan.n_jobs) as on_made:
-        execute(jobs, tasks, folder, workers, on_made)
-    return True
+        if not _wants(len(jobs), run.seconds_a_run() / run.workers.at_once, self._console):
+            self._console.print("nothing more is run; --seeds and --vary make the study smaller")
+            return None
+        return jobs
 
+    def progress(self, title: str, done: int, total: int) -> AbstractContextManager[Callable[[str], None]]:
+        """Return the progress bar."""
+        return study_bar(Console(stderr=True), title, done, total)
 
-def draw_worst(
-    plan: Plan,
-    tasks: TaskFactory,
-    folder: StudyFolder,
-    workers: Workers,
-    console: Console,
-    *,
-    each: int,
-    keep_logs: bool,
-) -> None:
-    """Draw the worst failures that are not drawn, and say so where one does not happen again or cannot be drawn."""
-    chosen = worst_failures(plan, read_records(plan, folder.path), each)
-    jobs = pending_drawings(chosen, folder, keep_logs=keep_logs)
-    with study_bar(Console(stderr=True), "failures", len(chosen) - len(jobs), len(chosen)) as on_made:
-        for line in draw_failures(jobs, tasks, folder, workers, on_made, keep_logs=keep_logs):
-            console.print(line, markup=False)
+    def tell(self, line: str) -> None:
+        """Print a line."""
+        self._console.print(line, markup=False)
 
 
 def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:
     """Ask whether so many runs are meant."""
-    question = f"{n_jobs} runs are to be made, which takes about {spoken(n_jobs * seconds_each)}. Go on? [y/N] "
+    question = f"{n_jobs} runs are pending, which take about {spoken(n_jobs * seconds_each)}. Go on? [y/N] "
     try:
         return console.input(question, markup=False).strip().lower() in {"y", "yes"}
     except EOFError:
@@ -101,8 +83,3 @@ def spoken(seconds: float) -> str:
         if seconds >= 2 * size:
             return f"{seconds / size:.0f} {unit}"
     return f"{max(seconds, 1):.0f} seconds"
-
-
-def _seconds_a_run(plan: Plan, folder: StudyFolder) -> float:
-    walls = [record.wall_s for record in read_records(plan, folder.path)]
-    return sum(walls) / len(walls)

@@ -30,7 +30,8 @@ def stages_of(names: Iterable[str], index: Index) -> dict[str, str]:
 def _stages_of_file(name: str) -> dict[str, str]:
     from graphnav.errors import Place
     from graphnav.graph import find_graph
-    from graphnav.graph.read.graph_files import read_bytes, read_files
+    from graphnav.graph.read.graph_files import read_files
+    from graphnav.spec import read_bytes
 
     path = find_graph(name)
     uses: dict[str, str] = {}

@@ -4,6 +4,9 @@ from graphnav.graph.find import find_graph, shipped_folder, shipped_graphs
 from graphnav.graph.graph import Graph
 from graphnav.graph.load import graph_of, load_graph
 from graphnav.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
+from graphnav.graph.overrides.option_text import parse_override, parse_overrides, parse_value
+from graphnav.graph.overrides.override import Override
+from graphnav.graph.overrides.target import Target
 from graphnav.graph.resolved import resolved_yaml
 from graphnav.graph.schema.graph_schema import graph_schema
 from graphnav.graph.wiring.stop_message import stop_fields
@@ -16,12 +19,17 @@ __all__ = [
     "InputChannel",
     "Node",
     "OutputChannel",
+    "Override",
     "RunOptions",
     "Setting",
+    "Target",
     "find_graph",
     "graph_of",
     "graph_schema",
     "load_graph",
+    "parse_override",
+    "parse_overrides",
+    "parse_value",
     "resolved_yaml",
     "shipped_folder",
     "shipped_graphs",

@@ -15,7 +15,7 @@ from graphnav.graph.wiring.inputs import inputs_of
 from graphnav.graph.wiring.join_stamps import check_stamps
 from graphnav.graph.wiring.outputs import outputs_of
 from graphnav.graph.wiring.outside_names import check_outside_names
-from graphnav.graph.wiring.settings import SET, is_from_set, run_options, settings_of
+from graphnav.graph.wiring.settings import SET, run_options, settings_of
 from graphnav.graph.wiring.wires import Wires
 from graphnav.spec import Spec, StageSpec
 from graphnav.stage import Source, Stage, ports_of
@@ -114,7 +114,7 @@ def _check_deploy(spec: Spec, problems: list[Problem]) -> None:
             if name not in spec.stages:
                 problems.append(Problem(stage.place, f"there is no stage '{name}'", did_you_mean(name, spec.stages)))
             elif name in placed:
-                what = f"stage '{name}' stands in the processes '{placed[name]}' and '{process}'"
+                what = f"stage '{name}' is in the processes '{placed[name]}' and '{process}'"
                 problems.append(Problem(stage.place, what, "keep one"))
             placed.setdefault(name, process)
 
@@ -123,7 +123,7 @@ def _times_of(stage: StageSpec, cls: type[Stage], problems: list[Problem]) -> di
     if "every_ms" in stage.times and issubclass(cls, Source):
         what = f"stage '{stage.name}' ({stage.use}) is a source: 'every_ms' is for stages that messages fire"
         problems.append(Problem(stage.times["every_ms"].place, what, "write with: {rate_hz: ...}"))
-    notes = {key: SET for key, entry in stage.times.items() if is_from_set(entry.value.place)}
+    notes = {key: SET for key, entry in stage.times.items() if entry.is_override}
     return {key: entry.value.data for key, entry in stage.times.items()} | {"time_notes": notes}
 
 

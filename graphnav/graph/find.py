@@ -44,8 +44,8 @@ def find_graph(name: str | Path, folder: Path = Path()) -> Path:
         raise UserError.of("it is a folder, not a graph", hint, Place(str(name)))
     beside = path.parent if _exists(path.parent) else Path()
     known = {*shipped, *(_from(folder, p) for suffix in _SUFFIXES for p in beside.glob(f"*{suffix}"))}
-    hint = did_you_mean(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
-    raise UserError.of("there is no such graph", hint, Place(str(name)))
+    known_hint = did_you_mean(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
+    raise UserError.of("there is no such graph", known_hint, Place(str(name)))
 
 
 def _from(folder: Path, path: Path) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from graphnav.errors import ParamError, Problem, UserError
+from graphnav.errors import ParamError, Problem, UserError, one_line
 from graphnav.graph.node import Channel, InputChannel, Node, OutputChannel
 from graphnav.spec import RunOptions
 from graphnav.stage import Stage
@@ -75,8 +75,7 @@ class Graph:
             except UserError as error:
                 problems.extend(error.problems)
             except Exception as error:  # noqa: BLE001 - a plugin's constructor may raise anything
-                said = " ".join(f"{type(error).__name__}: {error}".split())
-                problems.append(Problem(node.place, f"{node.use} cannot be made: {said}", "mend the plugin"))
+                problems.append(Problem(node.place, f"{node.use} cannot be made: {one_line(error)}", "fix the plugin"))
         if problems:
             raise UserError(problems)
         return stages

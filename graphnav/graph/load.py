@@ -11,38 +11,41 @@ from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph.check import check
 from graphnav.graph.find import find_graph
 from graphnav.graph.graph import Graph
-from graphnav.graph.overrides.swap import apply_sets
+from graphnav.graph.overrides.override import Override
+from graphnav.graph.overrides.swap import apply_overrides
 from graphnav.graph.read.extend import merge_files, rewire_merged
 from graphnav.graph.read.graph_files import read_files
 from graphnav.graph.read.plugin_files import load_plugins
 from graphnav.spec import parse_spec, read_bytes
 
 
-def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] = ()) -> Graph:
+def load_graph(
+    path_or_name: str | Path, catalog: Catalog, overrides: Sequence[Override] = (), problems: Sequence[Problem] = ()
+) -> Graph:
     """Return the checked graph of a file, or of the name of one in the working folder or among those that ship.
 
-    ``sets`` are swaps as the command line takes them: ``plane=plane.affine``, ``plane.mad_ratio=3``,
-    ``plane.in.truth=robot.truth``, ``run.until_s=5``, ``twin+=plane.affine``, which adds a stage.
+    ``problems``: what is wrong with options that were read before, to be reported with the graph's.
 
     Raises
     ------
     UserError
-        Everything that is wrong with the graph and the swaps.
+        Everything that is wrong with the graph and the overrides.
     """
     path = find_graph(path_or_name)
     source = shown_path(path)
-    return graph_of(read_bytes(path, Place(source)), path, catalog, sets, source)
+    return graph_of(read_bytes(path, Place(source)), path, catalog, overrides, source, problems=problems)
 
 
 def graph_of(
     data: bytes,
     path: Path,
     catalog: Catalog,
-    sets: Sequence[str] = (),
+    overrides: Sequence[Override] = (),
     source: str = "",
     replaced: Collection[str] = (),
+    problems: Sequence[Problem] = (),
 ) -> Graph:
-    """Return the checked graph that the bytes of the file ``path`` say; errors name it ``source``.
+    """Return the checked graph in the bytes of the file ``path``; errors name it ``source``.
 
     ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
 
@@ -51,8 +54,7 @@ def graph_of(
     UserError
         Everything that is wrong with it.
     """
-    problems: list[Problem] = []
-    notices: list[str] = []
+    problems, notices = list(problems), list[str]()
     files = read_files(data, path, source or str(path), problems)
     unusable: list[Problem] = []
     plugins = load_plugins(files, catalog, unusable, replaced)
@@ -63,7 +65,7 @@ def graph_of(
         raise UserError(_without_repetitions(problems))  # what their stages lack is not worth telling
     spec.folders = {file.source: file.path.parent for file in files}
     rewire_merged(spec, merged, catalog, problems, notices)
-    spec = apply_sets(spec, sets, catalog, problems, notices)
+    spec = apply_overrides(spec, overrides, catalog, problems, notices)
     graph = check(spec, catalog, path, problems, notices)
     if problems:
         raise UserError(_without_repetitions(problems))

@@ -7,12 +7,15 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
 from graphnav.adapter import Adapter
 from graphnav.errors import ParamError, Place, Problem
 from graphnav.messages import Message
 from graphnav.stage import Port, Source, Stage, ports_of
+
+Origin = Literal["graph", "default", "--set"]
+"""Where the value of a parameter comes from."""
 
 
 @dataclass(frozen=True)
@@ -106,8 +109,7 @@ class Setting:
     """What was written: paths as the user gave them."""
     anywhere: Any
     """The same with paths that hold in any folder."""
-    origin: str
-    """``graph``, ``default`` or ``--set``."""
+    origin: Origin
     place: Place
     """The value's place; that of the stage, for a default."""
 
@@ -153,5 +155,5 @@ class Node:
         """Return a parameter's error as a problem at the parameter's place; a default is named, for it has none."""
         setting = self.settings.get(error.param)
         is_written = setting is not None and setting.origin != "default"
-        what = error.what if is_written or f"'{error.param}'" in error.what else f"'{error.param}': {error.what}"
+        what = error.what if is_written else f"default of '{error.param}': {error.what}"
         return Problem(setting.place if setting else self.place, f"{self.use}: {what}", error.hint)

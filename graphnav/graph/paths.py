@@ -64,6 +64,21 @@ def _resolve(path: Path, base: Path) -> Resolved:
     return Resolved(beside, beside)
 
 
+def beside(value: Any, folder: Path) -> Any:
+    """Return plain data with every string absolute that names something in ``folder``; else as it is."""
+    if isinstance(value, list):
+        return [beside(item, folder) for item in value]
+    return str(folder / value) if isinstance(value, str) and _is_in(folder, value) else value
+
+
+def _is_in(folder: Path, path: str) -> bool:
+    """Return whether there is such a file, or one that a pattern (``*.jpg``) matches."""
+    try:
+        return (folder / path).exists() or any(folder.glob(path))
+    except (OSError, ValueError, NotImplementedError):  # too long, with a null character, or absolute
+        return False
+
+
 def _is_there(path: Path) -> bool:
     try:
         if path.exists():

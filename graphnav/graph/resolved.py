@@ -70,9 +70,8 @@ def _node_lines(node: Node, *, portable_paths: bool) -> Iterator[str]:
     if node.settings:
         yield "    with:"
     for name, setting in node.settings.items():
-        note = "" if setting.origin == "graph" else setting.origin
         value = setting.written if portable_paths else setting.anywhere
-        yield f"      {name}: {write_value(value)}" + _comment(note)
+        yield f"      {name}: {write_value(value)}" + _comment("" if setting.origin == "graph" else setting.origin)
     wired = [(i.port.name, i.channel.ref, i.note) for i in node.inputs if i.channel is not None]
     if wired:
         yield "    in:"

@@ -9,7 +9,7 @@ import pytest
 
 from graphnav import Recording
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import load_graph, parse_override
 from graphnav.record import LOG
 from graphnav.runner.recording.run_recorded import run_recorded
 from graphnav.runner.recording.summary import Summary
@@ -22,7 +22,7 @@ def drive(tmp_path: Path) -> Drive:
     """Return a function that runs a shipped graph with a seed and swaps, and gives its summary and log."""
 
     def run(name: str, seed: int, *sets: str) -> tuple[Summary, Recording]:
-        graph = load_graph(name, Catalog(), sets=[*sets, f"run.seed={seed}"])
+        graph = load_graph(name, Catalog(), [*map(parse_override, (*sets, f"run.seed={seed}"))])
         folder = tmp_path / f"{len(list(tmp_path.iterdir()))}"
         folder.mkdir()
         summary = run_recorded(graph, graph.make_stages(), folder)

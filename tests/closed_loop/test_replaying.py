@@ -10,7 +10,7 @@ import pytest
 
 from graphnav import Recording
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import load_graph, parse_override
 from graphnav.record import LOG
 from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
 from graphnav.runner.recording.run_recorded import run_recorded
@@ -22,7 +22,7 @@ Again = Callable[..., ReplayResult]
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the log of two seconds of a drive, with everything in it."""
     folder = tmp_path_factory.mktemp("drive")
-    graph = load_graph("corridor_ccw", Catalog(), ["run.until_s=2"])
+    graph = load_graph("corridor_ccw", Catalog(), [parse_override("run.until_s=2")])
     run_recorded(graph, graph.make_stages(), folder)
     return folder / LOG
 
@@ -33,7 +33,11 @@ def again(drive: Path) -> Again:
 
     def run(*sets: str, **options: Any) -> ReplayResult:
         with Recording(drive) as recording:
-            return replay(recording, graph_to_replay(recording, Catalog(), sets=sets), ReplayOptions(**options))
+            return replay(
+                recording,
+                graph_to_replay(recording, Catalog(), overrides=[*map(parse_override, sets)]),
+                ReplayOptions(**options),
+            )
 
     return run
 

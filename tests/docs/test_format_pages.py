@@ -10,7 +10,7 @@ import yaml
 from graphnav_world.maps.map_format import MAP
 from graphnav_world.maps.world_map import load_map
 
-from graphnav.ablation.plan import make_plan
+from graphnav.ablation.plan import check_study
 from graphnav.ablation.study import study_of_command
 from graphnav.catalog import Catalog
 
@@ -54,6 +54,6 @@ def test_every_part_that_the_page_shows_can_be_read(text: str) -> None:
 def test_the_study_of_the_page_can_be_planned(tmp_path: Path) -> None:
     path = tmp_path / "my_study.yaml"
     path.write_text(blocks(STUDIES, "yaml")[0])
-    plan = make_plan(study_of_command([str(path)]), Catalog(), "graphnav ablate my_study.yaml")
+    plan = check_study(study_of_command([str(path)]), Catalog(), "graphnav ablate my_study.yaml").plan
     assert len(plan.cases) == 6
     assert f"`{plan.command}`" in STUDIES.read_text()

@@ -16,7 +16,7 @@ from graphnav import Image, Odometry, Recording, Twist
 from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.codec import decode, encode
-from graphnav.graph import Graph, load_graph
+from graphnav.graph import Graph, load_graph, parse_override
 from graphnav.live import run_live
 from graphnav.messages import Message
 from graphnav.record import LOG
@@ -223,7 +223,7 @@ def again() -> Callable[..., ReplayResult]:
         catalog = Catalog()
         catalog.add_file(STAGES)
         with Recording(log) as recording:
-            made = graph_to_replay(recording, catalog, sets=["slow.dawdle_s=0", *sets])
+            made = graph_to_replay(recording, catalog, overrides=[*map(parse_override, ("slow.dawdle_s=0", *sets))])
             return replay(recording, made, ReplayOptions(**options), out=out)
 
     return run

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.catalog import Catalog
-from graphnav.graph import Graph, graph_of
+from graphnav.graph import Graph, graph_of, parse_override
 
 TOYS = Path(__file__).parent.parent / "errors" / "stages.py"
 
@@ -35,6 +35,6 @@ def load(toys: Catalog, tmp_path: Path) -> Callable[..., Graph]:
     """Return a function that loads the text of a graph, as if it stood in an empty folder."""
 
     def loaded(text: str = LOOP, *sets: str) -> Graph:
-        return graph_of(text.encode(), tmp_path / "graph.yaml", toys, sets, "graph.yaml")
+        return graph_of(text.encode(), tmp_path / "graph.yaml", toys, [*map(parse_override, sets)], "graph.yaml")
 
     return loaded

@@ -18,6 +18,7 @@ from acceptance.processes import end, group_url, running
 from acceptance.rig import Rig
 from graphnav import Recording, Twist
 from graphnav.catalog import Catalog
+from graphnav.graph import parse_override
 from graphnav.loginfo import survey
 from graphnav.record import LOG
 from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
@@ -111,7 +112,7 @@ def _replay(log: Path, *sets: str, plugin: Path | None = None, out: Path | None 
     catalog, plugins = Catalog(), [plugin or LIMIT]
     catalog.add_file(plugins[0])
     with Recording(log) as recording:
-        made = graph_to_replay(recording, catalog, sets=sets, plugins=plugins)
+        made = graph_to_replay(recording, catalog, overrides=[*map(parse_override, sets)], plugins=plugins)
         return replay(recording, made, ReplayOptions(), out=out)
 
 

@@ -13,7 +13,7 @@ from graphnav_score.plane import Plane
 
 from acceptance.drives import say
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import load_graph, parse_override
 from graphnav.runner.recording.run_recorded import run_recorded
 
 Scores = dict[str, Plane]
@@ -109,7 +109,7 @@ def _drive(task: tuple[str, int, float | None]) -> Scores:
         sets += [f"run.until_s={until_s}"]
     if path == EMPTY_MAP:
         sets += ["control=control.wander"]
-    graph = load_graph("measure_detectors", Catalog(), sets=sets)
+    graph = load_graph("measure_detectors", Catalog(), [*map(parse_override, sets)])
     stages = graph.make_stages()
     with tempfile.TemporaryDirectory() as scratch:
         summary = run_recorded(graph, stages, Path(scratch))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import load_graph, parse_override
 from graphnav.live import run_live
 from graphnav.record import LOG
 from graphnav.runner.recording.run_recorded import run_recorded
@@ -37,6 +37,6 @@ def record_tiny(folder: Path, *, is_live: bool) -> Path:
 def record_drive(folder: Path, until_s: float) -> Path:
     """Drive through the corridor in lockstep and return the log; ``folder`` must not exist."""
     folder.mkdir()
-    graph = load_graph("corridor_ccw", Catalog(), [f"run.until_s={until_s}"])
+    graph = load_graph("corridor_ccw", Catalog(), [parse_override(f"run.until_s={until_s}")])
     run_recorded(graph, graph.make_stages(), folder)
     return folder / LOG

@@ -78,11 +78,11 @@ def _section(name: str) -> str:
 def _section_of(value: Any) -> str:
     """Return the section of a class or function, from its source."""
     (node,) = ast.parse(textwrap.dedent(inspect.getsource(value))).body
-    return _class(node) if isinstance(node, ast.ClassDef) else _function(node)
+    return _class(node) if isinstance(node, ast.ClassDef) else _function(node, inspect.getdoc(value) or "")
 
 
-def _function(node: Any) -> str:
-    return f"### {node.name}\n\n```python\n{_signature(node)}\n```\n\n{docstring(ast.get_docstring(node) or '')}"
+def _function(node: Any, doc: str) -> str:
+    return f"### {node.name}\n\n```python\n{_signature(node)}\n```\n\n{docstring(doc)}"
 
 
 def _class(node: ast.ClassDef) -> str:

@@ -15,7 +15,7 @@ from graphnav.runner import Outcome
 
 
 def pending_jobs(plan: Plan, folder: StudyFolder) -> list[Job]:
-    """Return the runs of a plan that are still to be made."""
+    """Return the runs of a plan that are pending."""
     return [job for job in plan.jobs if not folder.holds(job.folder)]
 
 

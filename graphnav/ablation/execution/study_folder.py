@@ -126,15 +126,17 @@ def read_plan(folder: Path) -> Plan:
     Raises
     ------
     UserError
-        There is none, or it is no plan.
+        There is none, or it is not a plan.
     """
     path = folder / PLAN
     try:
         return Plan.read(path)
     except FileNotFoundError as error:
-        raise UserError.of(f"{folder} is no folder of a study: there is no {PLAN}", "name one that has it") from error
+        raise UserError.of(
+            f"{folder} is not the folder of a study: there is no {PLAN}", "name one that has it"
+        ) from error
     except OSError as error:
         raise UserError.of(f"cannot read {path}: {error.strerror}") from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         hint = "it may be of another version of graphnav; choose another folder"
-        raise UserError.of(f"{path} is no plan of a study", hint) from error
+        raise UserError.of(f"{path} is not the plan of a study", hint) from error

@@ -1,26 +1,25 @@
-"""Turn the jobs of a plan into tasks; the graph of a case is loaded once."""
+"""Turn the jobs of a checked study into tasks."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
-from graphnav.ablation.plan import Case, Job, Plan
+from graphnav.ablation.plan import Case, CheckedStudy, Job
 from graphnav.ablation.worker import Task
-from graphnav.catalog import Catalog
-from graphnav.graph import Graph, load_graph, resolved_yaml
+from graphnav.graph import resolved_yaml
 
 
 class TaskFactory:
-    """Turns the jobs of a plan into tasks."""
+    """Turns the jobs of a checked study into tasks; each graph is written once."""
 
-    def __init__(self, plan: Plan, catalog: Catalog) -> None:
-        self._plan, self._catalog = plan, catalog
-        self._graphs: dict[str, tuple[Graph, str]] = {}
+    def __init__(self, study: CheckedStudy) -> None:
+        self._plan, self._graphs = study.plan, study.graphs
+        self._texts: dict[str, str] = {}
 
     def task(self, job: Job) -> Task:
         """Return what a worker needs to make a run."""
-        graph, text = self._graph(job.case)
+        graph, text = self._graphs[job.case.folder], self._text(job.case)
         return Task(
             folder=job.folder,
             graph_yaml=text,
@@ -31,11 +30,11 @@ class TaskFactory:
             versions=self._plan.versions,
         )
 
-    def _graph(self, case: Case) -> tuple[Graph, str]:
-        """Return a case's graph, and the text of it that loads from any folder."""
-        if case.folder not in self._graphs:
-            graph = load_graph(case.source, self._catalog, case.sets)
+    def _text(self, case: Case) -> str:
+        """Return the YAML of a case's graph that loads from any folder."""
+        if case.folder not in self._texts:
+            graph = self._graphs[case.folder]
             plugins = dict.fromkeys((*graph.plugins, *map(Path, self._plan.plugins)))
             named = replace(graph, plugins=tuple(plugins))
-            self._graphs[case.folder] = graph, resolved_yaml(named, portable_paths=False)
-        return self._graphs[case.folder]
+            self._texts[case.folder] = resolved_yaml(named, portable_paths=False)
+        return self._texts[case.folder]

@@ -103,7 +103,7 @@ def cluster_workers(address: str) -> Iterator[Workers]:
         raise UserError.of("--cluster needs Dask", install_command("cluster")) from error
     for name in logging.root.manager.loggerDict:
         if name.startswith("distributed"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said once, by graphnav
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are reported once, by graphnav
     try:
         _knock(address)
         client = Client(address, timeout=_PATIENCE_S, set_as_default=False)

@@ -1,6 +1,6 @@
 """A checked study: every graph with every variant, loaded before anything runs."""
 
-from graphnav.ablation.plan.build_plan import make_plan
+from graphnav.ablation.plan.build_plan import CheckedStudy, check_study
 from graphnav.ablation.plan.compatibility import check_compatible
 from graphnav.ablation.plan.plan import RUNS, Better, Case, Job, Plan
 from graphnav.ablation.plan.provenance import difference_here, with_versions
@@ -9,10 +9,11 @@ __all__ = [
     "RUNS",
     "Better",
     "Case",
+    "CheckedStudy",
     "Job",
     "Plan",
     "check_compatible",
+    "check_study",
     "difference_here",
-    "make_plan",
     "with_versions",
 ]

@@ -1,8 +1,9 @@
-"""Turn a study into a checked plan, before anything runs."""
+"""Check a study before anything runs: its plan, and the graph of every case."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from graphnav.ablation.plan.case_problems import CaseProblems
@@ -15,20 +16,29 @@ from graphnav.ablation.plan.variants import Variant, expand
 from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
-from graphnav.graph import resolved_yaml
+from graphnav.graph import Graph, resolved_yaml
 from graphnav.runner.recording.summary import versions
 
 
-def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Path] = ()) -> Plan:
-    """Return the plan of a study after every graph with every variant was loaded and checked.
+@dataclass(frozen=True)
+class CheckedStudy:
+    """The plan of a study, and its graphs, loaded once."""
 
-    Costs about 10 ms a case, and what its stages take to look at their files. ``command`` and ``plugins`` are written
-    down for those who run it again.
+    plan: Plan
+    graphs: Mapping[str, Graph]
+    """The graph of every case with runs of its own, by `Case.folder`."""
+
+
+def check_study(study: Study, catalog: Catalog, command: str, plugins: Sequence[Path] = ()) -> CheckedStudy:
+    """Load and check every graph of a study with every variant.
+
+    Costs about 10 ms a case, and what its stages take to look at their files. ``command`` and ``plugins`` are recorded
+    in the plan for those who run it again.
 
     Raises
     ------
     UserError
-        Everything that is wrong with the study and its graphs, each said once.
+        Everything that is wrong with the study and its graphs, each once.
     """
     variants = expand(study)
     if problems := list(study_problems(study, variants)):
@@ -42,7 +52,7 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
     if problems:
         raise UserError(dict.fromkeys(problems))
     cases = tuple(_cases(study, variants, checked))
-    return Plan(
+    plan = Plan(
         name=study.name,
         about=study.about,
         command=command,
@@ -56,6 +66,8 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
         plugins=_plugins(plugins, checked),
         versions=versions(),
     )
+    graphs = {case.folder: one.graph for case, one in zip(cases, checked, strict=True) if not case.same_as}
+    return CheckedStudy(plan, graphs)
 
 
 def _plugins(given: Sequence[Path], checked: Sequence[CheckedCase]) -> tuple[str, ...]:
@@ -78,7 +90,7 @@ def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[Checke
             source=case.name,
             variant=case.variant.called,
             labels=case.variant.labels,
-            sets=case.sets,
+            overrides=case.overrides,
             is_base=case.variant.is_base,
             role=case.role,
             folder=f"{RUNS}/{of_graph[case.name]}/{of_variant[same.variant.name]}",

@@ -4,21 +4,34 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan.variants import Variant
 from graphnav.ablation.study import Axis
-from graphnav.errors import Place, Problem, UserError
-from graphnav.graph.wiring.settings import SET
+from graphnav.errors import Hint, Place, Problem, ProblemKind, Suggestion, UserError
 
 
 @dataclass(frozen=True)
 class Origin:
-    """The place of a ``--set`` text of a case: in a choice of an axis, or for all runs (both empty)."""
+    """The location of an override of a case: in a choice of an axis, or for all runs (both empty)."""
 
     place: Place | None
     axis: str = ""
     choice: str = ""
+
+
+@dataclass(frozen=True)
+class _Finding:
+    """A problem with an override, or with a choice, of the study."""
+
+    origin: Origin
+    what: str
+    hint: Hint
+    kind: ProblemKind
+
+    def at(self, place: Place | None, prefix: str = "") -> Problem:
+        """Return it as a problem at a place."""
+        return Problem(place, prefix + self.what, self.hint, self.kind)
 
 
 _CaseProblem = tuple[Origin | None, Problem]
@@ -37,43 +50,46 @@ class CaseProblems:
         """Count a case of a graph as checked."""
         self._seen[graph] += 1
 
-    def add(self, graph: str, variant: Variant, error: UserError, origins: Mapping[str, Origin]) -> None:
-        """Add what is wrong with a case; ``origins``: of its ``--set`` texts."""
+    def add(self, graph: str, variant: Variant, error: UserError, origins: Mapping[Place, Origin]) -> None:
+        """Add what is wrong with a case; ``origins``: of its overrides, by place."""
         for problem in dict.fromkeys(error.problems):
-            said = problem.place.file.removeprefix(f"{SET} ") if problem.place else ""
-            finding = origins.get(said), problem
+            finding = origins.get(problem.place) if problem.place else None, problem
             self._found.setdefault(finding, {}).setdefault(graph, []).append(variant)
 
     def problems(self) -> list[Problem]:
-        """Return what is wrong: what all choices of an axis have at the axis, all else where it was said.
+        """Return what is wrong: what all choices of an axis have at the axis, all else where it was written.
 
-        What a graph says, but only with some variants, is said at the choice that all of them have in common.
+        What is wrong with a graph, but only with some variants, is reported at the choice that they have in common.
         """
-        said: dict[Problem, None] = {}
-        found: dict[tuple[Origin, str, str], list[str]] = {}
+        of_graphs: dict[Problem, None] = {}
+        found: dict[_Finding, list[str]] = {}
         for (origin, problem), where in self._found.items():
             by = origin or self._common_choice(where)
             if by is None:
-                said[problem] = None
+                of_graphs[problem] = None
             else:
-                hint = _in_one_choice(problem.hint) if by.axis else problem.hint
-                found.setdefault((by, problem.what, hint), []).extend(where)
-        choices: dict[tuple[str, str, str], set[str]] = {}
-        for origin, what, hint in found:
-            choices.setdefault((origin.axis, what, hint), set()).add(origin.choice)
-        graphs: dict[Problem, list[str]] = {}
-        for (origin, what, hint), names in found.items():
-            axis = self._axes.get(origin.axis)
-            is_whole = axis is not None and 1 < len(axis.choices) == len(choices[origin.axis, what, hint])
-            place = axis.place if axis and is_whole else origin.place
-            graphs.setdefault(Problem(place, what, hint), []).extend(names)
+                hint = _in_one_choice(problem) if by.axis else problem.hint
+                found.setdefault(_Finding(by, problem.what, hint, problem.kind), []).extend(where)
+        graphs: dict[tuple[Place | None, _Finding], list[str]] = {}
+        for finding, names in found.items():
+            place = self._place(finding, found)
+            graphs.setdefault((place, replace(finding, origin=Origin(None))), []).extend(names)
         return [
-            *said,
+            *of_graphs,
             *(
-                Problem(p.place, f"in {listed(list(dict.fromkeys(names)))}: {p.what}", p.hint)
-                for p, names in graphs.items()
+                finding.at(place, f"in {listed(list(dict.fromkeys(names)))}: ")
+                for (place, finding), names in graphs.items()
             ),
         ]
+
+    def _place(self, finding: _Finding, found: Iterable[_Finding]) -> Place | None:
+        """Return the place of a finding: that of its axis where all choices of the axis have it."""
+        axis = self._axes.get(finding.origin.axis)
+        if axis is None:
+            return finding.origin.place
+        alike = (f for f in found if f.origin.axis == axis.name and f.at(None) == finding.at(None))
+        choices = {one.origin.choice for one in alike}
+        return axis.place if 1 < len(axis.choices) == len(choices) else finding.origin.place
 
     def _common_choice(self, where: Mapping[str, Sequence[Variant]]) -> Origin | None:
         """Return the choice that all variants with a problem have in common, None if it is not for a choice."""
@@ -90,10 +106,12 @@ class CaseProblems:
         return next((o for o in common if (o.axis, o.choice) not in bases), common[0] if common else None)
 
 
-def _in_one_choice(hint: str) -> str:
-    """Return the advice of a swap for a study, where ``--set`` would change the other variants, too."""
-    head, option, rest = hint.partition(f"choose with {SET} ")
-    return f"{head}write a choice that sets this, too: {rest.replace(f'{SET} ', '')}" if option else hint
+def _in_one_choice(problem: Problem) -> Hint:
+    """Return the advice for one choice of an axis, where ``--set`` would change the other variants, too."""
+    if problem.kind == "ambiguous" and isinstance(problem.hint, Suggestion):
+        names = problem.hint.names
+        return Suggestion(names, f"write a choice that sets this, too: {' or '.join(names)}")
+    return problem.hint
 
 
 def listed(names: Sequence[str]) -> str:

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan.case_problems import CaseProblems, Origin
-from graphnav.ablation.plan.resolve_paths import resolve_paths
 from graphnav.ablation.plan.variants import Variant
-from graphnav.ablation.study import Study, swaps_of
+from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
-from graphnav.errors import UserError
-from graphnav.graph import Graph, Node, load_graph
-from graphnav.stage import Role, Stage
+from graphnav.errors import Place, UserError
+from graphnav.graph import Graph, Node, Override, load_graph
+from graphnav.graph.paths import has_path
+from graphnav.stage import Role, Stage, params_of
 
 _ROLES: tuple[Role, ...] = ("oracle", "control", "method")
 """The most special one first."""
-_FROM_COMMAND = "--"
 
 
 @dataclass(frozen=True)
@@ -26,12 +25,13 @@ class CheckedCase:
     name: str
     """As the study names the graph."""
     variant: Variant
-    sets: tuple[str, ...]
+    overrides: tuple[Override, ...]
+    """Paths as they were found."""
     graph: Graph
 
     @property
     def identity(self) -> object:
-        """What makes its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
+        """What determines its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
         nodes = tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in self.graph.nodes)
         return self.name, nodes, repr(self.graph.run)
 
@@ -43,14 +43,14 @@ class CheckedCase:
     @property
     def role(self) -> Role:
         """The most special role that its axes put in."""
-        swapped = swaps_of(self.variant.sets)
+        swapped = _swaps(self.variant.overrides)
         roles = {node.stage_class.role for node in self.graph.nodes if node.name in swapped}
         return next((role for role in _ROLES if role in roles), "method")
 
     @property
     def notices(self) -> tuple[str, ...]:
         """Notices of swaps; a swap for the same stage did nothing and has none."""
-        idle = {f"{stage}: it is {use} already" for stage, use in swaps_of(self.sets).items()}
+        idle = {f"{stage}: it is {use} already" for stage, use in _swaps(self.overrides).items()}
         return tuple(notice for notice in self.graph.notices if notice not in idle)
 
 
@@ -65,7 +65,7 @@ def check_cases(
             origins = _origins(study, variant)
             problems.count_case(name)
             try:
-                case = _load(study, name, variant, origins, catalog)
+                case = _load(study, name, variant, catalog)
                 new = {part: node for node in case.graph.nodes if (part := _made_of(node.use, node.params)) not in fine}
                 replace(case.graph, nodes=tuple(new.values())).make_stages()
                 fine |= new.keys()
@@ -75,29 +75,39 @@ def check_cases(
     return checked
 
 
-def _load(study: Study, name: str, variant: Variant, origins: dict[str, Origin], catalog: Catalog) -> CheckedCase:
-    sets = tuple(origins)
-    graph = load_graph(name, catalog, sets)
-    if study.folder is not None:
-        moved = {
-            text: resolve_paths(graph, text, study.folder)
-            for text, origin in origins.items()
-            if origin.place is not None and not origin.place.file.startswith(_FROM_COMMAND)
-        }
-        if any(text != here for text, here in moved.items()):
-            origins |= {here: origins[text] for text, here in moved.items()}
-            sets = tuple(moved.get(text, text) for text in sets)
-            graph = load_graph(name, catalog, sets)
+def _load(study: Study, name: str, variant: Variant, catalog: Catalog) -> CheckedCase:
+    overrides = (*study.overrides, *variant.overrides)
+    graph = load_graph(name, catalog, overrides)
     _refuse_live(graph)
-    return CheckedCase(name, variant, sets, graph)
+    nodes = {node.name: node for node in graph.nodes}
+    return CheckedCase(name, variant, tuple(_as_found(override, nodes) for override in overrides), graph)
 
 
-def _origins(study: Study, variant: Variant) -> dict[str, Origin]:
-    """Return the ``--set`` texts of a case, each with its origin."""
-    origins = {text: Origin(study.places.get(text)) for text in study.sets}
+def _as_found(override: Override, nodes: Mapping[str, Node]) -> Override:
+    """Return an override whose paths are absolute where they were found beside the study."""
+    for target in override.target.each if override.target.kind == "setting" and override.folder else ():
+        node = nodes.get(target.stages[0])
+        if node is not None and target.key in node.settings and has_path(params_of(node.stage_class)[target.key].type):
+            return replace(override, value=node.settings[target.key].written)
+    return override
+
+
+def _origins(study: Study, variant: Variant) -> dict[Place, Origin]:
+    """Return the origin of every override of a case, by its place."""
+    origins = {override.place: Origin(_shown(override.place)) for override in study.overrides}
     for axis, choice in variant.choices.items():
-        origins |= {text: Origin(place, axis, choice.label) for text, place in choice.placed_sets}
+        origins |= {o.place: Origin(_shown(o.place), axis, choice.label) for o in choice.overrides}
     return origins
+
+
+def _shown(place: Place) -> Place:
+    """Return a place without the number of a value in an option."""
+    return place if place.line else replace(place, column=0)
+
+
+def _swaps(overrides: Iterable[Override]) -> dict[str, str]:
+    """Return which stages are swapped or added, and for what."""
+    return {stage: str(o.value) for o in overrides if o.target.is_stage for stage in o.target.stages}
 
 
 def _made_of(use: str, params: Mapping[str, object]) -> tuple[object, ...]:

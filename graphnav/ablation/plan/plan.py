@@ -10,6 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
+from graphnav.errors import Place, shown_path
+from graphnav.graph import Override, Target, parse_override
 from graphnav.stage import Role
 
 Better = Literal["more", "less"]
@@ -30,7 +32,7 @@ class Case:
     """Its name in tables; the same over all graphs."""
     labels: Mapping[str, str]
     """Its choice of every axis."""
-    sets: tuple[str, ...]
+    overrides: tuple[Override, ...]
     is_base: bool
     role: Role
     """The most special of what its axes put in: "control" or "oracle", else "method"."""
@@ -50,7 +52,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Job:
-    """One run that is to be made."""
+    """A pending run."""
 
     case: Case
     seed: int
@@ -124,16 +126,33 @@ class Plan:
         return next(case for case in self.cases if (case.graph, case.variant) == (graph, variant))
 
     def write(self, path: Path) -> None:
-        """Write it as JSON."""
-        path.write_text(json.dumps(dataclasses.asdict(self), indent=1) + "\n", encoding="utf-8")
+        """Write it as JSON; the overrides of a case are a mapping of targets to values."""
+        data = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        data["cases"] = [_case_json(case) for case in self.cases]
+        path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
     @classmethod
     def read(cls, path: Path) -> Plan:
-        """Read what `write` wrote."""
+        """Read what `write` wrote, in this version or an earlier one."""
         data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        data["cases"] = tuple(Case(**{k: _tuple(v) for k, v in case.items()}) for case in data["cases"])
+        data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
         data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
         return cls(**{key: _tuple(value) for key, value in data.items()})
+
+
+def _case_json(case: Case) -> dict[str, Any]:
+    data = {field.name: getattr(case, field.name) for field in dataclasses.fields(case)}
+    return data | {"overrides": {str(override.target): override.value for override in case.overrides}}
+
+
+def _case(data: dict[str, Any], place: Place) -> Case:
+    """Return a case of a plan; before 0.2.0 its overrides were strings for ``--set``."""
+    fields = {key: _tuple(value) for key, value in data.items()}
+    if "sets" in fields:
+        overrides = [parse_override(text, place) for text in fields.pop("sets")]
+    else:
+        overrides = [Override(Target.parse(key, place), value, place) for key, value in data["overrides"].items()]
+    return Case(**fields | {"overrides": tuple(overrides)})
 
 
 def _tuple(value: Any) -> Any:

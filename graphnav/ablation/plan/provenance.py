@@ -1,4 +1,4 @@
-"""What results depend on besides the graph: versions, and hashes of the code of plugins."""
+"""Record what results depend on besides the graph: versions, and hashes of the code of plugins."""
 
 from __future__ import annotations
 

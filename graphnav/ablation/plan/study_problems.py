@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from graphnav.ablation.plan.variants import Variant
-from graphnav.ablation.study import Study, Target, targets_of
-from graphnav.errors import Place, Problem, did_you_mean
+from graphnav.ablation.study import Study
+from graphnav.errors import Problem, did_you_mean
+from graphnav.graph import Override, Target
 
 _OWN = {
     "seed": ("a study's seeds are its worlds", "write seeds: FIRST:END, or --seeds FIRST:END"),
@@ -17,21 +18,22 @@ _OWN = {
 
 def study_problems(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
     """Yield the problems of a study and its variants, each once, at its first place."""
-    said = set()
-    for problem in _all_problems(study, variants):
-        if problem.what not in said:
-            said.add(problem.what)
-            yield problem
+    found: dict[object, Problem] = {}
+    for about, problem in _all_problems(study, variants):
+        found.setdefault(about, problem)
+    yield from found.values()
 
 
-def _all_problems(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+def _all_problems(study: Study, variants: Sequence[Variant]) -> Iterator[tuple[object, Problem]]:
+    """Yield what each problem is about, and the problem."""
     if not study.graphs:
-        yield Problem(None, f"the study '{study.name}' has no graphs", "name one: graphnav ablate corridor_ccw ...")
+        hint = "name one: graphnav ablate corridor_ccw ..."
+        yield "graphs", Problem(None, f"the study '{study.name}' has no graphs", hint)
     if not study.seeds:
-        yield Problem(None, f"the study '{study.name}' has no seeds", "say which worlds: --seeds 0:50")
-    yield from _within(study)
-    for text in study.sets:
-        yield from _own(text, study.places.get(text))
+        yield "seeds", Problem(None, f"the study '{study.name}' has no seeds", "specify the worlds: --seeds 0:50")
+    yield from ((problem, problem) for problem in _within(study))
+    for override in study.overrides:
+        yield from _own(override)
     for variant in variants:
         yield from _set_twice(study, variant)
 
@@ -52,25 +54,22 @@ def _within(study: Study) -> Iterator[Problem]:
         yield Problem(place, "'within' names every axis, which leaves none to compare", "leave out the one that varies")
 
 
-def _set_twice(study: Study, variant: Variant) -> Iterator[Problem]:
-    who: dict[Target, str] = {target: "'set'" for text in study.sets for target in targets_of(text)}
+def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem]]:
+    who: dict[Target, str] = {target: "'set'" for override in study.overrides for target in override.target.each}
     for axis, choice in variant.choices.items():
         here: dict[Target, str] = {}
-        for text, place in choice.placed_sets:
-            yield from _own(text, place)
-            for target in targets_of(text):
+        for override in choice.overrides:
+            yield from _own(override)
+            for target in override.target.each:
                 if target in who:
-                    yield Problem(place, f"axis '{axis}' sets {_shown(target)}, as {who[target]} does", "keep one")
+                    what = f"axis '{axis}' sets {target}, as {who[target]} does"
+                    yield (axis, target, who[target]), Problem(override.place, what, "keep one", "duplicate")
                 here[target] = f"axis '{axis}'"
         who |= here
 
 
-def _own(text: str, place: Place | None) -> Iterator[Problem]:
-    for stage, key in targets_of(text):
-        if stage == "run" and key in _OWN:
-            why, hint = _OWN[key]
-            yield Problem(place, f"run.{key} is not for a study to set: {why}", hint)
-
-
-def _shown(target: Target) -> str:
-    return ".".join(filter(None, target))
+def _own(override: Override) -> Iterator[tuple[object, Problem]]:
+    target = override.target
+    if target.kind == "run" and target.key in _OWN:
+        why, hint = _OWN[target.key]
+        yield target, Problem(override.place, f"{target} is not for a study to set: {why}", hint)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from graphnav.ablation.study import Axis, Choice, Study
 from graphnav.errors import UserError
+from graphnav.graph import Override
 
 MAX_CASES = 2000
 """The maximum number of graphs times variants."""
@@ -30,9 +31,9 @@ class Variant:
     is_base: bool
 
     @property
-    def sets(self) -> tuple[str, ...]:
-        """The ``--set`` texts of its choices."""
-        return tuple(text for choice in self.choices.values() for text in choice.sets)
+    def overrides(self) -> tuple[Override, ...]:
+        """The overrides of its choices."""
+        return tuple(override for choice in self.choices.values() for override in choice.overrides)
 
     @property
     def labels(self) -> dict[str, str]:
@@ -108,7 +109,7 @@ def _rows(study: Study) -> list[tuple[Choice, ...]]:
 
 
 def _short_labels(axes: tuple[Axis, ...]) -> list[Mapping[str, str]]:
-    """Return what stands for each label in names: itself, with its axis where another axis has the same."""
+    """Return the short form of each label in names: itself, with its axis where another axis has the same."""
     times = Counter(choice.label for axis in axes for choice in axis.choices)
     return [
         {c.label: c.label if times[c.label] == 1 else f"{axis.name}={c.label}" for c in axis.choices} for axis in axes

@@ -2,9 +2,9 @@
 
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
-from graphnav.ablation.study.override_targets import Target, swaps_of, targets_of
 from graphnav.ablation.study.study import Axis, Choice, Study
 from graphnav.ablation.study.study_keys import STUDY
+from graphnav.ablation.study.vary import Vary, parse_varies, vary_of
 
 __all__ = [
     "STUDY",
@@ -12,8 +12,8 @@ __all__ = [
     "Choice",
     "MetricExpression",
     "Study",
-    "Target",
+    "Vary",
+    "parse_varies",
     "study_of_command",
-    "swaps_of",
-    "targets_of",
+    "vary_of",
 ]

@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from graphnav.ablation.study.find_study import classify
-from graphnav.ablation.study.override_targets import targets_of
-from graphnav.ablation.study.seeds import parse_seeds
+from graphnav.ablation.study.seeds import checked_seeds, parse_seeds
 from graphnav.ablation.study.study import Axis, Study
 from graphnav.ablation.study.study_file import load_study
-from graphnav.ablation.study.vary_option import varied
+from graphnav.ablation.study.varied_axes import varied
+from graphnav.ablation.study.vary import Vary
 from graphnav.errors import Place, Problem, UserError
-from graphnav.graph import find_graph
+from graphnav.graph import Override, find_graph
 
 _VARY = "write --vary plane=plane.ica,plane.affine, or name a study"
 
@@ -21,18 +21,19 @@ _VARY = "write --vary plane=plane.ica,plane.affine, or name a study"
 def study_of_command(
     names: Sequence[str],
     *,
-    varies: Sequence[str] = (),
-    sets: Sequence[str] = (),
+    varies: Sequence[Vary] = (),
+    overrides: Sequence[Override] = (),
     metrics: Sequence[str] = (),
     within: Sequence[str] = (),
-    seeds: str | None = None,
+    seeds: str | Sequence[int] | None = None,
     one_at_a_time: bool = False,
+    problems: Sequence[Problem] = (),
 ) -> Study:
     """Return the study that ``graphnav ablate NAMES`` with its options means.
 
-    ``names``: one study, or graphs, each a file or a name. ``--vary`` replaces an axis of the study of that name or
-    adds one, ``--vary AXIS+=VALUE`` adds a choice (see `varied`); ``--set`` comes before what the study sets of the
-    same; ``--figures`` and ``--within`` (texts with commas between) and ``--seeds`` replace the study's.
+    ``names``: one study, or graphs, each a file or a name. ``varies`` change the axes of the study (see `varied`);
+    ``overrides`` take the place of the study's with the same targets; ``metrics`` and ``within`` (strings with commas
+    between) and ``seeds`` replace the study's. ``problems``: what is wrong with options that were read before.
 
     Raises
     ------
@@ -40,7 +41,7 @@ def study_of_command(
         Everything that is wrong with the names and the options.
     """
     base = _named(names)
-    problems: list[Problem] = []
+    problems = list(problems)
     axes = varied(base.axes, varies, problems)
     if not axes and not problems:
         problems.append(Problem(None, "the study varies nothing", _VARY))
@@ -53,23 +54,27 @@ def study_of_command(
         problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))
     if problems:
         raise UserError(problems)
-    places = {text: Place(f"--set {text}") for text in sets} | dict.fromkeys(columns, Place("--figures"))
     return replace(
         base,
         about=base.about or _question(axes, base.graphs),
         axes=axes,
         seeds=worlds,
-        sets=(*_not_replaced(base.sets, sets), *sets),
+        overrides=(*_not_replaced(base.overrides, overrides), *overrides),
         metrics=tuple(columns) or base.metrics,
         within=tuple(dict.fromkeys(conditions)) or base.within,
         one_at_a_time=one_at_a_time or base.one_at_a_time,
-        places={**base.places, **places, **dict.fromkeys(conditions, Place("--within"))},
+        places=base.places | _placed(columns, "--figures") | _placed(conditions, "--within"),
     )
 
 
-def _seeds(text: str, problems: list[Problem]) -> tuple[int, ...]:
+def _placed(words: Iterable[str], option: str) -> dict[str, Place]:
+    return dict.fromkeys(words, Place(option))
+
+
+def _seeds(seeds: str | Sequence[int], problems: list[Problem]) -> tuple[int, ...]:
+    place = Place("--seeds")
     try:
-        return parse_seeds(text, Place("--seeds"))
+        return parse_seeds(seeds, place) if isinstance(seeds, str) else checked_seeds(seeds, place)
     except UserError as error:
         problems += error.problems
         return ()
@@ -79,10 +84,10 @@ def _split(texts: Sequence[str]) -> list[str]:
     return [part.strip() for text in texts for part in text.split(",")]
 
 
-def _not_replaced(old: Sequence[str], new: Sequence[str]) -> list[str]:
-    """Return the ``--set`` texts of ``old`` but for those all of whose targets are set by ``new``."""
-    targets = {target for text in new for target in targets_of(text)}
-    return [text for text in old if not targets.issuperset(targets_of(text))]
+def _not_replaced(old: Sequence[Override], new: Sequence[Override]) -> list[Override]:
+    """Return the overrides of ``old`` but for those all of whose targets are set by ``new``."""
+    targets = {target for override in new for target in override.target.each}
+    return [override for override in old if not targets.issuperset(override.target.each)]
 
 
 def _question(axes: Sequence[Axis], graphs: Sequence[str]) -> str:

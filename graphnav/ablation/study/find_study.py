@@ -36,8 +36,8 @@ def find(name: str | Path) -> Path:
             raise
         near = sorted(str(p) for suffix in ("yaml", "yml") for p in Path().glob(f"*.{suffix}"))
         hint = did_you_mean(str(name), {*studies, *shipped_graphs(), *near})
-        hint = hint or f"studies that ship: {', '.join(studies)}\ngraphs that ship: {', '.join(shipped_graphs())}"
-        raise UserError.of("there is no such study or graph", hint, Place(str(name))) from None
+        known = f"studies that ship: {', '.join(studies)}\ngraphs that ship: {', '.join(shipped_graphs())}"
+        raise UserError.of("there is no such study or graph", hint or known, Place(str(name))) from None
     is_shipped_graph = path == shipped_graphs().get(str(name))
     return studies.get(str(name), path) if is_shipped_graph else path
 

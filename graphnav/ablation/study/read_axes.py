@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from graphnav.ablation.study.axis_checks import axis_problems, plain_choice
-from graphnav.ablation.study.set_texts import set_texts
+from graphnav.ablation.study.axis_checks import axis_problems, name_problems, plain_choice
+from graphnav.ablation.study.read_overrides import OverrideReader
 from graphnav.ablation.study.source_text import SourceText
 from graphnav.ablation.study.study import Axis, Choice
-from graphnav.ablation.study.study_keys import Choices, Settings, StudyKeys
-from graphnav.errors import Place, Problem
+from graphnav.ablation.study.study_keys import Choices, StudyKeys
+from graphnav.errors import Problem
+from graphnav.graph import Target
 from graphnav.spec import Value
 
 
-def axes_of(keys: StudyKeys, source: SourceText, problems: list[Problem]) -> tuple[Axis, ...]:
+def axes_of(keys: StudyKeys, source: SourceText, reader: OverrideReader) -> tuple[Axis, ...]:
     """Return the axes under ``vary``: lists of what a target becomes, or mappings of labels to what each sets."""
-    axes = []
+    axes, problems = [], reader.problems
     for name, choices in keys.vary.items():
-        before = len(problems)
-        axis = Axis(name, _choices(name, choices, keys, source, problems), keys.key_place("vary", name))
+        before, place = len(problems), keys.key_place("vary", name)
+        problems.extend(name_problems(name, place))
+        axis = Axis(name, _choices(name, choices, keys, source, reader), place)
         if len(problems) == before:
-            problems += axis_problems(axis)
+            problems.extend(axis_problems(axis))
         axes.append(axis)
     if not axes and not problems:
         hint = "write vary: {plane: [plane.ica, plane.affine]}"
@@ -29,25 +31,20 @@ def axes_of(keys: StudyKeys, source: SourceText, problems: list[Problem]) -> tup
 
 
 def _choices(
-    axis: str, choices: Choices, keys: StudyKeys, source: SourceText, problems: list[Problem]
+    axis: str, choices: Choices, keys: StudyKeys, source: SourceText, reader: OverrideReader
 ) -> tuple[Choice, ...]:
     if isinstance(choices, Mapping):
         return tuple(
-            _labelled(label, settings or {}, keys.key_place("vary", axis, label), source, problems)
+            Choice(label, reader.mapping(settings or {}), keys.key_place("vary", axis, label))
             for label, settings in choices.items()
         )
-    return tuple(_plain(axis, value, source, problems) for value in choices or ())
+    place = keys.key_place("vary", axis)
+    target = None if place is None or any(name_problems(axis, place)) else reader.target(axis, place)
+    return tuple(_plain(target, value, source, reader) for value in choices or ()) if target is not None else ()
 
 
-def _plain(axis: str, value: Value, source: SourceText, problems: list[Problem]) -> Choice:
+def _plain(target: Target, value: Value, source: SourceText, reader: OverrideReader) -> Choice:
     if isinstance(value.data, dict):
-        hint = f"name a choice that sets several things: {axis}: {{label: {{stage.parameter: value}}}}"
-        problems.append(Problem(value.place, f"axis '{axis}': a value in a list cannot be a mapping", hint))
-    return plain_choice(axis, source.text(value), value.place, source.label(value))
-
-
-def _labelled(
-    label: str, settings: Settings, place: Place | None, source: SourceText, problems: list[Problem]
-) -> Choice:
-    sets = set_texts(settings, source, problems)
-    return Choice(label, tuple(sets), tuple(sets.values()), place)
+        hint = f"name a choice that sets several things: {target}: {{label: {{stage.parameter: value}}}}"
+        reader.problems.append(Problem(value.place, f"axis '{target}': a value in a list cannot be a mapping", hint))
+    return plain_choice(reader.override(target, value), source.label(value), value.place)

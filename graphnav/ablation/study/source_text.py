@@ -1,4 +1,4 @@
-"""Values of a study as ``--set`` takes them, numbers as they were written."""
+"""Values of a study as tables show them, numbers as they were written."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import re
 from graphnav.spec import Value, parse_scalar, write_value
 
 _NUMBER = re.compile(r"[^\s,\[\]{}#]+")
-_READ_AS_YAML = ("[", "{", '"', "'")
 
 
 class SourceText:
@@ -16,23 +15,13 @@ class SourceText:
     def __init__(self, data: bytes) -> None:
         self._lines = data.decode("utf-8-sig", "replace").splitlines()
 
-    def text(self, value: Value) -> str:
-        """Return a value as ``--set`` takes it: 0.50 stays 0.50, words stay bare where that is safe."""
-        if isinstance(value.data, list):
-            return "[" + ", ".join(self._item(item) for item in value.data) + "]"
-        if isinstance(value.data, str):
-            text = value.data
-            is_bare = parse_scalar(text) == text and text.isprintable() and not text.startswith(_READ_AS_YAML)
-            return text if is_bare else write_value(text)
-        return self._item(value)
-
     def label(self, value: Value) -> str:
-        """Return a value as tables show it: texts without quotes."""
-        return value.data if isinstance(value.data, str) and value.data.isprintable() else self.text(value)
+        """Return a value as tables show it: 0.50 stays 0.50, strings have no quotes."""
+        return value.data if isinstance(value.data, str) and value.data.isprintable() else self._item(value)
 
     def _item(self, value: Value) -> str:
         if isinstance(value.data, list):
-            return self.text(value)
+            return "[" + ", ".join(map(self._item, value.data)) + "]"
         if isinstance(value.data, int | float) and not isinstance(value.data, bool):
             line = self._lines[value.place.line - 1][value.place.column - 1 :]
             token = _NUMBER.match(line)

@@ -7,13 +7,16 @@ from pathlib import Path
 
 from graphnav.ablation.study.find_study import find, read
 from graphnav.ablation.study.read_axes import axes_of
+from graphnav.ablation.study.read_overrides import OverrideReader
 from graphnav.ablation.study.seeds import checked_seeds, parse_seeds
-from graphnav.ablation.study.set_texts import Texts, set_texts
 from graphnav.ablation.study.source_text import SourceText
 from graphnav.ablation.study.study import Study
 from graphnav.ablation.study.study_keys import STUDY, StudyKeys
-from graphnav.errors import Problem, UserError, shown_path
+from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph import find_graph
+
+Texts = dict[str, Place]
+"""Strings, each with its location."""
 
 
 def load_study(name_or_path: str | Path) -> Study:
@@ -39,20 +42,20 @@ def load_study(name_or_path: str | Path) -> Study:
 def _study(keys: StudyKeys, path: Path, source: SourceText, problems: list[Problem]) -> Study:
     graphs = _graphs(keys, path, problems)
     within, metrics = (_texts(keys, word, problems) for word in ("within", "metrics"))
+    reader = OverrideReader(path.resolve().parent, problems)
     given = keys.set
-    sets = set_texts(given, source, problems) if isinstance(given, Mapping) else _texts(keys, "set", problems)
+    overrides = reader.mapping(given) if isinstance(given, Mapping) else reader.texts(_texts(keys, "set", problems))
     return Study(
         name=path.stem,
         about=keys.about,
         graphs=tuple(graphs),
-        axes=axes_of(keys, source, problems),
+        axes=axes_of(keys, source, reader),
         seeds=_seeds(keys, problems),
-        sets=tuple(sets),
+        overrides=overrides,
         metrics=tuple(metrics),
         within=tuple(within),
         one_at_a_time=keys.one_at_a_time,
-        folder=path.resolve().parent,
-        places=graphs | sets | metrics | within,
+        places=graphs | metrics | within,
     )
 
 

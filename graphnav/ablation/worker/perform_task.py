@@ -37,9 +37,9 @@ def perform(task: Task, scratch: Path) -> Result:
 
 
 def _perform(task: Task, scratch: Path) -> Result:
-    catalog = _catalog(task.plugins, tuple(task.versions.items()))
+    study = _study(task.plugins, tuple(task.versions.items()))
+    catalog, graph = study.catalog, study.graph(task)
     errors: list[GraphnavError] = []
-    graph = _graph(task, catalog)
     summary = run_recorded(graph, graph.make_stages(), scratch, on_failure=errors.append)
     for error in errors:
         if not isinstance(error, StageError):
@@ -71,14 +71,25 @@ def _draw(catalog: Catalog, scratch: Path) -> None:
         (scratch / NOT_DRAWN).write_text("; ".join(dict.fromkeys(errors)), encoding="utf-8")
 
 
-def _graph(task: Task, catalog: Catalog) -> Graph:
-    graph = graph_of(task.graph_yaml.encode(), Path(task.graph_path), catalog)
-    return replace(graph, notices=task.notices, run=replace(graph.run, seed=task.seed, record=task.record))
+class _Study:
+    """What this process keeps of a study from run to run: the catalog, and every graph that it has loaded."""
+
+    def __init__(self, catalog: Catalog) -> None:
+        self.catalog = catalog
+        self._graphs: dict[tuple[str, str], Graph] = {}
+
+    def graph(self, task: Task) -> Graph:
+        """Return the graph of a run; that of a case is loaded once."""
+        key = task.graph_yaml, task.graph_path
+        if key not in self._graphs:
+            self._graphs[key] = graph_of(task.graph_yaml.encode(), Path(task.graph_path), self.catalog)
+        graph = self._graphs[key]
+        return replace(graph, notices=task.notices, run=replace(graph.run, seed=task.seed, record=task.record))
 
 
 @lru_cache(maxsize=1)
-def _catalog(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> Catalog:
-    """Return the catalog of a study; raises UserError where this process is not what the study is made with."""
+def _study(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> _Study:
+    """Return the study of a task; raises UserError where this process differs from what the study began with."""
     if other := difference_here(wanted, plugins):
         raise UserError.of(
             f"{platform.node()} does not have what the study began with, but {other}",
@@ -87,4 +98,4 @@ def _catalog(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> C
     catalog = Catalog()
     for plugin in plugins:
         catalog.add_file(Path(plugin))
-    return catalog
+    return _Study(catalog)

@@ -9,7 +9,7 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Task:
-    """A run that is to be made; it needs no file but those that the graph and the plugins name."""
+    """A pending run; it needs no file but those that the graph and the plugins name."""
 
     folder: str
     """Where its files will be, below the study's folder."""

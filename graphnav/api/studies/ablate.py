@@ -2,36 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 
-import joblib
-
-from graphnav.ablation.execution import (
-    StudyFolder,
-    TaskFactory,
-    Workers,
-    cluster_workers,
-    draw_failures,
-    execute,
-    local_workers,
-    pending_drawings,
-    pending_jobs,
-)
-from graphnav.ablation.plan import Plan
-from graphnav.ablation.results import read_records, worst_failures
-from graphnav.ablation.study import study_of_command
-from graphnav.api.arguments import PathLike, path_of, paths_of, set_texts, texts_of, wrong_type
+from graphnav.ablation.execution import StudyFolder
+from graphnav.ablation.plan import CheckedStudy, Job
+from graphnav.api.arguments import PathLike, overrides_of, path_of, paths_of, texts_of
 from graphnav.api.load import add_plugins
 from graphnav.api.notices import tell
+from graphnav.api.parameters import documented
 from graphnav.api.result_folder import KeptFolder, temporary_folder
 from graphnav.api.studies.finished_study import Study
-from graphnav.api.studies.study_files import write_study_files
-from graphnav.api.studies.study_plan import checked_plan, names_of, seeds_text, vary_texts, words_of
+from graphnav.api.studies.study_arguments import execution_of, names_of, seeds_of, varies_of
+from graphnav.api.studies.study_request import StudyRequest
+from graphnav.api.studies.study_run import ExecutionOptions, StudyRun, run_study
 from graphnav.catalog import Catalog
 
 
+@documented
 def ablate(
     study: PathLike | Sequence[PathLike],
     *,
@@ -54,37 +42,6 @@ def ablate(
     was stopped goes on when the same call is made again, and more ``seeds`` add runs to the existing ones. Nothing asks
     before many runs are made.
 
-    Parameters
-    ----------
-    study
-        A study (a YAML file, or the name of one that ships), or graphs: ``"corridor_ccw"``,
-        ``["corridor_ccw", "pillars"]``.
-    vary
-        What varies, by what ``set`` takes, the base's value first: ``{"plane": ["plane.ica", "plane.affine"]}``. Axes
-        cross. ``{"plane+": ["plane.mine"]}`` adds to an axis of a study.
-    set
-        What all runs have, as `graphnav.load` takes it.
-    seeds
-        The worlds, ``range(1000, 1010)``; None: those of the study.
-    metrics
-        Columns of the tables, ``"drive.success"``, the one that decides first; none: all of them.
-    within
-        Axes that are conditions: variants are compared with the base under the same one.
-    one_at_a_time
-        Change one axis of the base at a time, in place of crossing them.
-    plugins
-        Files with stages of your own.
-    folder
-        The study's folder. None: a temporary one, removed when the `Study` is not in use any more.
-    jobs
-        Runs at once; None: one a core.
-    cluster
-        The scheduler of a Dask cluster, ``"tcp://host:8786"``, that makes the runs.
-    gallery
-        How many failures of each variant are run again and drawn for the report.
-    keep_logs
-        Keep the full logs of those.
-
     Raises
     ------
     UserError
@@ -94,82 +51,50 @@ def ablate(
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
-    names, varies, sets, text = names_of(study), vary_texts(vary), set_texts(set), seeds_text(seeds)
-    figures, conditions = (
-        texts_of(metrics, "metrics", "drive.success"),
-        texts_of(within, "within", "control.max_speed_mps"),
+    request = StudyRequest(
+        names=names_of(study),
+        varies=varies_of(vary),
+        overrides=overrides_of(set),
+        seeds=seeds_of(seeds),
+        metrics=texts_of(metrics, "metrics", "drive.success"),
+        within=texts_of(within, "within", "control.max_speed_mps"),
+        one_at_a_time=one_at_a_time,
+        plugins=paths_of(plugins, "plugins", "my_stage.py"),
     )
-    files = paths_of(plugins, "plugins", "my_stage.py")
-    _check_count("jobs", jobs, 1)
-    _check_count("gallery", gallery, 0)
-    if cluster is not None and not isinstance(cluster, str):
-        raise wrong_type("cluster", cluster, "a string or None", 'write cluster="tcp://host:8786"')
+    options = execution_of(jobs, cluster, gallery, keep_logs)
     kept = None if folder is None else _named(folder)
-    catalog = add_plugins(Catalog(), files)
-    asked = study_of_command(
-        names,
-        varies=varies,
-        sets=sets,
-        metrics=figures,
-        within=conditions,
-        seeds=text,
-        one_at_a_time=one_at_a_time,
-    )
-    command = words_of(
-        names,
-        varies=varies,
-        sets=sets,
-        seeds=text,
-        metrics=figures,
-        within=conditions,
-        one_at_a_time=one_at_a_time,
-        plugins=files,
-    )
-    plan = checked_plan(asked, catalog, command, files)
-    kept = kept or temporary_folder()
-    _make(plan, catalog, kept.path, jobs=jobs, cluster=cluster, gallery=gallery, keep_logs=keep_logs)
-    return Study(plan, write_study_files(plan, kept.path, catalog), kept)
+    catalog = add_plugins(Catalog(), request.plugins)
+    return _made(request.check(catalog), catalog, kept or temporary_folder(), options)
 
 
-@contextmanager
-def study_workers(cluster: str | None, jobs: int | None, scratch: Path) -> Iterator[Workers]:
-    """Let a cluster, or as many processes as asked for or there are cores, make runs.
-
-    Raises
-    ------
-    UserError
-        Dask is not installed, or no scheduler answers.
-    """
-    with cluster_workers(cluster) if cluster else local_workers(jobs or joblib.cpu_count(), scratch) as workers:
-        yield workers
+def _made(study: CheckedStudy, catalog: Catalog, kept: KeptFolder, options: ExecutionOptions) -> Study:
+    """Return a study after all its runs were made."""
+    with StudyFolder(kept.path) as folder:
+        files = run_study(study, catalog, folder, options, _Quiet())
+    assert files is not None
+    return Study(study.plan, files, kept)
 
 
-def _make(
-    plan: Plan,
-    catalog: Catalog,
-    path: Path,
-    *,
-    jobs: int | None,
-    cluster: str | None,
-    gallery: int,
-    keep_logs: bool,
-) -> None:
-    """Make the pending runs of a study and draw its failures."""
-    with StudyFolder(path) as folder:
-        folder.begin(plan)
-        tasks = TaskFactory(plan, catalog)
-        with study_workers(cluster, jobs, folder.scratch) as workers:
-            execute(pending_jobs(plan, folder), tasks, folder, workers)
-            chosen = worst_failures(plan, read_records(plan, folder.path), gallery)
-            pending = pending_drawings(chosen, folder, keep_logs=keep_logs)
-            for line in draw_failures(pending, tasks, folder, workers, keep_logs=keep_logs):
-                tell(line)
+class _Quiet:
+    """Accepts all runs and shows no progress."""
+
+    def accept(self, run: StudyRun) -> Sequence[Job]:
+        """Return the pending runs."""
+        return run.pending()
+
+    def progress(
+        self,
+        title: str,  # noqa: ARG002
+        done: int,  # noqa: ARG002
+        total: int,  # noqa: ARG002
+    ) -> AbstractContextManager[Callable[[str], None]]:
+        """Return what takes outcomes and shows nothing."""
+        return nullcontext(lambda _: None)
+
+    def tell(self, line: str) -> None:
+        """Log a line."""
+        tell(line)
 
 
 def _named(folder: PathLike) -> KeptFolder:
     return KeptFolder(path_of(folder, "folder", "ablations/1").absolute(), is_temporary=False)
-
-
-def _check_count(name: str, value: object, minimum: int) -> None:
-    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < minimum):
-        raise wrong_type(name, value, f"an integer from {minimum} on", f"write {name}=2")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
@@ -18,6 +20,7 @@ from graphnav.ablation.report import (
 )
 from graphnav.ablation.results import Comparison, Record, compare, read_records
 from graphnav.catalog import Catalog
+from graphnav.graph import Graph
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,10 @@ class StudyFiles:
     report: Path
 
 
-def write_study_files(plan: Plan, folder: Path, catalog: Catalog) -> StudyFiles:
-    """Make tables and report from the existing runs of a study.
+def write_study_files(
+    plan: Plan, folder: Path, catalog: Catalog, graphs: Mapping[str, Graph] = MappingProxyType({})
+) -> StudyFiles:
+    """Make tables and report from the existing runs of a study; ``graphs``: those loaded already, by `Case.folder`.
 
     Raises
     ------
@@ -44,4 +49,4 @@ def write_study_files(plan: Plan, folder: Path, catalog: Catalog) -> StudyFiles:
     write_results(plan, records, folder / RESULTS)
     write_timing(plan, records, folder / TIMING)
     write_atomically(folder / TABLE, table_markdown(plan, comparison))
-    return StudyFiles(records, comparison, write_report(plan, comparison, records, folder, catalog))
+    return StudyFiles(records, comparison, write_report(plan, comparison, records, folder, catalog, graphs))

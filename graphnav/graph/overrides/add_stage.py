@@ -14,10 +14,10 @@ from graphnav.spec import Spec, StageSpec
 def add_stage(spec: Spec, added: Assignment, catalog: Catalog, given: Collection[str], notices: list[str]) -> None:
     """Add a stage without wires behind all others; ``given``: its parameters that are set too."""
     spec.stages[added.stage] = StageSpec(
-        name=added.stage, place=added.place, use=added.text, use_place=added.place, use_note=str(added.place)
+        name=added.stage, place=added.place, use=added.text, use_place=added.place, use_note=added.override.note
     )
     try:
         cls = catalog.stage(added.text)
     except CatalogError:
-        return  # said by the check of the graph
+        return  # reported by the check of the graph
     notices.append(params_notice(f"{added.stage}: added, {added.text}", cls, given=given))

@@ -1,4 +1,4 @@
-"""What a stage keeps when it is swapped for another: wires of the same name and type, paths of the same name."""
+"""Carry over what a swapped stage keeps: wires of the same name and type, paths of the same name."""
 
 from __future__ import annotations
 

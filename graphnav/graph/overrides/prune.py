@@ -1,4 +1,4 @@
-"""Remove what nobody reads any more after a swap."""
+"""Remove the stages that no other stage reads any more after a swap."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ def prune(
 ) -> None:
     """Remove the stages that had readers and have none now, and what the graph says of them.
 
-    Sinks and what leaves stay, without inputs the last source too. ``read_before``: the stages that somebody read
+    Sinks and what leaves stay, without inputs the last source too. ``read_before``: the stages that were read
     before the swap.
     """
     while unread := _unread(spec, read_before, classes):
         del spec.stages[unread]
-        notices.append(f"{unread}: pruned, nobody reads it any more")
+        notices.append(f"{unread}: pruned, no stage reads it any more")
     forget(spec, {name for name in classes if name in swapped or name not in spec.stages}, classes, notices)
 
 
@@ -39,7 +39,7 @@ def forget(spec: Spec, gone: Collection[str], classes: Mapping[str, type[Stage]]
 
 
 def _forget(section: dict[str, Any], left: set[str], gone: Collection[str], notices: list[str], notice: str) -> None:
-    """Remove what is said of ports that went with their stage."""
+    """Remove the entries of ports that went with their stage."""
     for ref in [ref for ref in section if ref.partition(".")[0] in gone and ref not in left]:
         del section[ref]
         notices.append(notice.format(ref))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 
 from graphnav.catalog import Catalog
-from graphnav.errors import CatalogError, Place, Problem
+from graphnav.errors import CatalogError, Hint, Place, Problem, Suggestion
 from graphnav.graph.wiring.inputs import input_messages
+from graphnav.graph.wiring.settings import SET
 from graphnav.messages import Message
 from graphnav.spec import Entry, Spec, StageSpec, Value
 from graphnav.stage import Port, Stage, ports_of
@@ -83,7 +84,7 @@ class Rewiring:
             try:
                 classes[stage.name] = self._catalog.stage(stage.use)
             except CatalogError:
-                continue  # said by the check of the graph
+                continue  # reported by the check of the graph
         return classes
 
     def _close_broken(self, swapped: Collection[str], channels: Mapping[str, type[Message]]) -> None:
@@ -132,11 +133,11 @@ class Rewiring:
         what += f" in place of {gone}" if gone else ""
         if candidates:
             what += f", and {len(candidates)} channels have it: {', '.join(candidates)}"
-            hint = _choice(stage.name, port.name, candidates, is_set=bool(cause.use_note))
+            hint: Hint = _choice(stage.name, port.name, candidates, is_set=bool(cause.use_note))
         else:
             what += ", and no channel has it"
             hint = f"add a stage that writes {kind}" + (" too" if is_added else f", or swap '{stage.name}' too")
-        self._problems.append(Problem(cause.use_place, what, hint))
+        self._problems.append(Problem(cause.use_place, what, hint, "ambiguous" if candidates else "wrong"))
         stage.unwired.add(port.name)
 
     def _wire(self, stage: StageSpec, port: Port, ref: str, reason: str) -> None:
@@ -155,8 +156,9 @@ class Rewiring:
         return found
 
 
-def _choice(stage: str, port: str, candidates: list[str], *, is_set: bool) -> str:
-    """Return the hint that says how to choose a channel: on the command line or in the file."""
-    if is_set:
-        return "choose with " + " or ".join(f"--set {stage}.in.{port}={ref}" for ref in candidates)
-    return "choose with " + " or ".join(f"{stage}: {{in: {{{port}: {ref}}}}}" for ref in candidates)
+def _choice(stage: str, port: str, candidates: list[str], *, is_set: bool) -> Suggestion:
+    """Return the hint to choose a channel, on the command line or in the file; its names are overrides."""
+    overrides = tuple(f"{stage}.in.{port}={ref}" for ref in candidates)
+    options = [f"{SET} {words}" for words in overrides]
+    words = options if is_set else [f"{stage}: {{in: {{{port}: {ref}}}}}" for ref in candidates]
+    return Suggestion(overrides, f"choose with {' or '.join(words)}")

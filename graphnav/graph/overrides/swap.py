@@ -1,39 +1,40 @@
-"""Apply ``--set``: swap and add stages, rewire what that leaves open, prune what nobody reads any more."""
+"""Apply overrides: swap and add stages, rewire what that leaves open, prune what no stage reads any more."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from graphnav.catalog import Catalog
-from graphnav.errors import CatalogError, Problem, UserError
+from graphnav.errors import CatalogError, Problem
 from graphnav.graph.overrides.add_stage import add_stage
-from graphnav.graph.overrides.assignment import Assignment, parse_sets
+from graphnav.graph.overrides.assignment import Assignment, assign
 from graphnav.graph.overrides.carry_over import kept_params, kept_wires, lost_wires, params_notice, written_out
+from graphnav.graph.overrides.override import Override
 from graphnav.graph.overrides.prune import prune
 from graphnav.graph.overrides.rewire import Rewiring
 from graphnav.spec import Spec, StageSpec, parse_times
 
 
-def apply_sets(spec: Spec, sets: Sequence[str], catalog: Catalog, problems: list[Problem], notices: list[str]) -> Spec:
-    """Return ``spec`` with what ``--set`` options say; what is wrong and what changed is added to the lists."""
-    assignments = parse_sets(sets, spec, problems)
+def apply_overrides(
+    spec: Spec, overrides: Sequence[Override], catalog: Catalog, problems: list[Problem], notices: list[str]
+) -> Spec:
+    """Return ``spec`` with overrides applied; what is wrong and what changed is added to the lists."""
+    spec.folders |= {o.place.file: o.folder for o in overrides if o.folder is not None}
+    assignments = assign(overrides, spec, problems)
     if any(a.kind in ("swap", "add") for a in assignments):
         _Change(spec, assignments, catalog, problems, notices).apply()
     for a in assignments:
-        try:
-            if a.kind == "run":
-                spec.run[a.key] = a.entry
-            elif a.kind in ("param", "time", "wire") and a.stage not in spec.stages:
-                notices.append(f"{a.stage}: pruned, so that '{a.place}' changes nothing")
-            elif a.kind == "param":
-                spec.stages[a.stage].params[a.key] = a.entry
-            elif a.kind == "time":
-                _set_time(spec.stages[a.stage], a, problems)
-            elif a.kind == "wire":
-                spec.stages[a.stage].wires[a.key] = a.entry
-                spec.stages[a.stage].wire_notes[a.key] = str(a.place)
-        except UserError as error:
-            problems.extend(error.problems)
+        if a.kind == "run":
+            spec.run[a.key] = a.entry
+        elif a.kind in ("param", "time", "wire") and a.stage not in spec.stages:
+            notices.append(f"{a.stage}: pruned, so that '{a.override.note}' changes nothing")
+        elif a.kind == "param":
+            spec.stages[a.stage].params[a.key] = a.entry
+        elif a.kind == "time":
+            _set_time(spec.stages[a.stage], a, problems)
+        elif a.kind == "wire":
+            spec.stages[a.stage].wires[a.key] = a.entry
+            spec.stages[a.stage].wire_notes[a.key] = a.override.note
     return spec
 
 
@@ -88,11 +89,11 @@ class _Change:
             self._notices.append(f"{stage.name}: it is {swap.text} already")
             return False
         old_use, old = stage.use, self._before.get(stage.name)
-        stage.use, stage.use_place, stage.use_note = swap.text, swap.place, str(swap.place)
+        stage.use, stage.use_place, stage.use_note = swap.text, swap.place, swap.override.note
         try:
             new = self._catalog.stage(swap.text)
         except CatalogError:
-            return False  # said by the check of the graph
+            return False  # reported by the check of the graph
         kept = kept_params(stage.params, old, new)
         lost = [name for name in stage.params if name not in kept]
         what = f"{stage.name}: {old_use} swapped for {swap.text}"

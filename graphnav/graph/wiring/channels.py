@@ -64,10 +64,10 @@ def _check_names(
     )
     for channel in plain_first:
         entry = entries.get(channel.ref)
-        place, mend = _place(spec, channel, entry)
+        place, fix = _place(spec, channel, entry)
         name = channel.name
         if reason := why_not_a_name(name):
-            problems.append(Problem(place, reason[0], reason[1] or mend))
+            problems.append(Problem(place, reason[0], reason[1] or fix))
         elif name in writer:
             what = f"'{channel.ref}' and '{writer[name]}' would both write the channel '{name}'"
             problems.append(Problem(place, what, "give each its own name"))

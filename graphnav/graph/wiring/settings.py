@@ -5,21 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
-from graphnav.errors import ParamError, Place, Problem, did_you_mean
-from graphnav.graph.node import Setting
-from graphnav.graph.paths import has_path, resolve_paths
+from graphnav.errors import ParamError, Problem, did_you_mean
+from graphnav.graph.node import Origin, Setting
+from graphnav.graph.paths import beside, has_path, resolve_paths
 from graphnav.spec import Entry, RunOptions, StageSpec, check_url
 from graphnav.stage import Param, Stage, params_of
 
-SET = "--set"
-"""Places of what the command line gives begin so."""
-
-
-def is_from_set(place: Place) -> bool:
-    """Return whether something was given by ``--set``, not in the file."""
-    return place.file.startswith(SET)
+SET: Literal["--set"] = "--set"
+"""The origin of what an override gives, wherever it was written."""
 
 
 def settings_of(
@@ -31,8 +26,9 @@ def settings_of(
 ) -> dict[str, Setting]:
     """Return every parameter of a stage with its value; what is wrong is added to ``problems``.
 
-    ``folder`` is the graph's own: paths resolve against it, those of ``--set`` against the working folder, those of a
-    file that the graph extends against that of ``folders``, by the file's name in places.
+    ``folder`` is the graph's own: its paths resolve against it, those of a file that the graph extends against that of
+    ``folders``, by the file's name in places. Paths of an override are looked for in the folder of its file, if it was
+    written in one, then in the working folder.
     """
     declared = params_of(cls)
     problems += _unknown(spec.params, declared, f"{spec.use} has no parameter")
@@ -40,27 +36,31 @@ def settings_of(
     for name, param in declared.items():
         entry = spec.params.get(name)
         if entry is None and param.required:
-            if spec.unclear or any(did_you_mean(word, declared) == did_you_mean(name, [name]) for word in spec.params):
+            if spec.unclear or any(name in did_you_mean(word, declared).names for word in spec.params):
                 continue
             what = f"stage '{spec.name}' ({spec.use}) needs '{name}', {param.type_text}: {param.doc}"
             problems.append(Problem(spec.place, what, f"write with: {{{name}: ...}}"))
             continue
         place = entry.value.place if entry else spec.place
         try:
-            value = param.parse(entry.value.plain()) if entry else param.default
+            written = _written(param, entry, folders) if entry else None
+            value = param.parse(written) if entry else param.default
         except ParamError as error:
             problems.append(Problem(place, f"{spec.use}: {error.what}", error.hint))
             continue
-        settings[name] = _setting(param, value, entry, place, folders.get(place.file, folder))
+        origin: Origin = "default" if entry is None else SET if entry.is_override else "graph"
+        if has_path(param.type):
+            found = resolve_paths(param.type, value, Path.cwd() if origin == SET else folders.get(place.file, folder))
+            settings[name] = Setting(found.value, written if entry else value, found.anywhere, origin, place)
+        else:
+            settings[name] = Setting(value, value, value, origin, place)
     return settings
 
 
-def _setting(param: Param, value: Any, entry: Entry | None, place: Place, folder: Path) -> Setting:
-    origin = "default" if entry is None else SET if is_from_set(place) else "graph"
-    if not has_path(param.type):
-        return Setting(value, value, value, origin, place)
-    found = resolve_paths(param.type, value, Path.cwd() if origin == SET else folder)
-    return Setting(found.value, entry.value.plain() if entry else value, found.anywhere, origin, place)
+def _written(param: Param, entry: Entry, folders: Mapping[str, Path]) -> Any:
+    """Return the plain value of a parameter; paths of an override are absolute where they are beside its file."""
+    value, folder = entry.value.plain(), folders.get(entry.value.place.file)
+    return beside(value, folder) if entry.is_override and folder and has_path(param.type) else value
 
 
 def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOptions:
@@ -80,9 +80,7 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
 
 
 def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
+    known = f"it has {', '.join(declared)}" if declared else "it has none"
     for name, entry in entries.items():
         if name not in declared:
-            hint = did_you_mean(name, declared)
-            if not hint:
-                hint = f"it has {', '.join(declared)}" if declared else "it has none"
-            yield Problem(entry.place, f"{what} '{name}'", hint)
+            yield Problem(entry.place, f"{what} '{name}'", did_you_mean(name, declared) or known, "unknown")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from graphnav.codec import EncodeError, codec_of
-from graphnav.errors import one_line
+from graphnav.errors import message_line, one_line
 from graphnav.graph.node import OutputChannel
 from graphnav.graph.wiring.wire_type import WireType
 from graphnav.messages import Twist
@@ -43,7 +43,7 @@ def why_no_stop(wire: WireType, stop: Mapping[str, Any] | None) -> str:
     try:
         codec_of(wire.lcm_class).encode(stop_fields(wire, stop))
     except EncodeError as error:
-        return f"its stop is not a {wire.name}: {' '.join(str(error).split())}"
+        return f"its stop is not a {wire.name}: {message_line(error)}"
     except Exception as error:  # noqa: BLE001 - a plugin's adapter may raise anything
         return f"its adapter does not turn Twist(0, 0) into a {wire.name}: {one_line(error)}"
     return ""

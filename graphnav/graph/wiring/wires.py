@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from graphnav.errors import Place, Problem, did_you_mean
+from graphnav.errors import Hint, Place, Problem, did_you_mean
 from graphnav.graph.node import Channel, Input
 from graphnav.spec import Spec, StageSpec
 from graphnav.stage import Port, Stage, ports_of
@@ -29,9 +29,10 @@ class Wires:
         for name, entry in stage.wires.items():
             if name not in ports:
                 hint = did_you_mean(name, ports)
-                meant |= {port for port in ports if f"'{port}'" in hint}
-                hint = hint or (f"it has {', '.join(ports)}" if ports else "it has none")
-                self._problems.append(Problem(entry.place, f"{stage.use} has no input '{name}'", hint))
+                meant |= set(hint.names)
+                known = f"it has {', '.join(ports)}" if ports else "it has none"
+                what = f"{stage.use} has no input '{name}'"
+                self._problems.append(Problem(entry.place, what, hint or known, "unknown"))
         inputs = [self._input(stage, port, said=stage.unclear or port.name in meant) for port in ports.values()]
         return tuple(i for i in inputs if i is not None)
 
@@ -45,7 +46,7 @@ class Wires:
                 what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) is not connected"
                 candidates = self._of_type(port, stage.name) or ["stage.port"]
                 hint = "write " + " or ".join(f"in: {{{port.name}: {ref}}}" for ref in candidates)
-                self._problems.append(Problem(stage.place, what, hint + self._nobody_writes(port)))
+                self._problems.append(Problem(stage.place, what, hint + self._no_writer(port)))
             return None
         channel = self._channel(str(entry.value.data), entry.value.place)
         if channel is None:
@@ -56,7 +57,7 @@ class Wires:
                 f"{self._writer(channel)} is {channel.message.__name__}"
             )
             candidates = self._of_type(port, stage.name) or ["another stage"]
-            hint = f"wire it to {' or '.join(candidates)}{self._nobody_writes(port)}"
+            hint = f"wire it to {' or '.join(candidates)}{self._no_writer(port)}"
             self._problems.append(Problem(entry.value.place, what, hint))
             return None
         return Input(port, channel, stage.wire_notes.get(port.name, ""))
@@ -79,7 +80,7 @@ class Wires:
         if inputs and stage not in self._spec.stages:
             return self._input_channel(ref, inputs, place)
         if stage not in self._spec.stages:
-            hint = did_you_mean(ref, self._channels) or did_you_mean(stage, self._spec.stages)
+            hint: Hint = did_you_mean(ref, self._channels) or did_you_mean(stage, self._spec.stages)
             renamed = next((c.ref for c in self._channels.values() if c.name == ref), "")
             heard = next((i for i, given in self._spec.inputs.items() if given.channel_name == ref), "")
             if renamed or heard:
@@ -122,7 +123,7 @@ class Wires:
     def _outputs(self, stage: str) -> list[str]:
         return [ref for ref, channel in self._channels.items() if channel.stage == stage]
 
-    def _nobody_writes(self, port: Port) -> str:
+    def _no_writer(self, port: Port) -> str:
         """Return what to add to a hint where the graph has no channel of the type, as far as its stages are known."""
         known = len(self._classes) == len(self._spec.stages)
         missing = known and all(channel.message is not port.message for channel in self._channels.values())

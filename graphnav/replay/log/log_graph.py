@@ -10,15 +10,15 @@ from typing import Any
 
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, decode
-from graphnav.errors import Place, Problem, UserError, shown_path
-from graphnav.graph import Graph, graph_of, load_graph
+from graphnav.errors import Place, UserError, shown_path
+from graphnav.graph import Graph, Override, Target, graph_of, load_graph
 from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, Recording
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recording.saved_graph import GRAPH
 from graphnav.spec import parse_yaml
 
-_SEED = "run.seed"
+_SEED = Target("run", key="seed")
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,10 @@ def graph_to_replay(
     catalog: Catalog,
     *,
     graph: str | Path | None = None,
-    sets: Sequence[str] = (),
+    overrides: Sequence[Override] = (),
     plugins: Sequence[Path] = (),
 ) -> LogGraph:
-    """Return the graph of a log with ``sets`` applied, or the one that ``graph`` names, with the seed of the log.
+    """Return the graph of a log with overrides, or the one that ``graph`` names, with the seed of the log.
 
     The graph of a run folder is loaded from the ``graph.yaml`` in it, with the plugins that the folder holds; any
     other log loads no plugin by itself. ``plugins`` were added to the catalog already, and take the place of those of
@@ -66,21 +66,21 @@ def graph_to_replay(
     """
     about = about_in(recording)
     if graph is not None:
-        found = load_graph(graph, catalog, sets)
+        found = load_graph(graph, catalog, overrides)
     else:
         with _printable_errors():
-            found = _own_graph(recording, about, catalog, sets, {path.name for path in plugins})
-    return _log_graph(_with_seed(found, about, sets), about)
+            found = _own_graph(recording, about, catalog, overrides, {path.name for path in plugins})
+    return _log_graph(_with_seed(found, about, overrides), about)
 
 
 def _own_graph(
-    recording: Recording, about: About | None, catalog: Catalog, sets: Sequence[str], given: Collection[str]
+    recording: Recording, about: About | None, catalog: Catalog, overrides: Sequence[Override], given: Collection[str]
 ) -> Graph:
     """Return the graph of a run folder, else the one that the log says; ``given``: names of plugins that are loaded."""
     saved = recording.path.parent / GRAPH
     if recording.path.name == LOG and saved.is_file() and _is_of_log(saved.read_bytes(), about):
         source = shown_path(saved)
-        return graph_of(saved.read_bytes(), saved, catalog, sets, source, given)
+        return graph_of(saved.read_bytes(), saved, catalog, overrides, source, given)
     source = shown_path(recording.path)
     if about is None:
         what = f"{source} does not say which graph made it: it holds no readable '{ABOUT}'"
@@ -98,7 +98,7 @@ def _own_graph(
     if absent:
         what = f"the graph of this log needs the plugin '{absent[0]}'"
         raise UserError.of(what, "name the file with --plugin FILE", Place(source))
-    return graph_of(data, recording.path, catalog, sets, source, named)
+    return graph_of(data, recording.path, catalog, overrides, source, named)
 
 
 def _log_graph(graph: Graph, about: About | None) -> LogGraph:
@@ -117,13 +117,13 @@ def _printable_errors() -> Iterator[None]:
     try:
         yield
     except UserError as error:
-        problems = [Problem(p.place, _printable(p.what), _printable(p.hint)) for p in error.problems]
+        problems = [replace(p, what=_printable(p.what), hint=_printable(str(p.hint))) for p in error.problems]
         raise UserError(problems) from error
 
 
-def _with_seed(graph: Graph, about: About | None, sets: Sequence[str]) -> Graph:
-    """Return a graph with the seed of the log, unless ``--set`` gives another one."""
-    is_given = any(text.partition("=")[0].strip() == _SEED for text in sets)
+def _with_seed(graph: Graph, about: About | None, overrides: Sequence[Override]) -> Graph:
+    """Return a graph with the seed of the log, unless an override gives another one."""
+    is_given = any(override.target == _SEED for override in overrides)
     if about is None or is_given:
         return graph
     return replace(graph, run=replace(graph.run, seed=about.seed))

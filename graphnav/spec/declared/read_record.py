@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, Final, TypeVar, Union, get_args
 
-from graphnav.errors import ParamError, Place, Problem
+from graphnav.errors import Hint, ParamError, Place, Problem
 from graphnav.spec.declared.kinds import fits, is_list, is_mapping, is_range, is_record, is_union, positions_of, said
 from graphnav.spec.declared.record import Key, Path, Range, Record, Written, keys_of
 from graphnav.spec.value import Entry, Value
@@ -181,6 +181,6 @@ class _Reader:
         count = f" of {len(value.data)}" if isinstance(value.data, list) else ""
         return self._wrong(value.place, f"'{at.name}' must be {said(kind)}, not {value.kind}{count}", at.key.hint)
 
-    def _wrong(self, place: Place, what: str, hint: str = "") -> Any:
+    def _wrong(self, place: Place, what: str, hint: Hint = "") -> Any:
         self.problems.append(Problem(place, what, hint))
         return WRONG

@@ -6,7 +6,7 @@ import zlib
 
 import numpy as np
 
-from graphnav import Place, Problem, Range
+from graphnav import Place, Problem, Range, Suggestion
 from graphnav_world.maps.shape_keys import Point, Size
 
 _UNNAMED = {("pillars", 1, "field"), ("walls", 4, "arc")}
@@ -45,6 +45,6 @@ class Draws:
         """Return two numbers, each drawn if it is a range."""
         return self.number(wanted.x), self.number(wanted.y)
 
-    def wrong(self, place: Place | None, what: str, hint: str = "") -> None:
+    def wrong(self, place: Place | None, what: str, hint: str | Suggestion = "") -> None:
         """Add a problem."""
         self.problems.append(Problem(place, what, hint))

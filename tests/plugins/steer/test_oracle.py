@@ -13,7 +13,7 @@ from graphnav import Latest, Map, State
 from graphnav.arrays import Doubles
 from graphnav.bus import Bus
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import load_graph, parse_override
 from graphnav.runner import Runner
 
 RADIUS_M = 0.2
@@ -147,7 +147,7 @@ def test_missing_map_and_missing_goal_are_said() -> None:
 @pytest.mark.parametrize("graph", ["corridor_ccw", "pillars"])
 def test_swapped_in_it_nears_the_goal_of_a_map_that_ships(graph: str) -> None:
     sets = ["steer=steer.oracle", "steer.in.map=robot.map", "run.seed=7"]
-    loaded = load_graph(graph, Catalog(), sets=sets)
+    loaded = load_graph(graph, Catalog(), [*map(parse_override, sets)])
     runner = Runner(loaded, loaded.make_stages(), Bus("memq://"), [])
     runner.reset(7)
     for _ in range(40):

@@ -8,6 +8,7 @@ import pytest
 
 from graphnav.ablation.plan.plan import Better, Case, Plan
 from graphnav.ablation.results.records import Record, StageTime
+from graphnav.graph import parse_override
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
@@ -19,7 +20,7 @@ def case_of(graph: str, variant: str, *, is_base: bool, same_as: str = "") -> Ca
         source=graph,
         variant=variant,
         labels={"plane": variant},
-        sets=() if is_base else (f"plane=plane.{variant}",),
+        overrides=() if is_base else (parse_override(f"plane=plane.{variant}"),),
         is_base=is_base,
         role="method",
         folder=f"{graph}/{same_as or variant}",

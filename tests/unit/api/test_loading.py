@@ -13,9 +13,9 @@ from rich.console import Console
 
 import graphnav
 from graphnav import Place, UserError
-from graphnav.api.arguments import value_text
+from graphnav.api.arguments import overrides_of
 from graphnav.cli import main
-from graphnav.graph.overrides.assignment import Assignment
+from graphnav.graph import parse_override
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]))
 SCALARS = st.none() | st.booleans() | st.integers(-(2**40), 2**40) | st.floats(allow_nan=False, allow_infinity=False)
@@ -24,9 +24,12 @@ VALUES = SCALARS | TEXT | st.lists(SCALARS | TEXT, max_size=4)
 
 @given(VALUES)
 def test_a_value_reaches_the_graph_as_it_is(value: object) -> None:
-    read = Assignment("param", "", "", value_text(value, "x"), Place("")).entry.value.plain()
-    assert read == value
-    assert type(read) is type(value) or isinstance(value, float)
+    (override,) = overrides_of({"stage.parameter": value})
+    read = override.entry.value.plain()
+    assert (read, type(read)) == (value, type(value))
+    assert override.place == Place("set['stage.parameter']")
+    written = parse_override(override.words)
+    assert (written.target, written.value) == (override.target, value)
 
 
 def test_values_of_numpy_and_paths_are_plain_ones(graph: Path, tmp_path: Path) -> None:

@@ -161,13 +161,13 @@ SET = 'write set={"plane": "plane.affine", "robot.noise_sigma": 3}'
         (
             {"set": {"sensor.noise_px": "3"}},
             (
-                "--set sensor.noise_px=\"3\": door.sensor: 'noise_px' must be a number, not the text '3'\n"
+                "set['sensor.noise_px']: door.sensor: 'noise_px' must be a number, not the text '3'\n"
                 "  leave the quotes out"
             ),
         ),
         (
             {"set": {"sensr.noise_px": 3}},
-            "--set sensr.noise_px=3: there is no stage 'sensr'\n  did you mean 'sensor'?",
+            "set['sensr.noise_px']: there is no stage 'sensr'\n  did you mean 'sensor'?",
         ),
         ({"seed": -1}, "'seed' is -1, but must be >= 0 and <= 4294967295"),
         ({"seed": 1.5}, "'seed' must be a whole number, not 1.5"),

@@ -65,7 +65,7 @@ def test_what_comes_in_and_leaves_is_shown(capsys: pytest.CaptureFixture[str]) -
 
 def test_a_swap_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "graph.yaml", "--plugin", str(TOYS), "--set", "plane=toy.guess"]) == 0
-    assert "flow: pruned, nobody reads it any more" in capsys.readouterr().out
+    assert "flow: pruned, no stage reads it any more" in capsys.readouterr().out
 
 
 def test_what_a_parameter_names_is_looked_at(capsys: pytest.CaptureFixture[str]) -> None:

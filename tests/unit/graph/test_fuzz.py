@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
-from graphnav.graph import Graph, graph_of, resolved_yaml
+from graphnav.graph import Graph, graph_of, parse_override, resolved_yaml
 
 CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 
@@ -64,7 +64,7 @@ SETS = st.lists(
 
 def is_answered(data: bytes, toys: Catalog, sets: list[str]) -> None:
     with contextlib.suppress(UserError):
-        graph = graph_of(data, Path("graph.yaml"), toys, sets)
+        graph = graph_of(data, Path("graph.yaml"), toys, [*map(parse_override, sets)])
         assert isinstance(graph, Graph)
         graph_of(resolved_yaml(graph).encode(), Path("graph.yaml"), toys)
 
@@ -96,7 +96,7 @@ def test_graphs_that_extend_one_another(
         (tmp_path / "base.yaml").write_bytes(text.encode("utf-8", "replace"))
         data = as_yaml(overlay).encode("utf-8", "replace")
         with contextlib.suppress(UserError):
-            graph = graph_of(data, tmp_path / "graph.yaml", toys, sets)
+            graph = graph_of(data, tmp_path / "graph.yaml", toys, [*map(parse_override, sets)])
             graph_of(resolved_yaml(graph).encode(), tmp_path / "graph.yaml", toys)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
-from graphnav.graph import load_graph, resolved_yaml
+from graphnav.graph import load_graph, parse_override, resolved_yaml
 
 PLUGIN = """
 from graphnav import Source, Stage, Twist, hookimpl, param
@@ -37,7 +37,7 @@ def graph(tmp_path: Path) -> Path:
 
 def test_its_stages_are_there_for_the_graph_and_for_swaps(graph: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("/")
-    loaded = load_graph(graph, Catalog(), ["again+=mine.still", "again.speed_mps=1"])
+    loaded = load_graph(graph, Catalog(), [*map(parse_override, ("again+=mine.still", "again.speed_mps=1"))])
     assert loaded.node("wheels").params == {"rate_hz": 10.0, "speed_mps": 0.0}
     assert loaded.node("again").params["speed_mps"] == 1.0
     assert (loaded.plugins, loaded.written_plugins) == ((graph.parent / "stages" / "mine.py",), ("stages/mine.py",))

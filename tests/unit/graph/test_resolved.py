@@ -114,4 +114,4 @@ def test_what_was_rewired_and_defaulted_stands_beside_it(load: Load) -> None:
     assert "use: toy.guess  # --set plane=toy.guess" in lines
     assert "share: 0.5  # default" in lines
     assert "motion: robot.motion  # rewired: the only Motion called 'motion'" in lines
-    assert "# flow: pruned, nobody reads it any more" in lines
+    assert "# flow: pruned, no stage reads it any more" in lines

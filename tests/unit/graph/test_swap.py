@@ -88,7 +88,7 @@ def test_a_new_input_is_never_wired_to_what_depends_on_the_stage(load: Load) -> 
 def test_what_nobody_reads_any_more_is_pruned_with_all_that_is_said_of_it(load: Load) -> None:
     graph = load(TWO_FLOWS, "plane=toy.guess")
     assert names(graph) == ["robot", "flow", "plane", "twin", "wheels"]
-    assert "smooth: pruned, nobody reads it any more" in graph.notices
+    assert "smooth: pruned, no stage reads it any more" in graph.notices
     assert {c.name for c in graph.channels.values() if c.name != c.ref} == {"CAMERA"}
     assert graph.deploy == {"eyes": {"stages": ["flow"]}}
     assert graph.queues == {}

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import load_graph, parse_override
 from graphnav.record import LOG, LogWriter, Recording
 from graphnav.replay import LogGraph, ReplayOptions, ReplayResult, graph_to_replay, replay
 from graphnav.runner.recording.run_recorded import run_recorded
@@ -45,7 +45,7 @@ def record(tmp_path: Path) -> Record:
     def run(text: str = LOOP, *sets: str, name: str = "run") -> Path:
         path = tmp_path / f"{name}.yaml"
         path.write_text(textwrap.dedent(text))
-        graph = load_graph(path, catalog(), sets)
+        graph = load_graph(path, catalog(), [*map(parse_override, sets)])
         folder = tmp_path / name
         folder.mkdir()
         run_recorded(graph, graph.make_stages(), folder)
@@ -60,7 +60,7 @@ def made() -> Made:
 
     def load(log: Path, *sets: str, graph: Path | None = None) -> LogGraph:
         with Recording(log) as recording:
-            return graph_to_replay(recording, catalog(), graph=graph, sets=sets)
+            return graph_to_replay(recording, catalog(), graph=graph, overrides=[*map(parse_override, sets)])
 
     return load
 
@@ -71,7 +71,7 @@ def again() -> Again:
 
     def run(log: Path, *sets: str, graph: Path | None = None, out: Path | None = None, **options: Any) -> ReplayResult:
         with Recording(log) as recording:
-            made = graph_to_replay(recording, catalog(), graph=graph, sets=sets)
+            made = graph_to_replay(recording, catalog(), graph=graph, overrides=[*map(parse_override, sets)])
             return replay(recording, made, ReplayOptions(**options), out=out)
 
     return run

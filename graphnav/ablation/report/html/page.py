@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from markupsafe import Markup
@@ -15,6 +16,7 @@ from graphnav.ablation.report.html.sections import drawings, gallery, maps, over
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.results import Comparison, Record
 from graphnav.catalog import Catalog
+from graphnav.graph import Graph
 
 REPORT = "report.html"
 
@@ -27,12 +29,20 @@ class _Section(NamedTuple):
     body: Markup
 
 
-def write_report(plan: Plan, comparison: Comparison, records: Sequence[Record], folder: Path, catalog: Catalog) -> Path:
+def write_report(
+    plan: Plan,
+    comparison: Comparison,
+    records: Sequence[Record],
+    folder: Path,
+    catalog: Catalog,
+    graphs: Mapping[str, Graph] = MappingProxyType({}),
+) -> Path:
     """Write ``report.html`` into the folder of a study, and the maps with paths that it shows; return its path.
 
-    The page needs no other file, no script and no network. The same runs and pictures give the same bytes.
+    The page needs no other file, no script and no network. The same runs and pictures give the same bytes. ``graphs``:
+    those that are loaded already, by `Case.folder`.
     """
-    study = StudyResults(plan, comparison, records, folder, catalog)
+    study = StudyResults(plan, comparison, records, folder, catalog, graphs)
     path = folder / REPORT
     write_atomically(path, page_of(study))
     return path

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from graphnav.ablation.plan import Plan
 from graphnav.ablation.results import Comparison, Estimate, Record, Row, Values, table_metrics, values_of
 from graphnav.ablation.study import MetricExpression
 from graphnav.catalog import Catalog
+from graphnav.graph import Graph
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,8 @@ class StudyResults:
     records: Sequence[Record]
     folder: Path
     catalog: Catalog
+    graphs: Mapping[str, Graph] = field(default_factory=dict)
+    """Graphs that are loaded already, by `Case.folder`."""
 
     @cached_property
     def metrics(self) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ def test_what_is_there_is_not_made_again(study: Any, capsys: pytest.CaptureFixtu
     assert len(first) == 4
     capsys.readouterr()
     assert study.run(seeds="0:4") == 0
-    assert "4 of 8 runs are there already" in capsys.readouterr().out
+    assert "4 of 8 runs exist already" in capsys.readouterr().out
     assert first.items() <= study.runs.items()
     assert len(study.rows) == 8
     assert study.run(seeds="1:2") == 0
@@ -141,7 +141,7 @@ def test_a_folder_that_is_somebody_elses_is_refused(study: Any, capsys: pytest.C
 def test_a_plan_that_is_none_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     study.out.mkdir()
     (study.out / "plan.json").write_text("[]")
-    assert f"{study.out / 'plan.json'} is no plan of a study\n" in refused(study, capsys)
+    assert f"{study.out / 'plan.json'} is not the plan of a study\n" in refused(study, capsys)
 
 
 def test_two_at_once_in_one_folder_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:

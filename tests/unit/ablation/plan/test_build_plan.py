@@ -1,16 +1,19 @@
 """A plan holds every graph with every variant, checked, and what is to be run."""
 
+import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.plan.build_plan import make_plan
+from graphnav.ablation.plan.build_plan import check_study
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.study.vary import parse_varies
 from graphnav.catalog import Catalog
-from graphnav.errors import UserError
-from graphnav.graph import load_graph, resolved_yaml
+from graphnav.errors import Problem, UserError
+from graphnav.graph import load_graph, parse_override, parse_overrides, resolved_yaml
+from graphnav.spec import write_value
 
 STUDIES = Path(__file__).resolve().parents[3] / "errors" / "studies"
 GRAPHS = STUDIES / "graphs"
@@ -34,9 +37,25 @@ def plan(judges: Catalog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ma
     for file in GRAPHS.glob("*.yaml"):
         (tmp_path / file.name).write_bytes(file.read_bytes())
 
-    def made(*varies: str, names: Sequence[str] = ("loop",), plugins: Sequence[Path] = (), **options: object) -> Plan:
-        study = study_of_command(names, varies=varies, seeds="0:3", **options)  # type: ignore[arg-type]
-        return make_plan(study, judges, "graphnav ablate ...", plugins)
+    def made(
+        *varies: str,
+        names: Sequence[str] = ("loop",),
+        plugins: Sequence[Path] = (),
+        sets: Sequence[str] = (),
+        **options: Sequence[str],
+    ) -> Plan:
+        problems: list[Problem] = []
+        changes, overrides = parse_varies(varies, problems), parse_overrides(sets, problems)
+        study = study_of_command(
+            names,
+            varies=changes,
+            overrides=overrides,
+            seeds="0:3",
+            problems=problems,
+            metrics=options.get("metrics", ()),
+            within=options.get("within", ()),
+        )
+        return check_study(study, judges, "graphnav ablate ...", plugins).plan
 
     return made
 
@@ -74,8 +93,8 @@ def test_within_a_condition_the_base_is_its_own(plan: MakePlan) -> None:
 def test_a_case_is_the_graph_with_its_sets(plan: MakePlan, judges: Catalog) -> None:
     made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1"], names=("loop", "chain"))
     for case in made.cases:
-        graph = load_graph(case.graph, judges, case.sets)
-        assert case.sets[0] == "robot.noise_px=1"
+        graph = load_graph(case.graph, judges, case.overrides)
+        assert case.overrides[0] == parse_override("robot.noise_px=1")
         assert case.graph_yaml == resolved_yaml(graph)
         assert case.uses == {node.name: node.use for node in graph.nodes}
         assert list(case.uses) == [node.name for node in graph.nodes]
@@ -130,7 +149,7 @@ def test_notices_say_what_changed_and_nothing_of_what_did_not(plan: MakePlan) ->
     base, other = plan("plane=toy.detector,toy.guess", names=("chain",)).cases
     assert base.notices == ()
     assert other.notices[0].startswith("plane: toy.detector swapped for toy.guess")
-    assert "smooth: pruned, nobody reads it any more" in other.notices
+    assert "smooth: pruned, no stage reads it any more" in other.notices
 
 
 def test_figures_know_which_way_is_better(plan: MakePlan) -> None:
@@ -167,10 +186,10 @@ def test_paths_of_a_study_are_beside_it_then_where_set_finds_them_then_what_ship
         (tmp_path / name).touch()
     (tmp_path / "lab/study.yaml").write_text(STUDY, encoding="utf-8")
     made = plan(names=("lab/study.yaml",))
-    assert [case.sets for case in made.cases] == [
-        (f"robot.map={tmp_path}/lab/here.yaml",),
-        ("robot.map=there.yaml",),
-        ("robot.map=maps/empty.yaml",),
+    assert [[override.value for override in case.overrides] for case in made.cases] == [
+        [f"{tmp_path}/lab/here.yaml"],
+        ["there.yaml"],
+        ["maps/empty.yaml"],
     ]
     assert made.axes["robot.map"][0] == "robot.map=here.yaml"
 
@@ -181,7 +200,7 @@ def test_paths_of_the_command_line_are_those_of_the_working_folder(plan: MakePla
         (tmp_path / name).touch()
     (tmp_path / "lab/study.yaml").write_text(STUDY, encoding="utf-8")
     made = plan("robot.map=there.yaml,here.yaml", names=("lab/study.yaml",))
-    assert made.cases[1].sets == ("robot.map=here.yaml",)
+    assert made.cases[1].overrides == (parse_override("robot.map=here.yaml"),)
 
 
 def test_words_that_are_no_paths_stay_whatever_lies_beside_the_study(plan: MakePlan, tmp_path: Path) -> None:
@@ -189,7 +208,7 @@ def test_words_that_are_no_paths_stay_whatever_lies_beside_the_study(plan: MakeP
     (tmp_path / "lab/otsu").touch()
     text = "graph: loop\nvary: {plane.rule: [otsu, mad]}\n"
     (tmp_path / "lab/study.yaml").write_text(text, encoding="utf-8")
-    assert plan(names=("lab/study.yaml",)).cases[0].sets == ("plane.rule=otsu",)
+    assert plan(names=("lab/study.yaml",)).cases[0].overrides == (parse_override("plane.rule=otsu"),)
 
 
 def test_a_missing_path_beside_the_study_is_said_at_its_value(plan: MakePlan, tmp_path: Path) -> None:
@@ -209,10 +228,28 @@ def test_a_detector_of_ones_own_gets_its_cases(tmp_path: Path, monkeypatch: pyte
     )
     catalog = Catalog()
     catalog.add_file(Path("mine.py"))
-    study = study_of_command(["detectors"], varies=["plane+=plane.mine", "planar=planar.motion"], seeds="0:2")
-    made = make_plan(study, catalog, "", [Path("mine.py")])
+    varies = parse_varies(["plane+=plane.mine", "planar=planar.motion"], [])
+    study = study_of_command(["detectors"], varies=varies, seeds="0:2")
+    made = check_study(study, catalog, "", [Path("mine.py")]).plan
     mine = [case for case in made.cases if case.labels["plane"] == "plane.mine"]
     assert {case.graph for case in mine} == set(made.graphs)
     assert all(case.uses["plane"] == "plane.mine" for case in mine)
     assert all("planar" not in case.uses for case in mine)
     assert not any(case.same_as for case in mine)
+
+
+def test_a_plan_holds_overrides_as_data(plan: MakePlan, tmp_path: Path) -> None:
+    made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1e0"])
+    made.write(tmp_path / "plan.json")
+    data = json.loads((tmp_path / "plan.json").read_text())
+    assert data["cases"][1]["overrides"] == {"robot.noise_px": 1.0, "plane": "judge.blind"}
+
+
+def test_plans_of_earlier_versions_are_read(plan: MakePlan, tmp_path: Path) -> None:
+    made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1.5", "flow.layers=2"])
+    made.write(tmp_path / "plan.json")
+    data = json.loads((tmp_path / "plan.json").read_text())
+    for case in data["cases"]:
+        case["sets"] = [f"{target}={write_value(value)}" for target, value in case.pop("overrides").items()]
+    (tmp_path / "plan.json").write_text(json.dumps(data))
+    assert Plan.read(tmp_path / "plan.json") == made

@@ -7,11 +7,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from graphnav.ablation.plan.build_plan import make_plan
+from graphnav.ablation.plan.build_plan import check_study
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.seeds import parse_seeds
+from graphnav.ablation.study.vary import parse_varies
 from graphnav.catalog import Catalog
-from graphnav.errors import UserError
+from graphnav.errors import Problem, UserError
+from graphnav.graph import parse_overrides
 from graphnav.spec import write_value
 
 STUDIES = Path(__file__).resolve().parents[3] / "errors" / "studies"
@@ -107,7 +109,10 @@ def check(catalog: Catalog, tree: object, varies: list[str], sets: list[str]) ->
     """Check that a study is refused, or its plan is sound."""
     Path("study.yaml").write_text(write_value(tree), encoding="utf-8")
     try:
-        plan = make_plan(study_of_command(["study.yaml"], varies=varies, sets=sets), catalog, "")
+        problems: list[Problem] = []
+        changes, overrides = parse_varies(varies, problems), parse_overrides(sets, problems)
+        study = study_of_command(["study.yaml"], varies=changes, overrides=overrides, problems=problems)
+        plan = check_study(study, catalog, "").plan
     except UserError:
         return
     own = [case for case in plan.cases if not case.same_as]

@@ -9,10 +9,11 @@ import pytest
 from graphnav.ablation.plan.variants import MAX_CASES, count_variants, expand
 from graphnav.ablation.study.study import Axis, Choice, Study
 from graphnav.errors import UserError
+from graphnav.graph import parse_override
 
 
 def axis(name: str, *labels: str) -> Axis:
-    return Axis(name, tuple(Choice(label, (f"{name}={label}",)) for label in labels))
+    return Axis(name, tuple(Choice(label, (parse_override(f"{name}={label}"),)) for label in labels))
 
 
 def study(*axes: Axis, one_at_a_time: bool = False, graphs: tuple[str, ...] = ("g",)) -> Study:
@@ -91,8 +92,8 @@ def test_names_that_would_read_the_same_are_numbered() -> None:
     assert [v.name for v in expand(study(PLANE, axis("x", "y", "base"), one_at_a_time=True))][-1] == "base (2)"
 
 
-def test_sets_come_in_the_order_of_the_axes() -> None:
-    assert expand(study(PLANE, FLOW))[-1].sets == ("plane=truth", "flow=dis")
+def test_overrides_come_in_the_order_of_the_axes() -> None:
+    assert [o.words for o in expand(study(PLANE, FLOW))[-1].overrides] == ["plane=truth", "flow=dis"]
 
 
 def test_too_many_are_refused_before_they_are_made() -> None:

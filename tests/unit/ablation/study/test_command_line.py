@@ -1,13 +1,16 @@
 """The command line says studies, too, and changes those of files."""
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.study import Choice, Study
-from graphnav.ablation.study.vary_option import split_values
-from graphnav.errors import UserError
+from graphnav.ablation.study.vary import parse_varies, split_values
+from graphnav.errors import Problem, UserError
+from graphnav.graph import Override, parse_overrides
 
 FILE = """\
 about: Which?
@@ -36,11 +39,22 @@ def _beside_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def study(*varies: str, names: tuple[str, ...] = ("mine",), sets: tuple[str, ...] = ()) -> Study:
-    return study_of_command(names, varies=varies, sets=sets)
+    return asked(names, varies=varies, sets=sets)
+
+
+def asked(names: Sequence[str], *, varies: Sequence[str] = (), sets: Sequence[str] = (), **options: Any) -> Study:
+    """Return the study of a command line with ``--vary`` and ``--set`` options."""
+    problems: list[Problem] = []
+    changes, overrides = parse_varies(varies, problems), parse_overrides(sets, problems)
+    return study_of_command(names, varies=changes, overrides=overrides, problems=problems, **options)
 
 
 def sets_of(made: Study, axis: str) -> list[tuple[str, ...]]:
-    return [choice.sets for choice in choices_of(made, axis)]
+    return [words(choice.overrides) for choice in choices_of(made, axis)]
+
+
+def words(overrides: Iterable[Override]) -> tuple[str, ...]:
+    return tuple(override.words for override in overrides)
 
 
 def choices_of(made: Study, axis: str) -> tuple[Choice, ...]:
@@ -48,12 +62,12 @@ def choices_of(made: Study, axis: str) -> tuple[Choice, ...]:
 
 
 def test_one_axis_is_asked_about_as_one() -> None:
-    made = study_of_command(["corridor_ccw"], varies=["plane=plane.ica,plane.affine"], seeds="0:2")
+    made = asked(["corridor_ccw"], varies=["plane=plane.ica,plane.affine"], seeds="0:2")
     assert made.about == "What does plane change on corridor_ccw?"
 
 
 def test_a_study_of_graphs() -> None:
-    made = study_of_command(
+    made = asked(
         ["corridor_ccw", "pillars"],
         varies=["plane=plane.ica,plane.affine", "steer.sigma_ratio=0.125,0.25,0.50"],
         sets=["run.until_s=60"],
@@ -64,23 +78,24 @@ def test_a_study_of_graphs() -> None:
     assert (made.name, made.graphs) == ("corridor_ccw_pillars", ("corridor_ccw", "pillars"))
     assert made.about == "What do plane and steer.sigma_ratio change on corridor_ccw and pillars?"
     assert [axis.name for axis in made.axes] == ["plane", "steer.sigma_ratio"]
-    assert sets_of(made, "steer.sigma_ratio")[-1] == ("steer.sigma_ratio=0.50",)
-    assert (made.sets, made.seeds, made.one_at_a_time) == (("run.until_s=60",), tuple(range(50)), True)
+    assert sets_of(made, "steer.sigma_ratio")[-1] == ("steer.sigma_ratio=0.5",)
+    assert (words(made.overrides), made.seeds, made.one_at_a_time) == (("run.until_s=60",), tuple(range(50)), True)
     assert made.metrics == ("drive.success", "drive.spl", "sight.auroc")
 
 
 def test_a_study_says_the_same_in_a_file_and_on_the_command_line() -> None:
     text = "graph: pillars\nseeds: 0:3\nset: [run.until_s=9]\nmetrics: [a.b]\n"
     Path("file.yaml").write_text(f"{text}vary: {{plane: [a.b, c.d], x.y: [1e-3, [1, 2]]}}\n", encoding="utf-8")
-    typed = study_of_command(
+    typed = asked(
         ["pillars"],
         varies=["plane=a.b,c.d", "x.y=1e-3,[1, 2]"],
         sets=["run.until_s=9"],
         metrics=["a.b"],
         seeds="[0, 1, 2]",
     )
-    read = study_of_command(["file"])
-    assert (read.graphs, read.axes, read.seeds, read.sets) == (typed.graphs, typed.axes, typed.seeds, typed.sets)
+    read = asked(["file"])
+    assert (read.graphs, read.axes, read.seeds) == (typed.graphs, typed.axes, typed.seeds)
+    assert read.overrides == typed.overrides
     assert read.metrics == typed.metrics
 
 
@@ -91,12 +106,16 @@ def test_a_file_alone_is_as_it_is() -> None:
 
 
 def test_options_come_before_the_file() -> None:
-    made = study_of_command(["mine"], seeds="5:7", metrics=["sight.auroc"], one_at_a_time=True)
+    made = asked(["mine"], seeds="5:7", metrics=["sight.auroc"], one_at_a_time=True)
     assert (made.seeds, made.metrics, made.one_at_a_time) == ((5, 6), ("sight.auroc",), True)
 
 
 def test_set_replaces_what_the_file_sets_of_the_same() -> None:
-    assert study(sets=("run.until_s=5", "steer.gain=2")).sets == ("flow.layers=3", "run.until_s=5", "steer.gain=2")
+    assert words(study(sets=("run.until_s=5", "steer.gain=2")).overrides) == (
+        "flow.layers=3",
+        "run.until_s=5",
+        "steer.gain=2",
+    )
 
 
 def test_a_detector_of_ones_own_enters_by_one_option() -> None:
@@ -136,7 +155,7 @@ def test_an_axis_with_labels_keeps_those_that_are_named() -> None:
 )
 def test_labelled_axes_grow_where_it_is_clear_what_is_meant(option: str, axis: str, sets: tuple[str, ...]) -> None:
     made = choices_of(study(option), axis)
-    assert made[-1].sets == sets
+    assert words(made[-1].overrides) == sets
     assert len(made) == 3
 
 
@@ -149,8 +168,8 @@ def test_labelled_axes_grow_where_it_is_clear_what_is_meant(option: str, axis: s
         ("odometry+=planar.motion", "planar.motion is the same as motion"),
         ("stear+=steer.pca", "there is no axis 'stear' to add to"),
         ("plan+=plane.mine", "did you mean 'plane'?"),
-        ("=a,b", "says no axis"),
-        ("+=a", "says no axis"),
+        ("=a,b", "does not name an axis"),
+        ("+=a", "does not name an axis"),
         ("seed=1,2", "results have a column of that name"),
     ],
 )

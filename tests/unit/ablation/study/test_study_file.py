@@ -1,5 +1,7 @@
 """A study's file says what it means, texts and numbers as they were written."""
 
+import math
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -8,7 +10,7 @@ from graphnav.ablation.study.find_study import classify, find, shipped_studies
 from graphnav.ablation.study.study import Axis
 from graphnav.ablation.study.study_file import load_study
 from graphnav.errors import Place, UserError
-from graphnav.graph import shipped_folder, shipped_graphs
+from graphnav.graph import Override, shipped_folder, shipped_graphs
 
 GRAPH = "stages: {}\n"
 
@@ -23,8 +25,12 @@ def axes_of(vary: str) -> tuple[Axis, ...]:
     return load_study("study").axes
 
 
-def sets_of(vary: str) -> list[tuple[str, ...]]:
-    return [choice.sets for axis in axes_of(vary) for choice in axis.choices]
+def sets_of(vary: str) -> list[dict[str, object]]:
+    return [set_by(choice.overrides) for axis in axes_of(vary) for choice in axis.choices]
+
+
+def set_by(overrides: Iterable[Override]) -> dict[str, object]:
+    return {str(override.target): override.value for override in overrides}
 
 
 def labels_of(vary: str) -> list[str]:
@@ -40,7 +46,7 @@ def test_all_that_a_study_can_say() -> None:
     study = load_study("mine")
     assert (study.name, study.about, study.graphs) == ("mine", "Which?", ("corridor_ccw", "pillars"))
     assert (study.seeds, study.one_at_a_time) == ((1000, 1001, 1002), True)
-    assert (study.sets, study.metrics) == (("run.until_s=60",), ("drive.success",))
+    assert (set_by(study.overrides), study.metrics) == ({"run.until_s": 60}, ("drive.success",))
     assert [axis.name for axis in study.axes] == ["plane"]
     assert study.places["drive.success"] == Place("mine.yaml", 7, 11)
 
@@ -48,13 +54,13 @@ def test_all_that_a_study_can_say() -> None:
 def test_what_may_be_left_out() -> None:
     Path("mine.yaml").write_text("graph: pillars\nvary: {plane: [plane.ica]}\n", encoding="utf-8")
     study = load_study("mine.yaml")
-    assert (study.about, study.seeds, study.sets, study.metrics, study.one_at_a_time) == ("", (), (), (), False)
+    assert (study.about, study.seeds, study.overrides, study.metrics, study.one_at_a_time) == ("", (), (), (), False)
 
 
 def test_set_may_be_a_mapping() -> None:
     text = "graph: pillars\nset: {run.until_s: 60, steer.near_weight: .5}\nvary: {plane: [plane.ica]}\n"
     Path("mine.yaml").write_text(text, encoding="utf-8")
-    assert load_study("mine").sets == ("run.until_s=60", "steer.near_weight=.5")
+    assert set_by(load_study("mine").overrides) == {"run.until_s": 60, "steer.near_weight": 0.5}
 
 
 def test_a_stage_is_called_by_what_it_becomes_all_else_with_its_target() -> None:
@@ -74,42 +80,43 @@ def test_a_stage_is_called_by_what_it_becomes_all_else_with_its_target() -> None
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    ("written", "value", "label"),
     [
-        ("0.125", "0.125"),
-        ("0.50", "0.50"),
-        ("1e-3", "1e-3"),
-        ("1E+3", "1E+3"),
-        ("0x10", "0x10"),
-        ("+7", "+7"),
-        ("-.5", "-.5"),
-        (".inf", ".inf"),
-        (".nan", ".nan"),
-        ("true", "true"),
-        ("False", "false"),
-        ("null", "null"),
-        ("~", "null"),
-        ("otsu", "otsu"),
-        ("on", "on"),
-        ("'1e3'", '"1e3"'),
-        ("''", '""'),
-        ("'[a'", '"[a"'),
-        ("'two words, and a comma'", "two words, and a comma"),
-        ("rtsp://robot:8554/eye", "rtsp://robot:8554/eye"),
-        ("Größe", "Größe"),
-        ('"a\\nb"', '"a\\u000ab"'),
-        ("[0.50, 1e1, [a, 'b, c']]", '[0.50, 1e1, [a, "b, c"]]'),
-        ("&anchor 0.50", "0.5"),
-        ("!!str 5", '"5"'),
+        ("0.125", 0.125, "0.125"),
+        ("0.50", 0.5, "0.50"),
+        ("1e-3", 1e-3, "1e-3"),
+        ("1E+3", 1e3, "1E+3"),
+        ("0x10", 16, "0x10"),
+        ("+7", 7, "+7"),
+        ("-.5", -0.5, "-.5"),
+        (".inf", math.inf, ".inf"),
+        ("true", True, "true"),
+        ("False", False, "false"),
+        ("null", None, "null"),
+        ("~", None, "null"),
+        ("otsu", "otsu", "otsu"),
+        ("on", "on", "on"),
+        ("'1e3'", "1e3", "1e3"),
+        ("''", "", ""),
+        ("'[a'", "[a", "[a"),
+        ("'two words, and a comma'", "two words, and a comma", "two words, and a comma"),
+        ("rtsp://robot:8554/eye", "rtsp://robot:8554/eye", "rtsp://robot:8554/eye"),
+        ("Größe", "Größe", "Größe"),
+        ('"a\\nb"', "a\nb", '"a\\u000ab"'),
+        ("[0.50, 1e1, [a, 'b, c']]", [0.5, 10.0, ["a", "b, c"]], '[0.50, 1e1, [a, "b, c"]]'),
+        ("&anchor 0.50", 0.5, "0.5"),
+        ("!!str 5", "5", "5"),
     ],
 )
-def test_values_keep_their_text(value: str, text: str) -> None:
-    assert sets_of(f"  toy.value:\n  - {value}\n") == [(f"toy.value={text}",)]
-    assert sets_of(f"  toy: {{a: {{toy.value: {value}}}}}\n") == [(f"toy.value={text}",)]
+def test_values_keep_their_type_and_labels_what_was_written(written: str, value: object, label: str) -> None:
+    (found,) = sets_of(f"  toy.value:\n  - {written}\n")
+    assert (found["toy.value"], type(found["toy.value"])) == (value, type(value))
+    assert labels_of(f"  toy.value:\n  - {written}\n") == [f"toy.value={label}"]
+    assert sets_of(f"  toy: {{a: {{toy.value: {written}}}}}\n") == [found]
 
 
 def test_an_alias_means_what_it_stands_for() -> None:
-    assert sets_of("  a.b: [&x 0.5, 1]\n  c.d: [*x]\n") == [("a.b=0.5",), ("a.b=1",), ("c.d=0.5",)]
+    assert sets_of("  a.b: [&x 0.5, 1]\n  c.d: [*x]\n") == [{"a.b": 0.5}, {"a.b": 1}, {"c.d": 0.5}]
 
 
 def test_a_named_axis() -> None:
@@ -121,19 +128,25 @@ def test_a_named_axis() -> None:
         )
     )
     assert [choice.label for choice in tilt.choices] == ["75°, as taught", "35"]
-    assert [c.sets for c in tilt.choices] == [(), ("robot.tilt_deg=35", "planar.model=models/tilt_35.lcmlog")]
-    assert [choice.sets for choice in odometry.choices] == [("planar=planar.motion",), ("planar=planar.subspace",)]
+    assert [set_by(choice.overrides) for choice in tilt.choices] == [
+        {},
+        {"robot.tilt_deg": 35, "planar.model": "models/tilt_35.lcmlog"},
+    ]
+    assert [set_by(c.overrides) for c in odometry.choices] == [
+        {"planar": "planar.motion"},
+        {"planar": "planar.subspace"},
+    ]
 
 
 def test_a_label_with_nothing_behind_it_means_the_graph_as_it_is() -> None:
-    assert sets_of("  tilt:\n    usual:\n    low: {robot.tilt_deg: 20}\n") == [(), ("robot.tilt_deg=20",)]
+    assert sets_of("  tilt:\n    usual:\n    low: {robot.tilt_deg: 20}\n") == [{}, {"robot.tilt_deg": 20}]
 
 
 def test_every_choice_and_every_set_has_its_place() -> None:
     plane, tilt = axes_of("  plane: [plane.ica,\n    plane.affine]\n  tilt:\n    low: {a.b: 1, c.d: 2}\n")
-    assert (plane.place, plane.choices[1].places) == (Place("study.yaml", 3, 3), (Place("study.yaml", 4, 5),))
+    assert (plane.place, plane.choices[1].overrides[0].place) == (Place("study.yaml", 3, 3), Place("study.yaml", 4, 5))
     assert tilt.choices[0].place == Place("study.yaml", 6, 5)
-    assert tilt.choices[0].places == (Place("study.yaml", 6, 16), Place("study.yaml", 6, 24))
+    assert [o.place for o in tilt.choices[0].overrides] == [Place("study.yaml", 6, 16), Place("study.yaml", 6, 24)]
 
 
 def test_graphs_beside_the_study_come_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

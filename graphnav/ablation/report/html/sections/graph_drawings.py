@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from markupsafe import Markup
@@ -12,9 +11,11 @@ from graphnav.ablation.plan import Case
 from graphnav.ablation.report.html.number_text import counted
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.errors import GraphnavError
+from graphnav.errors import UserError
 from graphnav.graph import graph_of
 from graphnav.render import svg_of
+
+_FILE = Path("graph.yaml")
 
 
 @dataclass(frozen=True)
@@ -47,11 +48,11 @@ def _drawing(study: StudyResults, cases: list[Case]) -> _Drawing:
     changes += [(stage, f"{', '.join(targets)} varied") for stage, targets in tuned.items()]
     picture, reason = Markup(""), ""
     try:
-        graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), study.catalog)
-    except GraphnavError as error:
-        reason = str(error).splitlines()[0]
+        graph = study.graphs.get(base.folder) or graph_of(base.graph_yaml.encode(), _FILE, study.catalog)
+    except UserError as error:
+        reason = str(replace(error.problems[0], hint=""))
     else:
-        picture = svg_of(dataclasses.replace(graph, about=""), notes)
+        picture = svg_of(replace(graph, about="", path=_FILE), notes)
     return _Drawing(picture, reason, tuple(changes))
 
 
@@ -73,12 +74,10 @@ def _rivals(base: Case, cases: list[Case]) -> dict[str, list[str]]:
 
 
 def _tuned(base: Case, cases: list[Case]) -> dict[str, list[str]]:
-    """Return the parameters by stage that other cases set and the base does not."""
-    found: dict[str, list[str]] = {}
-    for case in cases:
-        for text in case.sets:
-            target = text.partition("=")[0]
-            stage, dot, _ = target.partition(".")
-            if dot and text not in base.sets and target not in found.setdefault(stage, []):
-                found[stage].append(target)
-    return {stage: targets for stage, targets in found.items() if targets}
+    """Return the parameters, wires and options by stage (or ``run``) that other cases set and the base does not."""
+    found: dict[str, dict[str, None]] = {}
+    for override in (override for case in cases for override in case.overrides):
+        if not override.target.is_stage and override not in base.overrides:
+            for target in override.target.each:
+                found.setdefault(next(iter(target.stages), target.kind), {})[str(target)] = None
+    return {stage: list(targets) for stage, targets in found.items()}

@@ -12,6 +12,7 @@ from graphnav.ablation.report.html.page import write_report
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.records import Record, StageTime
 from graphnav.catalog import Catalog
+from graphnav.graph import parse_override
 from graphnav.stage import Role
 
 SUCCESS, CLEARANCE = "drive.success", "drive.least_clearance_m"
@@ -69,7 +70,7 @@ def plan_of(
             source=graph,
             variant=variant,
             labels={axis: variant},
-            sets=(f"plane={variant}",),
+            overrides=(parse_override(f"plane={variant}"),),
             is_base=place == 0,
             role=role,
             folder=f"runs/{graph}/{shared.get(variant, variant)}",

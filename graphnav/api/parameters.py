@@ -1,0 +1,61 @@
+"""The parameters of the Python door, each documented once; `documented` puts them into the docstrings."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable
+from typing import TypeVar
+
+F = TypeVar("F", bound=Callable[..., object])
+
+PARAMETERS = {
+    "graph": "A YAML file, or the name of a graph in the working folder or among those that ship: "
+    '``"corridor_ccw"``. A graph that `graphnav.load` returned is taken as it is.',
+    "study": "A study (a YAML file, or the name of one that ships), or graphs: "
+    '``"corridor_ccw"``, ``["corridor_ccw", "pillars"]``.',
+    "vary": "What varies, by what ``set`` takes, the base's value first: "
+    '``{"plane": ["plane.ica", "plane.affine"]}``. Axes cross. ``{"plane+": ["plane.mine"]}`` adds to an axis of a '
+    "study.",
+    "set": 'Overrides, as ``--set`` takes them: ``{"plane": "plane.affine"}`` swaps a stage, '
+    '``{"robot.noise_sigma": 3}`` a parameter, ``{"plane.in.flow": "flow.flow"}`` a wire, ``{"run.until_s": 5}`` an '
+    'option of the run, and ``{"twin+": "plane.affine"}`` adds a stage. Lists, numpy scalars, paths and None are '
+    "values too.",
+    "plugins": "Files with stages of your own, as ``--plugin`` takes them.",
+    "seed": "Seed of all randomness, in place of the graph's.",
+    "seeds": "The worlds, ``range(1000, 1010)``; None: those of the study.",
+    "until_s": "When to stop, in place of the graph's: simulated seconds; live, seconds since the start.",
+    "folder": "The folder of the result. None: a temporary one, removed when neither the result nor its log is in use "
+    "any more. That of a run is new or empty; that of a study may hold its earlier runs.",
+    "pace": "Simulated seconds per second of wall time; None: as fast as the machine allows.",
+    "tap": 'What is sent to ``graphnav spy`` and other programs that watch: ``"thin"``, ``"full"``, ``"none"``.',
+    "live": "Run by the wall clock and on channels of other programs; a graph with inputs is live by itself.",
+    "url": "LCM URL of the channels that come in and leave, live.",
+    "pictures": "Draw the panels and the map from the log.",
+    "check": "Raise `RunError` if the run fails.",
+    "metrics": 'Columns of the tables, ``"drive.success"``, the one that decides first; none: all of them.',
+    "within": "Axes that are conditions: variants are compared with the base under the same one.",
+    "one_at_a_time": "Change one axis of the base at a time, in place of crossing them.",
+    "jobs": "Runs at once; None: one a core.",
+    "cluster": 'The scheduler of a Dask cluster, ``"tcp://host:8786"``, that makes the runs.',
+    "gallery": "How many failures of each variant are run again and drawn for the report.",
+    "keep_logs": "Keep the full logs of those.",
+}
+"""By name; a parameter means the same wherever it is taken."""
+
+_WIDTH = 120
+
+
+def documented(function: F) -> F:
+    """Return a function whose docstring says what its parameters mean, in front of what it raises."""
+    if function.__doc__ is None:  # python -OO
+        return function
+    text, raises, errors = inspect.cleandoc(function.__doc__).partition("Raises\n------")
+    entries = [f"{name}\n{_indented(PARAMETERS[name])}" for name in inspect.signature(function).parameters]
+    section = "\n".join(["Parameters", "----------", *entries])
+    function.__doc__ = f"{text.rstrip()}\n\n{section}\n\n{raises}{errors}".rstrip()
+    return function
+
+
+def _indented(text: str) -> str:
+    return textwrap.fill(text, _WIDTH, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False)

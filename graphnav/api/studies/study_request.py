@@ -1,0 +1,75 @@
+"""A study as it is asked for, from Python or on the command line."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from graphnav.ablation.plan import CheckedStudy, check_study, with_versions
+from graphnav.ablation.study import Vary, study_of_command
+from graphnav.catalog import Catalog
+from graphnav.errors import Problem
+from graphnav.graph import Override
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyRequest:
+    """A study, or graphs, with what changes it; `study_of_command` says what each field means."""
+
+    names: Sequence[str]
+    varies: Sequence[Vary]
+    overrides: Sequence[Override]
+    seeds: str | Sequence[int] | None
+    """As ``--seeds`` takes them, or integers; None: those of the study."""
+    metrics: Sequence[str]
+    within: Sequence[str]
+    one_at_a_time: bool
+    plugins: Sequence[Path]
+    problems: Sequence[Problem] = ()
+    """What is wrong with options that were read before."""
+
+    def check(self, catalog: Catalog, command: str = "") -> CheckedStudy:
+        """Return the checked study, with the versions that its runs depend on; ``command`` makes it again.
+
+        Raises
+        ------
+        UserError
+            Everything that is wrong with it and its graphs.
+        """
+        study = study_of_command(
+            self.names,
+            varies=self.varies,
+            overrides=self.overrides,
+            metrics=self.metrics,
+            within=self.within,
+            seeds=self.seeds,
+            one_at_a_time=self.one_at_a_time,
+            problems=self.problems,
+        )
+        checked = check_study(study, catalog, command or self.command, self.plugins)
+        return replace(checked, plan=with_versions(checked.plan))
+
+    @property
+    def command(self) -> str:
+        """The command line that asks for the same."""
+        options: tuple[tuple[str, Sequence[object]], ...] = (
+            ("--vary", [vary.words for vary in self.varies]),
+            ("--set", [override.words for override in self.overrides]),
+            ("--figures", self.metrics),
+            ("--within", self.within),
+            ("--plugin", self.plugins),
+            ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),
+        )
+        words = [word for option, values in options for value in values for word in (option, str(value))]
+        return shlex.join(["graphnav", "ablate", *self.names, *words, *["--one-at-a-time"] * self.one_at_a_time])
+
+
+def _seeds_words(seeds: str | Sequence[int]) -> str:
+    """Return seeds as ``--seeds`` takes them."""
+    if isinstance(seeds, str):
+        return seeds
+    if isinstance(seeds, range) and seeds.step == 1:
+        return f"{seeds.start}:{seeds.stop}"
+    return f"[{', '.join(map(str, seeds))}]"

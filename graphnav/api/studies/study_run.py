@@ -1,0 +1,112 @@
+"""The flow of a study, from its checked plan to the report: what the command and `graphnav.ablate` share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Protocol
+
+import joblib
+
+from graphnav.ablation.execution import (
+    StudyFolder,
+    TaskFactory,
+    Workers,
+    cluster_workers,
+    draw_failures,
+    execute,
+    local_workers,
+    pending_drawings,
+    pending_jobs,
+)
+from graphnav.ablation.plan import CheckedStudy, Job
+from graphnav.ablation.results import read_records, worst_failures
+from graphnav.api.studies.study_files import StudyFiles, write_study_files
+from graphnav.catalog import Catalog
+
+
+@dataclass(frozen=True)
+class ExecutionOptions:
+    """How the runs of a study are made."""
+
+    jobs: int | None
+    """Runs at once; None: one a core."""
+    cluster: str | None
+    """The scheduler of a Dask cluster that makes the runs; None: this machine."""
+    gallery: int
+    """How many failures of each variant are run again and drawn."""
+    keep_logs: bool
+
+
+class StudyRun:
+    """A study while its runs are made."""
+
+    def __init__(self, study: CheckedStudy, folder: StudyFolder, workers: Workers) -> None:
+        self.plan, self.workers = study.plan, workers
+        self._folder, self._tasks = folder, TaskFactory(study)
+
+    def pending(self) -> list[Job]:
+        """Return the runs that do not exist yet."""
+        return pending_jobs(self.plan, self._folder)
+
+    def make(self, jobs: Sequence[Job], on_made: Callable[[str], None] = lambda _: None) -> None:
+        """Make runs; ``on_made`` gets the outcome of each."""
+        execute(jobs, self._tasks, self._folder, self.workers, on_made)
+
+    def seconds_a_run(self) -> float:
+        """Return the mean wall time of the existing runs, of which there is at least one."""
+        walls = [record.wall_s for record in read_records(self.plan, self._folder.path)]
+        return sum(walls) / len(walls)
+
+    def draw(self, options: ExecutionOptions, observer: StudyObserver) -> None:
+        """Draw the worst failures that are not drawn yet."""
+        chosen = worst_failures(self.plan, read_records(self.plan, self._folder.path), options.gallery)
+        jobs = pending_drawings(chosen, self._folder, keep_logs=options.keep_logs)
+        with observer.progress("failures", len(chosen) - len(jobs), len(chosen)) as on_made:
+            lines = draw_failures(jobs, self._tasks, self._folder, self.workers, on_made, keep_logs=options.keep_logs)
+        for line in lines:
+            observer.tell(line)
+
+
+class StudyObserver(Protocol):
+    """Who asked for a study: accepts its runs, sees them made, reads what is told."""
+
+    def accept(self, run: StudyRun) -> Sequence[Job] | None:
+        """Return the runs to make of those that are pending, or None to make none and end here."""
+
+    def progress(self, title: str, done: int, total: int) -> AbstractContextManager[Callable[[str], None]]:
+        """Return what takes the outcome of each run that is made."""
+
+    def tell(self, line: str) -> None:
+        """Tell of a failure that did not happen again, or could not be drawn."""
+
+
+def run_study(
+    study: CheckedStudy, catalog: Catalog, folder: StudyFolder, options: ExecutionOptions, observer: StudyObserver
+) -> StudyFiles | None:
+    """Make the pending runs, draw failures, write tables and report; return None where the runs are not accepted.
+
+    Raises
+    ------
+    UserError
+        The folder holds another study, or no workers can be had.
+    GraphnavError
+        What ends a study: a full disk, a cluster that is gone. Every finished run is in the folder.
+    """
+    plan = study.plan
+    folder.begin(plan)
+    make_workers = (
+        cluster_workers(options.cluster)
+        if options.cluster
+        else local_workers(options.jobs or joblib.cpu_count(), folder.scratch)
+    )
+    with make_workers as workers:
+        run = StudyRun(study, folder, workers)
+        jobs = observer.accept(run)
+        if jobs is None:
+            return None
+        with observer.progress(plan.name, plan.n_jobs - len(jobs), plan.n_jobs) as on_made:
+            run.make(jobs, on_made)
+        run.draw(options, observer)
+    return write_study_files(plan, folder.path, catalog, study.graphs)
