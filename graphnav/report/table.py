@@ -11,8 +11,8 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from graphnav.clock import MAX_LATE_S
 from graphnav.runner.recording.summary import Summary
+from graphnav.runner.simulated_clock import MAX_LATE_S
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
 _ENDINGS = {

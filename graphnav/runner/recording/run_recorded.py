@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Protocol
 
 from graphnav.bus import Bus
-from graphnav.clock import SimulatedClock
 from graphnav.codec import encode, lcm_name, lcm_text_of
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph, resolved_yaml
@@ -25,6 +24,7 @@ from graphnav.runner.recording.kept_messages import ChannelsOnly, SmallOnly
 from graphnav.runner.recording.log_forecast import LogForecast
 from graphnav.runner.recording.saved_graph import save_graph
 from graphnav.runner.recording.summary import Summary, figures_of, scores_of, versions
+from graphnav.runner.simulated_clock import SimulatedClock
 from graphnav.stage import Stage
 
 SUMMARY = "summary.json"
