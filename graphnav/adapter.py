@@ -55,7 +55,7 @@ class Adapter:
         raise NotImplementedError
 
     def utime(self, fields: Mapping[str, Any]) -> int | None:
-        """Return the sender's stamp in microseconds, None where the type has none; by default the field ``utime``."""
+        """Return the sender's stamp in microseconds, None if the type has none; by default the field ``utime``."""
         value = fields.get("utime")
         return value if isinstance(value, int) else None
 

@@ -41,7 +41,7 @@ class Bus:
     dropped where nobody has subscribed. What waits there is counted, which spares a poll of the empty queue. On
     `udpm://` it reaches every process in the group, this one included.
 
-    Raises BusError where LCM cannot be opened; without a multicast route the error says the command that makes one.
+    Raises BusError if LCM cannot be opened; without a multicast route the error says the command that makes one.
     """
 
     def __init__(self, url: str = "memq://") -> None:
@@ -62,7 +62,7 @@ class Bus:
         self._sockets: frozenset[str] = frozenset()
 
     def publish(self, channel: str, data: bytes) -> None:
-        """Send a message; raises BusError where the network refuses it."""
+        """Send a message; raises BusError if the network refuses it."""
         try:
             self._lcm.publish(channel, data)
         except (OSError, RuntimeError, ValueError) as error:
@@ -76,7 +76,7 @@ class Bus:
         self._subscribe(re.escape(channel), handler)
 
     def subscribe_all(self, handler: Handler, max_waiting: int = 0) -> None:
-        """Call ``handler(channel, data)`` for each message of every channel, but for LCM's own tests of the network.
+        """Call ``handler(channel, data)`` for each message of every channel, except LCM's own tests of the network.
 
         ``max_waiting``: LCM refuses further messages while so many wait; 0 refuses none.
         """
@@ -144,7 +144,7 @@ class Bus:
 def with_defaults(url: str) -> str:
     """Return a URL that keeps `udpm` traffic on this machine and asks for a large receive buffer, unless it says so.
 
-    Without a port it gets that of LCM. Raises BusError where it is not a URL.
+    Without a port it gets that of LCM. Raises BusError if it is not a URL.
     """
     try:
         parts = urlsplit(url)
@@ -166,9 +166,9 @@ def same_group(one: str, other: str) -> bool:
 
 
 def require_route(url: str) -> None:
-    """Raise NoRouteError, with the command that mends it, where no multicast route leads to the URL's group.
+    """Raise NoRouteError, with the command that mends it, if no multicast route leads to the URL's group.
 
-    Raises BusError where it has no multicast group, or port 0.
+    Raises BusError if it has no multicast group, or port 0.
     """
     parts = urlsplit(url)
     if not _is_multicast(parts.hostname or ""):

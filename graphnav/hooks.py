@@ -92,7 +92,7 @@ def graphnav_draw_frames(
     """Draw the panels of single frames of a recorded run into ``folder``, one picture each; return the files.
 
     ``times_s``: seconds since the log begins; of each, the frame nearest to it is drawn. ``suffix``: ``.png``, ``.svg``
-    or ``.pdf``. Return None where the log holds nothing that a camera saw; raise UserError for a time outside of it.
+    or ``.pdf``. Return None if the log holds nothing that a camera saw; raise UserError for a time outside of it.
     """
 
 
@@ -110,7 +110,7 @@ def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, unt
 def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -> VideoFrames | None:
     """Return the frames of the video of a recorded run, its panels, between two times (seconds since the log begins).
 
-    Return None where the log holds no images in that span.
+    Return None if the log holds no images in that span.
     """
 
 
@@ -118,5 +118,5 @@ def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -
 def graphnav_write_video(frames: VideoFrames, file: Path) -> Path | None:
     """Write frames as a video; the suffix of ``file`` says its format. Return ``file``.
 
-    Raise UserError where this machine cannot write it, OSError where the file does not hold every frame.
+    Raise UserError if this machine cannot write it, OSError if the file does not hold every frame.
     """

@@ -15,7 +15,7 @@ DEFAULT_URL = "LCM_DEFAULT_URL"
 def lcm_url(*choices: tuple[str, str | None]) -> str:
     """Return the first URL that is given, else that of ``LCM_DEFAULT_URL``, else this machine's group.
 
-    ``choices``: what errors call a URL, and the URL, None where it is not given.
+    ``choices``: what errors call a URL, and the URL, None if it is not given.
 
     Raises
     ------

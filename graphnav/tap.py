@@ -40,7 +40,7 @@ class Tap:
     second, like ``graphnav.about``, for those who join late. In mode "thin" grids above one packet are sent with every
     n-th row and column; "full" sends all bytes as they are, which seldom arrive whole on a stock machine.
 
-    ``notice`` is told once about each other run on the same group. Raises BusError where there is no multicast route.
+    ``notice`` is told once about each other run on the same group. Raises BusError if there is no multicast route.
     """
 
     def __init__(

@@ -46,7 +46,7 @@ class Numbers:
     def read(self, data: bytes, at: int, shape: tuple[int, ...]) -> tuple[Array, int]:
         """Return the read-only array of ``shape`` at offset ``at`` of ``data``, and the offset behind it.
 
-        Raises DecodeError where ``data`` is too short, before any memory is taken.
+        Raises DecodeError if ``data`` is too short, before any memory is taken.
         """
         count = math.prod(shape)
         end = at + count * self._size

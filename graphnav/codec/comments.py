@@ -13,7 +13,7 @@ _TYPE_LINE = "LCM Type:"
 def comments_of(lcm_class: type) -> dict[str, str]:
     """Return the comment above each field that has one, on one line; lcm-gen 1.5 writes them into its Python.
 
-    Empty where the source is not there, or was made by an older lcm-gen.
+    Empty if the source is not there, or was made by an older lcm-gen.
     """
     try:
         (struct,) = ast.parse(inspect.getsource(lcm_class)).body

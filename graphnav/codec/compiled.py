@@ -79,7 +79,7 @@ class Codec:
         return True
 
     def peek(self, data: bytes, name: str) -> int | None:
-        """Return one integer of a complete message, None where the type has no such field or it is not an integer.
+        """Return one integer of a complete message, None if the type has no such field or it is not an integer.
 
         Cheap for a field of the scalars that a type begins with, as stamps and numbers are; else all is decoded.
         """

@@ -51,7 +51,7 @@ def message_classes() -> Iterator[type[Message]]:
 
 
 def message_class_of(lcm_class: type) -> type[Message] | None:
-    """Return the message class that wraps an LCM type, or None where none has been imported."""
+    """Return the message class that wraps an LCM type, or None if none has been imported."""
     return next((found for found in message_classes() if found.lcm_class is lcm_class), None)
 
 
@@ -61,7 +61,7 @@ def message_types() -> dict[str, type[Message]]:
 
 
 def type_named(name: str) -> type | None:
-    """Return the lcm-gen class of ``package.type_t``, or None where it is not installed."""
+    """Return the lcm-gen class of ``package.type_t``, or None if it is not installed."""
     for found in message_classes():
         if lcm_name(found.lcm_class) == name:
             return found.lcm_class

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 Shape = tuple[int | None, ...]
-"""The shape of an array; None where an empty axis before hides the size."""
+"""The shape of an array; None if an empty axis before hides the size."""
 
 
 def flatten(value: Any, axes: int) -> tuple[Shape, list[Any]]:

@@ -13,7 +13,7 @@ _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-s
 
 
 def require(module: str, user: str = "this export") -> Any:
-    """Return a module of an optional package that ``user`` needs; raise UserError where it is not installed."""
+    """Return a module of an optional package that ``user`` needs; raise UserError if it is not installed."""
     package = module.partition(".")[0]
     try:
         return importlib.import_module(module)

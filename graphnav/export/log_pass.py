@@ -54,7 +54,7 @@ class Walk:
                 yield sample
 
     def find(self, kind: type[M], /) -> M | None:
-        """Return the newest message of ``kind``, else the first if it has the same stamp; None where there is none.
+        """Return the newest message of ``kind``, else the first if it has the same stamp; None if there is none.
 
         Within one stamp, a map may come after the first state.
         """

@@ -21,12 +21,12 @@ class MessageTypes:
             self._adapters = dict(catalog.adapters().readers)
 
     def message_type(self, lcm_class: type) -> type[Message] | None:
-        """Return the class of the messages that an LCM type becomes, None where there is none."""
+        """Return the class of the messages that an LCM type becomes, None if there is none."""
         adapter = self._adapters.get(lcm_name(lcm_class))
         return adapter.message if adapter is not None else message_class_of(lcm_class)
 
     def message(self, lcm_class: type, fields: dict[str, Any]) -> Message | None:
-        """Return the message that the fields of an LCM type hold, None where they hold none."""
+        """Return the message that the fields of an LCM type hold, None if they hold none."""
         adapter = self._adapters.get(lcm_name(lcm_class))
         wrapper = message_class_of(lcm_class)
         try:

@@ -74,12 +74,12 @@ class Reader:
         return Sample(event.channel, event.utime, fields)
 
     def message_type(self, channel: str) -> type[Message] | None:
-        """Return the class of the messages that a channel's types become, None where there is none."""
+        """Return the class of the messages that a channel's types become, None if there is none."""
         lcm_class = self.recording.channels.get(channel)
         return None if lcm_class is None else self._types.message_type(lcm_class)
 
     def message(self, channel: str, fields: dict[str, Any]) -> Message | None:
-        """Return the message that fields hold, None where they hold none."""
+        """Return the message that fields hold, None if they hold none."""
         lcm_class = self.recording.channels[channel]
         assert lcm_class is not None
         return self._types.message(lcm_class, fields)

@@ -43,7 +43,7 @@ class Selection:
         return tuple(name for name in known if any(_matches(name, pattern) for pattern in self.patterns))
 
     def one_channel(self, recording: Recording) -> str | None:
-        """Return the channel that is selected by its name alone, None where there may be several."""
+        """Return the channel that is selected by its name alone, None if there may be several."""
         name = self.patterns[0] if len(self.patterns) == 1 else ""
         return name if name in recording.channels else None
 
@@ -52,7 +52,7 @@ class Selection:
         return self.from_s <= at_s <= self.until_s
 
     def check_span(self, recording: Recording) -> None:
-        """Raise UserError where the span is empty, or ends before or begins after the log."""
+        """Raise UserError if the span is empty, or ends before or begins after the log."""
         if self.from_s > self.until_s:
             raise UserError.of(
                 f"--from {self.from_s:g}s is after --until {self.until_s:g}s", "exchange the two, or leave one out"

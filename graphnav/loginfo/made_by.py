@@ -17,9 +17,9 @@ from graphnav.runner.recording.run_recorded import SUMMARY
 
 @dataclass(frozen=True)
 class MadeBy:
-    """The run that made a log, as far as the log and the summary beside it tell; None or empty where they do not.
+    """The run that made a log, as far as the log and the summary beside it tell; None or empty if they do not.
 
-    ``name``: of the graph's file. ``about``: its first words. ``n_stages``: None where the log holds no graph.
+    ``name``: of the graph's file. ``about``: its first words. ``n_stages``: None if the log holds no graph.
     """
 
     name: str | None = None
@@ -32,7 +32,7 @@ class MadeBy:
 
 
 def made_by(recording: Recording) -> MadeBy | None:
-    """Return the run that made a log, or None where nothing tells it."""
+    """Return the run that made a log, or None if nothing tells it."""
     about = recording.about
     summary = _summary(recording.path)
     if about is None and not summary:
@@ -64,7 +64,7 @@ def _name_by_status(recording: Recording) -> str | None:
 
 
 def _summary(log: Path) -> dict[str, Any]:
-    """Return the summary of the run folder that a log lies in; empty where there is none that can be read."""
+    """Return the summary of the run folder that a log lies in; empty if there is none that can be read."""
     if log.name != LOG:
         return {}
     try:

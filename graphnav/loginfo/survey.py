@@ -19,10 +19,10 @@ _FINGERPRINT_BYTES = 8
 class ChannelInfo:
     """The messages of one channel.
 
-    ``type_name``: None where nothing tells it; ``is_known``: whether its definition is installed; ``fingerprint``: the
-    first 8 bytes of a message in hex, None where it is shorter. ``first_us``, ``last_us``: microseconds since the first
+    ``type_name``: None if nothing tells it; ``is_known``: whether its definition is installed; ``fingerprint``: the
+    first 8 bytes of a message in hex, None if it is shorter. ``first_us``, ``last_us``: microseconds since the first
     event of the log. ``lost``: messages whose numbers are missing; ``n_restarts``: how often the numbering began anew;
-    both None where messages have no numbers. ``undecodable``: messages that are not of the channel's type or are
+    both None if messages have no numbers. ``undecodable``: messages that are not of the channel's type or are
     damaged.
     """
 
@@ -42,7 +42,7 @@ class ChannelInfo:
 
     @property
     def rate_hz(self) -> float | None:
-        """Messages per second between the first and the last; None where no time passed."""
+        """Messages per second between the first and the last; None if no time passed."""
         length_us = self.last_us - self.first_us
         return (self.n_messages - 1) / length_us * 1e6 if length_us else None
 
@@ -76,7 +76,7 @@ class LogInfo:
 def survey(path: Path) -> LogInfo:
     """Return what a log holds; reads all of it, one message at a time.
 
-    Raises LogError where the file cannot be read or is not a log.
+    Raises LogError if the file cannot be read or is not a log.
     """
     with Recording(path) as recording:
         surveys: dict[str, _Survey] = {}

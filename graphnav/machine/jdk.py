@@ -19,7 +19,7 @@ _FULL = {
 
 @dataclass(frozen=True)
 class Jdk:
-    """The tools on the search path, None where one is not; ``lacks`` says in words what is missing, else empty."""
+    """The tools on the search path, None if one is not; ``lacks`` says in words what is missing, else empty."""
 
     java: Path | None
     javac: Path | None
@@ -48,7 +48,7 @@ def install_jdk() -> str:
 
 
 def require_jdk() -> Jdk:
-    """Return a complete JDK; raises UserError, with the command that installs one, where it is not."""
+    """Return a complete JDK; raises UserError, with the command that installs one, if it is not."""
     jdk = find_jdk()
     if jdk.lacks:
         raise UserError.of(jdk.lacks, f"run as root: {install_jdk()}")

@@ -37,7 +37,7 @@ CellSize = tuple[int, int]
 class TerminalGraphics:
     """What a terminal confirms: the protocols of kitty and of sixels.
 
-    ``n_colours``: registers for the colours of sixels. ``cell_px``: None where the terminal does not say it.
+    ``n_colours``: registers for the colours of sixels. ``cell_px``: None if the terminal does not say it.
     ``failure``: why it does not show more than half blocks although it may, empty if it answered.
     """
 
@@ -49,7 +49,7 @@ class TerminalGraphics:
 
 
 def ask_terminal() -> TerminalGraphics | None:
-    """Ask the terminal; None where standard input and output are not a terminal that this program has for itself.
+    """Ask the terminal; None if standard input and output are not a terminal that this program has for itself.
 
     Takes half a second where the terminal does not answer. What is typed meanwhile is lost. Inside tmux and screen
     nothing is asked: what they pass on depends on their version and on every terminal that is attached.
@@ -69,7 +69,7 @@ def ask_terminal() -> TerminalGraphics | None:
 
 
 def cell_size_px() -> CellSize | None:
-    """Return the rows and columns of pixels of a cell as the kernel knows them now; None where it does not."""
+    """Return the rows and columns of pixels of a cell as the kernel knows them now; None if it does not."""
     try:
         answer = fcntl.ioctl(sys.__stdout__, termios.TIOCGWINSZ, bytes(8))  # type: ignore[arg-type]
     except (OSError, TypeError, ValueError):

@@ -124,7 +124,7 @@ class Map(Message, lcm=graphnav_lcm.map_t):
     ``kind``: uint8 (bodies,), 0 wall, 1 obstacle, 2 moving obstacle. ``height_m``: float64 (bodies,).
     ``vertices_m``: float64 (vertices, 2), outlines in W (of moving ones in their own frame). ``body``: int32
     (vertices,), ascending. ``start``: float64 (3,), x_m, y_m, yaw_rad. ``goal_m``: float64 (n, 2), outline of the
-    goal region, empty where there is none. ``shortest_m``: length of the shortest path for this robot, 0 without
+    goal region, empty if there is none. ``shortest_m``: length of the shortest path for this robot, 0 without
     a goal. ``footprint_m``: float64 (n, 2) in R, outline on the floor of what the camera sees.
     """
 

@@ -63,7 +63,7 @@ class Message:
         Message.n_classes += 1
 
     def lcm_fields(self) -> Mapping[str, Any]:
-        """Return the fields of the LCM type, but for ``utime``, ``seq`` and what array shapes tell."""
+        """Return the fields of the LCM type, except ``utime``, ``seq`` and what array shapes tell."""
         return self.__dict__
 
     @classmethod

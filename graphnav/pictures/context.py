@@ -18,7 +18,7 @@ class Find(Protocol):
     """Finds the message of another type that belongs to the one that is drawn."""
 
     def __call__(self, kind: type[M], /) -> M | None:
-        """Return the message of ``kind`` of the same stamp, else the newest before it; None where there is none."""
+        """Return the message of ``kind`` of the same stamp, else the newest before it; None if there is none."""
 
 
 def no_message(_kind: type[M], /) -> M | None:

@@ -29,7 +29,7 @@ class Pictures:
         self._catalog = catalog
 
     def draw(self, message: Message, context: PictureContext) -> Bytes | None:
-        """Return the picture of a message, (rows, cols, 3) red-green-blue; None where no plugin draws its type.
+        """Return the picture of a message, (rows, cols, 3) red-green-blue; None if no plugin draws its type.
 
         Raises
         ------
@@ -49,7 +49,7 @@ class Pictures:
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Let a plugin draw: whatever it raises becomes a DrawingError, but for a disk that refuses or a damaged log."""
+    """Let a plugin draw: whatever it raises becomes a DrawingError, except a disk that refuses or a damaged log."""
     try:
         yield
     except GraphnavError:

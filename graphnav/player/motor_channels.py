@@ -9,7 +9,7 @@ from graphnav.record import Recording
 def motor_channels(recording: Recording) -> dict[str, str]:
     """Return the motor channels of the graph that made a log, each with the output that it carried.
 
-    Empty where the log does not tell its graph.
+    Empty if the log does not tell its graph.
     """
     try:
         outputs = recording.graph.get("outputs")

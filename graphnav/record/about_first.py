@@ -47,7 +47,7 @@ class AboutFirst:
         return self._log.n_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event, or hold it back; raises LogError where the disk refuses it."""
+        """Append an event, or hold it back; raises LogError if the disk refuses it."""
         if self._held and self._now_s() >= self._until_s:
             self._release()
         if not self._is_waiting:
@@ -64,7 +64,7 @@ class AboutFirst:
                 self._release()
 
     def flush(self) -> None:
-        """Hand all events to the kernel, but for what is held back."""
+        """Hand all events to the kernel, except what is held back."""
         if self._held and self._now_s() >= self._until_s:
             self._release()
         self._log.flush()

@@ -71,7 +71,7 @@ class LogFile:
         return os.pread(self._fd, stop - start, start)
 
     def close(self) -> None:
-        """Let go of the file; does nothing the second time."""
+        """Close the file; idempotent."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1

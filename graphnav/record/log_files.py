@@ -44,7 +44,7 @@ class LogFiles:
     Each file after the first begins with the newest description of a run. ``free_quota_bytes``: ends the recording when
     less is free on the disk. ``free_bytes`` tells how much that is.
 
-    Raises OSError where the first file cannot be opened, LogError where less is free from the beginning.
+    Raises OSError if the first file cannot be opened, LogError where less is free from the beginning.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class LogFiles:
         return self._n_bytes + self._log.n_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event, in a new file if it is due; raises LogError where the disk refuses it."""
+        """Append an event, in a new file if it is due; raises LogError if the disk refuses it."""
         if self._quota_bytes is not None:
             self._check_quota(self._quota_bytes)
         if self._begin_us is None:
@@ -98,7 +98,7 @@ class LogFiles:
         self._log.flush()
 
     def close(self) -> None:
-        """Flush and close; does nothing the second time."""
+        """Flush and close; idempotent."""
         self._log.close()
 
     def _is_full(self, split: Split, utime: int, n_bytes: int) -> bool:

@@ -32,7 +32,7 @@ class Head(NamedTuple):
     """An event without its data: what it says of itself, and the fields with which every message type begins.
 
     ``place`` counts within the channel, ``logged_us`` is the stamp of the event, ``utime`` and ``seq`` are those of
-    the message; ``fingerprint`` is empty where the data are too short for them.
+    the message; ``fingerprint`` is empty if the data are too short for them.
     """
 
     channel: str
@@ -47,11 +47,11 @@ class Head(NamedTuple):
 class Recording:
     """A log, of graphnav or of any other LCM program.
 
-    ``channels`` maps each channel to its lcm-gen class, or to None where the type is not installed. ``torn`` says
+    ``channels`` maps each channel to its lcm-gen class, or to None if the type is not installed. ``torn`` says
     what was lost at the end of a log that was cut short, else it is None; ``damaged`` says which bytes between events
     were skipped.
 
-    Raises LogError where the file cannot be read or is not a log.
+    Raises LogError if the file cannot be read or is not a log.
     """
 
     def __init__(self, path: Path | str) -> None:
@@ -80,7 +80,7 @@ class Recording:
 
     @cached_property
     def graph(self) -> dict[str, Any]:
-        """The resolved graph that made the log; raises LogError where the log does not say."""
+        """The resolved graph that made the log; raises LogError if the log does not say."""
         if self.about is None:
             raise LogError(f"{self.path} does not say which graph made it: no event on '{ABOUT}' can be read")
         try:
@@ -179,7 +179,7 @@ class Recording:
         return self._event(self._index.of(channel, index))
 
     def message(self, channel: str, index: int) -> tuple[int, int, Message]:
-        """Return ``(utime, seq, message)`` of one event; raises LogError where it cannot be decoded."""
+        """Return ``(utime, seq, message)`` of one event; raises LogError if it cannot be decoded."""
         lcm_class = self.channels[channel]
         wrapper = lcm_class and message_class_of(lcm_class)
         if wrapper is None:

@@ -33,7 +33,7 @@ def scan(path: Path, file: LogFile) -> Iterator[Entry | Damaged | Torn]:
     expected there. An event whose length is damaged does not end where another one begins: it is left out, as the
     numbers of its neighbours tell. A log that ends within an event yields a `Torn` last.
 
-    Raises LogError where the file is not empty and no event begins in it.
+    Raises LogError if the file is not empty and no event begins in it.
     """
     reader = _Reader(file)
     at, last, n_events = 0, None, 0

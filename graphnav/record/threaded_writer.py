@@ -32,7 +32,7 @@ class Log(Protocol):
         """Their size."""
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event; raises LogError where the disk refuses it."""
+        """Append an event; raises LogError if the disk refuses it."""
 
     def flush(self) -> None:
         """Hand all events to the kernel; called now and then while there are none."""
@@ -48,7 +48,7 @@ class ThreadedLogWriter:
     recording: ``failure`` is set, ``notice`` is called once with it, from another thread, and every later event is
     dropped; the log up to there is complete. ``open_log`` makes the log that the thread writes.
 
-    Raises OSError where the file cannot be opened at all.
+    Raises OSError if the file cannot be opened at all.
     """
 
     def __init__(

@@ -24,7 +24,7 @@ class LogWriter:
     no more than that. If the disk refuses (it is full, or gone), the event that did not fit is cut away again,
     LogError says so, and the log up to there is whole.
 
-    Raises OSError where the file cannot be opened at all.
+    Raises OSError if the file cannot be opened at all.
     """
 
     def __init__(self, path: Path | str) -> None:
@@ -43,7 +43,7 @@ class LogWriter:
         return self._whole_bytes + self._waiting_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event; raises LogError, once and for all, where the disk refuses it."""
+        """Append an event; raises LogError, once and for all, if the disk refuses it."""
         name = channel.encode()
         header = HEADER.pack(SYNC, self.n_events, utime, len(name), len(data)) + name
         self._waiting += (header, data)
@@ -69,7 +69,7 @@ class LogWriter:
             raise self._failure from error
 
     def close(self) -> None:
-        """Flush and close; does nothing the second time."""
+        """Flush and close; idempotent."""
         if self._fd < 0:
             return
         try:

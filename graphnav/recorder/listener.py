@@ -15,7 +15,7 @@ _MAX_WAITING = 50_000
 class Listener:
     """Hands over every message of a group: ``take(channel, data)`` is called in the listening thread.
 
-    Raises BusError where LCM cannot be opened.
+    Raises BusError if LCM cannot be opened.
     """
 
     def __init__(self, url: str, take: Handler) -> None:

@@ -22,7 +22,7 @@ class Recorder:
     describes a run is recorded anyway. ``open_files`` opens the log. ``notice`` is told, from another thread, if the
     disk refuses; ``failure`` then says why.
 
-    Raises BusError where LCM cannot be opened, OSError where the log cannot, LogError where the
+    Raises BusError if LCM cannot be opened, OSError if the log cannot, LogError if the
     disk has less than its quota from the beginning.
     """
 
@@ -73,7 +73,7 @@ class Recorder:
         self.dropped_packets = self._listener.dropped_packets()
 
     def close(self) -> None:
-        """Stop listening and complete the log; does nothing the second time."""
+        """Stop listening and complete the log; idempotent."""
         if self._is_closed:
             return
         self._is_closed = True

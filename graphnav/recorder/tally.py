@@ -11,7 +11,7 @@ _MAX_CHANNELS = 10_000
 class ChannelTally:
     """The messages of one channel.
 
-    ``fingerprint``: the first 8 bytes of the first one. ``gaps``: None where messages have no numbers.
+    ``fingerprint``: the first 8 bytes of the first one. ``gaps``: None if messages have no numbers.
     """
 
     __slots__ = ("fingerprint", "gaps", "n_bytes", "n_messages")

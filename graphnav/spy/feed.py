@@ -31,7 +31,7 @@ class Heard(NamedTuple):
 class Feed:
     """A multicast group (``udpm://...``), a log, or a run folder; without a name the group where runs are tapped.
 
-    Raises UserError where there is nothing of that name, or ``LCM_DEFAULT_URL`` leads nowhere.
+    Raises UserError if there is nothing of that name, or ``LCM_DEFAULT_URL`` leads nowhere.
     """
 
     def __init__(self, name: str | None) -> None:
@@ -54,7 +54,7 @@ class Feed:
         return time.time() - time.monotonic() if self.is_live else 0.0
 
     def check(self) -> None:
-        """Raise BusError where a live feed cannot be listened to, before anything waits for it."""
+        """Raise BusError if a live feed cannot be listened to, before anything waits for it."""
         require_route(with_defaults(self.name))
 
     def listen(self, for_s: float | None) -> Generator[Heard | None]:
@@ -104,7 +104,7 @@ class Feed:
 
 
 def drops_of(feed: Feed) -> str:
-    """Return what the kernel dropped of a feed, in words; empty where it dropped nothing."""
+    """Return what the kernel dropped of a feed, in words; empty if it dropped nothing."""
     dropped = feed.dropped_packets()
     if not dropped:
         return ""

@@ -61,7 +61,7 @@ class Traffic:
     def find(self, name: str, feed: Feed, for_s: float | None) -> ChannelTraffic:
         """Return a channel that was heard.
 
-        Raises UserError where there is no such channel, GraphnavError where nothing came.
+        Raises UserError if there is no such channel, GraphnavError where nothing came.
         """
         if name in self.channels and self.channels[name].count:
             return self.channels[name]
@@ -72,7 +72,7 @@ class Traffic:
         raise feed.silence(for_s, name)
 
     def check(self, name: str, feed: Feed) -> None:
-        """Raise UserError where the runs that were heard have no such channel: waiting for it would be in vain."""
+        """Raise UserError if the runs that were heard have no such channel: waiting for it would be in vain."""
         if self.told and name not in self.channels:
             raise self._unknown(name, feed)
 
@@ -97,7 +97,7 @@ class Traffic:
         return channel
 
     def _channel(self, name: str, told: str | None = None) -> ChannelTraffic | None:
-        """Return the channel of a name, made where it is new; None where there are too many."""
+        """Return the channel of a name, made where it is new; None if there are too many."""
         channel = self.channels.get(name)
         if channel is None and len(self.channels) < MAX_CHANNELS:
             channel = self.channels[name] = ChannelTraffic(name, told, self._clock)
@@ -193,7 +193,7 @@ class ChannelTraffic:
     def latency_s(self, clock_offset_s: float) -> float | None:
         """Return the median time from a message's own stamp to its arrival.
 
-        ``clock_offset_s`` is added to the clock of the arrivals to give the time of day. None where the stamps are not
+        ``clock_offset_s`` is added to the clock of the arrivals to give the time of day. None if the stamps are not
         on that clock, as those of simulated time.
         """
         behind_s = self._stamps.behind_s()

@@ -22,7 +22,7 @@ class Periods:
     """Rate and periods of the messages in a window.
 
     ``min_s``, ``mean_s``, ``max_s``, ``std_s``: of the periods between neighbours, without those that span lost
-    messages; None where there are none. ``rate_hz`` counts the lost ones. ``n``: messages in the window.
+    messages; None if there are none. ``rate_hz`` counts the lost ones. ``n``: messages in the window.
     """
 
     rate_hz: float
@@ -71,17 +71,17 @@ class Window:
         return statistics.median(at_s - time_s for at_s, time_s, *_ in newest)
 
     def sizes(self) -> Sizes:
-        """Return the sizes; raises ValueError where there is no message."""
+        """Return the sizes; raises ValueError if there is no message."""
         sizes = [n_bytes for *_, n_bytes in self._newest]
         return Sizes(len(sizes), min(sizes), sum(sizes) / len(sizes), max(sizes))
 
     def bytes_per_s(self) -> float | None:
-        """Return the bytes of all but the first, over the time to the last; None where no time passed."""
+        """Return the bytes of all but the first, over the time to the last; None if no time passed."""
         length_s = self._length_s()
         return (sum(n_bytes for *_, n_bytes in self._newest) - self._newest[0][-1]) / length_s if length_s > 0 else None
 
     def rate_hz(self) -> float | None:
-        """Return the messages a second, the lost ones included; None where no time passed."""
+        """Return the messages a second, the lost ones included; None if no time passed."""
         length_s = self._length_s()
         return (self._newest[-1][2] - self._newest[0][2]) / length_s if length_s > 0 else None
 

@@ -28,7 +28,7 @@ class DefinitionSource:
         return cls(path, _COMMENT.sub(_blank, text.replace("\0", " ")))
 
     def place_of_field(self, typename: str, name: str) -> Place | None:
-        """Return where a field is declared, None where it is not in this file."""
+        """Return where a field is declared, None if it is not in this file."""
         short = re.escape(typename.rpartition(".")[2])
         found = re.search(rf"(?<!\w)(?:[\w.]+\.)?{short}\s+{re.escape(name)}\b", self.text)
         if found is None:

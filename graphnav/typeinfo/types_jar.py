@@ -19,7 +19,7 @@ _CACHE = "XDG_CACHE_HOME"
 
 
 def types_jar(lcm_classes: Iterable[type]) -> Path:
-    """Return the jar of types and of all that are nested in them; build it where the cache has none of this content.
+    """Return the jar of types and of all that are nested in them; build it if the cache has none of this content.
 
     Raises
     ------

@@ -79,7 +79,7 @@ class WatchedChannel:
 
     @property
     def latency_s(self) -> float | None:
-        """The median of the newest latencies; None where all messages are the first of their stamps, or one only."""
+        """The median of the newest latencies; None if all messages are the first of their stamps, or one only."""
         is_known = not self.is_single and max(self._latencies_s, default=0.0) > 0
         return median(self._latencies_s) if is_known else None
 

@@ -23,7 +23,7 @@ _MAX_TOLD = 3
 class LogSource:
     """Plays a log from its beginning; times count from there, in seconds.
 
-    Stamps that jump count as `Timeline` says. ``torn``: what is lost of a damaged log. Raises LogError where the file
+    Stamps that jump count as `Timeline` says. ``torn``: what is lost of a damaged log. Raises LogError if the file
     cannot be read.
     """
 

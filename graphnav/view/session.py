@@ -59,7 +59,7 @@ class Session:
         return json.dumps(hello | ({"length_s": log.length_s} if log else {}), allow_nan=False)
 
     def update(self, number: int) -> tuple[str, bytes | None] | None:
-        """Return the update called ``number`` and the picture that belongs to it, None where nothing has changed."""
+        """Return the update called ``number`` and the picture that belongs to it, None if nothing has changed."""
         update: Update = {}
         view, about, moment, world, picture = self.view, None, None, None, None
         with self._source.lock:
