@@ -57,7 +57,7 @@ class Bus:
         self._subscriptions: list[Any] = []
         self._is_counted = self.url.startswith("memq:")
         self._channels: set[str] = set()
-        self._hears_all = False
+        self._receives_all = False
         self._waiting = 0
         self._sockets: frozenset[str] = frozenset()
 
@@ -67,7 +67,7 @@ class Bus:
             self._lcm.publish(channel, data)
         except (OSError, RuntimeError, ValueError) as error:
             raise BusError(f"cannot publish {len(data)} bytes on '{channel}': {error}") from error
-        if self._hears_all or channel in self._channels:
+        if self._receives_all or channel in self._channels:
             self._waiting += 1
 
     def subscribe(self, channel: str, handler: Handler) -> None:
@@ -81,12 +81,12 @@ class Bus:
         ``max_waiting``: LCM refuses further messages while so many wait; 0 refuses none.
         """
 
-        def heard(channel: str, data: bytes) -> None:
+        def received(channel: str, data: bytes) -> None:
             if channel != _SELF_TEST:
                 handler(channel, data)
 
-        self._hears_all = True
-        self._subscribe(_ALL, heard, max_waiting)
+        self._receives_all = True
+        self._subscribe(_ALL, received, max_waiting)
 
     def drain(self) -> int:
         """Deliver until nothing waits, what handlers publish included; return the number of messages.

@@ -68,7 +68,7 @@ class Tap:
         self._utime = self._n_abouts = 0
         self._about_due_s = 0.0
         bus = Bus(self.url)
-        bus.subscribe(ABOUT, self._hear)
+        bus.subscribe(ABOUT, self._receive)
         self._thread = threading.Thread(target=self._serve, args=(bus,), name="graphnav-tap", daemon=True)
         self._thread.start()
 
@@ -163,7 +163,7 @@ class Tap:
                 return thinned
         return data
 
-    def _hear(self, _channel: str, data: bytes) -> None:
+    def _receive(self, _channel: str, data: bytes) -> None:
         """Notice the other runs on this group that publish on the same channels."""
         try:
             other = decode(About, data)[2]

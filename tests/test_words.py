@@ -17,7 +17,13 @@ ROOT = Path(__file__).resolve().parent.parent
 
 FOLDERS = ("graphnav", "plugins", "graphs", "lcmtypes", "tools", "tests", "docs")
 FILES = ("README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md")
-SKIPPED = ("tests/test_words.py", "lcmtypes/graphnav_lcm/*", "plugins/graphnav_adapters/lcmtypes/*", "docs/_*", "*/node_modules/*")
+SKIPPED = (
+    "tests/test_words.py",
+    "lcmtypes/graphnav_lcm/*",
+    "plugins/graphnav_adapters/lcmtypes/*",
+    "docs/_*",
+    "*/node_modules/*",
+)
 """This list itself, and what is generated."""
 NOT_SWEPT_YET = (
     "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "README.md", "docs/*", "graphs/*", "plugins/*", "tests/*", "tools/*",
@@ -55,8 +61,20 @@ RULES = (
         "least_clearance_m",
         ("least_squares", "most_common", "at_least", "at_most", "almost", "leastsq"),
     ),
-    Rule("the least(?! squares)|greatest", "minimum, maximum", (TEXT,), "the greatest", ("at least 2", "the least squares fit")),
-    Rule("(?<!there )is no (?!longer|more|less)[a-z]+", "is not a ...", (TEXT,), "it is no number", ("there is no log", "it is no longer")),
+    Rule(
+        "the least(?! squares)|greatest",
+        "minimum, maximum",
+        (TEXT,),
+        "the greatest",
+        ("at least 2", "the least squares fit"),
+    ),
+    Rule(
+        "(?<!there )is no (?!longer|more|less)[a-z]+",
+        "is not a ...",
+        (TEXT,),
+        "it is no number",
+        ("there is no log", "it is no longer"),
+    ),
     Rule("nobody|somebody|anybody|whoever", "no stage, another program, the caller", (TEXT,), "nobody reads it"),
     Rule("strangers?", "third-party", (NAME, TEXT), "a stranger's plugin", ("strange",)),
     Rule("(for|by|that|to|as) (people|persons?|a person)", "user, readable", (TEXT,), "JSON for people"),
@@ -69,11 +87,29 @@ RULES = (
         ("figure", "FigureCanvas"),
         allowed_in=("plugins/graphnav_view/*", "tests/plugins/view/*", "graphnav/cli/figure.py"),
     ),
-    Rule("(whose|its|their|which|that) figures", "metrics", (TEXT,), "a stage and its figures", ("graphnav figure", "a figure of Matplotlib")),
-    Rule("(a|negative) controls? that", "baseline", (TEXT,), "a control that a method has to beat", ("control.guard", "the control force")),
+    Rule(
+        "(whose|its|their|which|that) figures",
+        "metrics",
+        (TEXT,),
+        "a stage and its figures",
+        ("graphnav figure", "a figure of Matplotlib"),
+    ),
+    Rule(
+        "(a|negative) controls? that",
+        "baseline",
+        (TEXT,),
+        "a control that a method has to beat",
+        ("control.guard", "the control force"),
+    ),
     Rule("What|Who", "a verb or a noun as the first word", (DOC,), "What a run holds.", ("Whether it is new.",)),
     Rule("stands? here", "duplicate entry, is not allowed here", (TEXT,), "'x' stands here twice"),
-    Rule("(is|are|was) over(?=[,.;:)]| before| and|$)", "finished", (TEXT,), "the run is over.", ("the mean is over 8 seeds",)),
+    Rule(
+        "(is|are|was) over(?=[,.;:)]| before| and|$)",
+        "finished",
+        (TEXT,),
+        "the run is over.",
+        ("the mean is over 8 seeds",),
+    ),
     Rule("what (is|was) (there|over|to be)", "existing, finished, pending", (TEXT,), "what is to be made"),
     Rule("(is|are|was|were) said", "specified, reported", (TEXT,), "where it is said"),
     Rule("stands inside what it stands for", "recursive alias", (TEXT,), "an alias stands inside what it stands for"),
@@ -173,7 +209,7 @@ def scanned_files() -> Iterator[Path]:
 
 def test_replaced_words_stay_replaced() -> None:
     fields = names_of_lcm_fields()
-    faults = []
+    faults: list[str] = []
     for path in scanned_files():
         file = path.relative_to(ROOT).as_posix()
         if not any(fnmatch(file, pattern) for pattern in (*SKIPPED, *NOT_SWEPT_YET)):

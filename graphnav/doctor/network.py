@@ -9,8 +9,8 @@ from urllib.parse import urlsplit
 
 from graphnav.bus import MAKE_ROUTE, RECEIVE_BUFFER_BYTES, Bus
 from graphnav.doctor.finding import Finding
-from graphnav.doctor.held_bytes import ReceiveBuffer, try_receive_buffer
 from graphnav.doctor.message_sizes import MessageSize, message_sizes
+from graphnav.doctor.receive_buffer import ReceiveBuffer, try_receive_buffer
 from graphnav.errors import BusError, GraphnavError, NoRouteError, UserError
 from graphnav.graph import Graph
 from graphnav.lcm_url import tap_url
@@ -38,20 +38,20 @@ def multicast() -> Finding:
 
 
 def _comes_back(url: str) -> bool:
-    heard: list[bytes] = []
+    received: list[bytes] = []
     try:
         bus = Bus(url)
         try:
-            bus.subscribe("graphnav.doctor", lambda _, data: heard.append(data))
+            bus.subscribe("graphnav.doctor", lambda _, data: received.append(data))
             bus.publish("graphnav.doctor", b"")
             end_s = time.monotonic() + _WAIT_S
-            while not heard and (left_s := end_s - time.monotonic()) > 0:
+            while not received and (left_s := end_s - time.monotonic()) > 0:
                 bus.handle(left_s)
         finally:
             bus.close()
     except BusError:
         return False
-    return bool(heard)
+    return bool(received)
 
 
 def receive_buffer(graph: Graph | None) -> Iterator[Finding]:

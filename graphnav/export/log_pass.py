@@ -20,7 +20,7 @@ POSES: tuple[type[Message], ...] = (State, Odometry)
 """What tells where the robot was: its states, else its odometry."""
 
 
-class Walk:
+class LogPass:
     """Yields the selected messages, oldest first; ``find`` and ``path_m`` answer for the message that was yielded last.
 
     They see all channels, selected or not: a plane is drawn over its image also where only planes are exported. Of

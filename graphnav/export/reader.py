@@ -86,7 +86,7 @@ class Reader:
 
     def losses(self) -> list[str]:
         """Return what of the selection was not exported, one sentence each."""
-        damage = [*self.recording.damaged, *filter(None, [self.recording.torn])]
+        damage = [*self.recording.damaged, *filter(None, [self.recording.truncated])]
         texts = [f"{self.recording.path}: {part}; left out" for part in damage]
         for name in self._selected:
             if name not in self.channels:

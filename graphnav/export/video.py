@@ -13,7 +13,7 @@ from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, UserError
 from graphnav.export.files.atomic_path import placed_file
-from graphnav.export.log_pass import Walk
+from graphnav.export.log_pass import LogPass
 from graphnav.export.reader import Reader
 from graphnav.export.selection import Selection
 from graphnav.messages import Image, Message
@@ -104,7 +104,7 @@ def _pictures(reader: Reader, channel: str, frames: Frames) -> VideoFrames:
 
 def _drawn(reader: Reader, pictures: Pictures, notes: _Notes) -> Frames:
     """Yield the pictures of the selected messages; ``notes`` gets what is to be told of them."""
-    walk = Walk(reader)
+    walk = LogPass(reader)
     for sample in walk:
         message = reader.message(sample.channel, sample.fields)
         if message is None:

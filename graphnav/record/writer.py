@@ -1,4 +1,4 @@
-"""Writing LCM logs that stay readable whatever happens."""
+"""Write LCM logs that stay readable after crashes and full disks."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from graphnav.record.event import HEADER, SYNC
 
 _FLUSH_BYTES = 1 << 18
 _FLUSH_EVENTS = 400
-"""Two buffers an event; the kernel takes 1024 at once."""
+"""Two buffers per event; the kernel accepts 1024 at once."""
 _FLUSH_S = 0.5
 
 
 class LogWriter:
-    """An LCM event log with the stamps that the events are given.
+    """An LCM event log whose events have the given timestamps.
 
-    Events are written through in one call once 256 kB or half a second have gathered, so that a killed process loses
-    no more than that. If the disk refuses (it is full, or gone), the event that did not fit is cut away again,
-    LogError says so, and the log up to there is whole.
+    Events are written in one call per 256 kB or half a second, so that a killed process loses at most that much. After
+    a write error (disk full or removed) the incomplete event is removed and LogError is raised; the log up to there
+    stays complete.
 
     Raises OSError if the file cannot be opened at all.
     """
@@ -99,7 +99,7 @@ class LogWriter:
         self._whole_bytes += total
 
     def _cut(self, buffers: list[bytes], error: OSError) -> LogError:
-        """Cut the file behind the last whole event and return what is to be said."""
+        """Cut the file after the last complete event and return the error message."""
         end, kept = self._whole_bytes, self.n_events - len(buffers) // 2
         size = os.fstat(self._fd).st_size
         for header, data in zip(buffers[::2], buffers[1::2], strict=True):
@@ -110,4 +110,4 @@ class LogWriter:
         self.n_events, self._whole_bytes = kept, end
         if size > end:
             os.ftruncate(self._fd, end)
-        return LogError(f"{self.path}: {error.strerror}; the log ends whole after {kept} events")
+        return LogError(f"{self.path}: {error.strerror}; the log holds {kept} complete events")

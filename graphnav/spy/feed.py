@@ -1,4 +1,4 @@
-"""Where messages are heard: live on a multicast group, or in a log."""
+"""Where messages are received: live on a multicast group, or in a log."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MAX_WAITING = 50_000
 """Messages that LCM keeps for whoever listens too slowly: memory must be bounded, whatever is sent."""
 
 
-class Heard(NamedTuple):
+class Received(NamedTuple):
     """A message; ``at_s`` is when it arrived, or was recorded, on a clock of any origin."""
 
     channel: str
@@ -37,7 +37,7 @@ class Feed:
     def __init__(self, name: str | None) -> None:
         self.name = name or tap_url()
         self.is_live = self.name.startswith("udpm:")
-        self.torn = ""
+        self.truncated = ""
         self._bus: Bus | None = None
         self._dropped_packets = 0
         if not self.is_live:
@@ -57,18 +57,18 @@ class Feed:
         """Raise BusError if a live feed cannot be listened to, before anything waits for it."""
         require_route(with_defaults(self.name))
 
-    def listen(self, for_s: float | None) -> Generator[Heard | None]:
+    def listen(self, for_s: float | None) -> Generator[Received | None]:
         """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""
         return self._live(for_s) if self.is_live else self._recorded()
 
     def dropped_packets(self) -> int:
-        """Return how many packets the kernel dropped before they could be heard; 0 in a log."""
+        """Return how many packets the kernel dropped before they could be received; 0 in a log."""
         if self._bus is not None:
             self._dropped_packets = max(self._dropped_packets, self._bus.dropped_packets())
         return self._dropped_packets
 
     def silence(self, for_s: float | None, channel: str | None = None) -> GraphnavError:
-        """Return the error to raise where nothing was heard, or nothing on a channel."""
+        """Return the error to raise where nothing was received, or nothing on a channel."""
         what = f"no message on channel '{shown_name(channel or '')}'"
         if not self.is_live:
             return GraphnavError(f"{what} in {self.name}" if channel else f"{self.name} is empty")
@@ -77,10 +77,10 @@ class Feed:
         hint = "" if channel else "\n  start a run that can be watched: graphnav run GRAPH --pace 1"
         return GraphnavError(what + within + hint)
 
-    def _live(self, for_s: float | None) -> Generator[Heard | None]:
-        waiting: deque[Heard] = deque()
+    def _live(self, for_s: float | None) -> Generator[Received | None]:
+        waiting: deque[Received] = deque()
         bus = Bus(self.name)
-        bus.subscribe_all(lambda channel, data: waiting.append(Heard(channel, data, time.monotonic())), _MAX_WAITING)
+        bus.subscribe_all(lambda channel, data: waiting.append(Received(channel, data, time.monotonic())), _MAX_WAITING)
         self._bus = bus
         end_s = time.monotonic() + for_s if for_s is not None else None
         try:
@@ -96,11 +96,11 @@ class Feed:
             self._bus = None
             bus.close()
 
-    def _recorded(self) -> Generator[Heard | None]:
+    def _recorded(self) -> Generator[Received | None]:
         with Recording(self.path) as recording:
-            self.torn = str(recording.torn or "")
+            self.truncated = str(recording.truncated or "")
             for event in recording.events():
-                yield Heard(event.channel, event.data, event.utime / 1e6)
+                yield Received(event.channel, event.data, event.utime / 1e6)
 
 
 def drops_of(feed: Feed) -> str:

@@ -1,4 +1,4 @@
-"""A thread that hears a live feed until it is told to stop."""
+"""A thread that receives a live feed until it is told to stop."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import closing
 
 from graphnav.errors import GraphnavError
-from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed import Feed, Received
 
 
 class FeedListener:
@@ -18,7 +18,7 @@ class FeedListener:
     """
 
     def __init__(
-        self, feed: Feed, take: Callable[[Heard], None], fail: Callable[[GraphnavError | OSError], None], name: str
+        self, feed: Feed, take: Callable[[Received], None], fail: Callable[[GraphnavError | OSError], None], name: str
     ) -> None:
         self._feed, self._take, self._fail = feed, take, fail
         self._closing = threading.Event()
@@ -36,11 +36,11 @@ class FeedListener:
 
     def _listen(self) -> None:
         try:
-            with closing(self._feed.listen(None)) as heard_all:
-                for heard in heard_all:
+            with closing(self._feed.listen(None)) as received_all:
+                for received in received_all:
                     if self._closing.is_set():
                         return
-                    if heard is not None:
-                        self._take(heard)
+                    if received is not None:
+                        self._take(received)
         except (GraphnavError, OSError) as error:
             self._fail(error)

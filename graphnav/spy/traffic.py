@@ -11,9 +11,9 @@ from graphnav.errors import UserError, did_you_mean, shown_name
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.adapted_types import load_adapted_types
-from graphnav.spy.feed import Feed, Heard, drops_of
+from graphnav.spy.feed import Feed, Received, drops_of
+from graphnav.spy.message_window import RECENT_S, Periods, Sizes, Window
 from graphnav.spy.rate_history import RateHistory
-from graphnav.spy.window import RECENT_S, Periods, Sizes, Window
 
 _SILENT_S = 1.0
 _SILENT_PERIODS = 3
@@ -35,7 +35,7 @@ Clock = Callable[[], float]
 class Traffic:
     """All channels, by name, and the runs that said that they publish there, with the time at which each said so last.
 
-    ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not. There are at most 512;
+    ``told`` says whether any run did; ``channels`` then holds what it promised, received or not. There are at most 512;
     ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` are of all messages, those included.
     ``clock`` returns the time now in seconds, on the clock of the
     arrivals; without one, as for a log, no channel is silent and rates are those of the newest 10,000 messages, else
@@ -55,11 +55,11 @@ class Traffic:
 
         ``now_s``: on the clock of the arrivals.
         """
-        current = [run_id for run_id, heard_s in self.runs.items() if now_s - heard_s < RUN_SILENT_S]
+        current = [run_id for run_id, received_s in self.runs.items() if now_s - received_s < RUN_SILENT_S]
         return current or sorted(self.runs, key=self.runs.__getitem__)[-1:]
 
     def find(self, name: str, feed: Feed, for_s: float | None) -> ChannelTraffic:
-        """Return a channel that was heard.
+        """Return a channel that was received.
 
         Raises UserError if there is no such channel, GraphnavError where nothing came.
         """
@@ -72,7 +72,7 @@ class Traffic:
         raise feed.silence(for_s, name)
 
     def check(self, name: str, feed: Feed) -> None:
-        """Raise UserError if the runs that were heard have no such channel: waiting for it would be in vain."""
+        """Raise UserError if the runs that were received have no such channel: waiting for it would be in vain."""
         if self.told and name not in self.channels:
             raise self._unknown(name, feed)
 
@@ -83,15 +83,15 @@ class Traffic:
             hint += f"\n{dropped}, perhaps of this channel: run 'graphnav doctor'"
         return UserError.of(f"{feed.name} has no channel '{name}'", hint)
 
-    def hear(self, heard: Heard) -> ChannelTraffic:
+    def receive(self, received: Received) -> ChannelTraffic:
         """Count a message; return its channel, one that is not kept where there are too many."""
-        if heard.channel == ABOUT:
-            self._learn(heard)
-        channel = self._channel(heard.channel)
+        if received.channel == ABOUT:
+            self._learn(received)
+        channel = self._channel(received.channel)
         if channel is None:
             self.overflow += 1
-            channel = ChannelTraffic(heard.channel, clock=self._clock)
-        channel.hear(heard)
+            channel = ChannelTraffic(received.channel, clock=self._clock)
+        channel.receive(received)
         self.count += 1
         self.undecodable += not channel.decodes
         return channel
@@ -103,9 +103,9 @@ class Traffic:
             channel = self.channels[name] = ChannelTraffic(name, told, self._clock)
         return channel
 
-    def _learn(self, heard: Heard) -> None:
+    def _learn(self, received: Received) -> None:
         try:
-            about = decode(About, heard.data)[2]
+            about = decode(About, received.data)[2]
         except DecodeError:
             return
         self.told = True
@@ -114,7 +114,7 @@ class Traffic:
             if channel is not None:
                 channel.type_name = channel.type_name or type_name
         if about.run_id:
-            self.runs[about.run_id] = heard.at_s
+            self.runs[about.run_id] = received.at_s
         if len(self.runs) > _MAX_RUNS:
             del self.runs[min(self.runs, key=self.runs.__getitem__)]
 
@@ -124,7 +124,7 @@ class ChannelTraffic:
 
     Every message is measured; decoded is only the newest one, when its ``values`` are asked for. ``decodes`` says
     whether the newest message is complete and of a known type; ``is_unknown``, that no installed type has its
-    ``fingerprint``. ``heard_s``: when it arrived.
+    ``fingerprint``. ``received_s``: when it arrived.
     """
 
     def __init__(self, name: str, told: str | None = None, clock: Clock | None = None) -> None:
@@ -134,7 +134,7 @@ class ChannelTraffic:
         self.count = self.undecodable = self.last_bytes = 0
         self.decodes = self.is_unknown = False
         self.fingerprint = b""
-        self.heard_s = 0.0
+        self.received_s = 0.0
         self.history = RateHistory()
         self._clock = clock
         self._newest: bytes | None = None
@@ -143,14 +143,14 @@ class ChannelTraffic:
         self._arrivals, self._stamps = Window(self._recent_s), Window(self._recent_s)
         self._last_seq = self._last_utime = self._published = self._numbered = 0
 
-    def hear(self, heard: Heard) -> None:
+    def receive(self, received: Received) -> None:
         """Count a message."""
-        data = heard.data
+        data = received.data
         self.count += 1
         self.last_bytes = len(data)
-        self.heard_s = heard.at_s
-        self._arrivals.add(heard.at_s, heard.at_s, self.count, len(data))
-        self.history.add(heard.at_s)
+        self.received_s = received.at_s
+        self._arrivals.add(received.at_s, received.at_s, self.count, len(data))
+        self.history.add(received.at_s)
         lcm_class = type_of(data)
         self.is_unknown, self.fingerprint = lcm_class is None, data[:8]
         codec = None if lcm_class is None else codec_of(lcm_class)
@@ -163,9 +163,9 @@ class ChannelTraffic:
         self._newest, self._values = data, None
         utime, seq = codec.peek(data, "utime"), codec.peek(data, "seq")
         if utime is not None and seq is not None:
-            self._number(heard, utime, seq)
+            self._number(received, utime, seq)
 
-    def _number(self, heard: Heard, utime: int, seq: int) -> None:
+    def _number(self, received: Received, utime: int, seq: int) -> None:
         """Count what was published, the lost ones included; one by one where stamps advance and numbers do not."""
         step = seq - self._last_seq
         if step == 0 and utime > self._last_utime:
@@ -175,7 +175,7 @@ class ChannelTraffic:
         self._published += step
         self._numbered += 1
         self._last_seq, self._last_utime = seq, utime
-        self._stamps.add(heard.at_s, utime / 1e6, self._published, len(heard.data))
+        self._stamps.add(received.at_s, utime / 1e6, self._published, len(received.data))
 
     def _take_type(self, lcm_class: type) -> None:
         """Let the channel be of a type; what came of another one is forgotten."""
@@ -210,7 +210,7 @@ class ChannelTraffic:
     @property
     def silent_s(self) -> float | None:
         """How long ago the newest message arrived; None in a log and before the first."""
-        return None if self._clock is None or not self.count else max(0.0, self._clock() - self.heard_s)
+        return None if self._clock is None or not self.count else max(0.0, self._clock() - self.received_s)
 
     @property
     def is_silent(self) -> bool:

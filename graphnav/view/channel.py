@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
-from graphnav.spy import Heard, Periods
-from graphnav.spy.window import RECENT_S, Window
+from graphnav.spy import Periods, Received
+from graphnav.spy.message_window import RECENT_S, Window
 from graphnav.view.message_types import Kind
 
 _SILENT_S = 1.0
@@ -33,11 +33,11 @@ class WatchedChannel:
         self.name, self.type_name = name, type_name
         self.kind: Kind | None = None
         self.count = self.lost = self.undecodable = self.last_bytes = 0
-        self.newest: Heard | None = None
+        self.newest: Received | None = None
         self.is_too_large = False
         self.is_single = True
-        self.history: deque[tuple[int, Heard]] = deque()
-        self.heard_s = 0.0
+        self.history: deque[tuple[int, Received]] = deque()
+        self.received_s = 0.0
         self._history_bytes = 0
         self._window = Window(RECENT_S)
         self._noted = self._published = 0
@@ -45,26 +45,26 @@ class WatchedChannel:
         self._last_utime: int | None = None
         self._latencies_s: deque[float] = deque(maxlen=_N_LATENCIES)
 
-    def hear(self, heard: Heard, kind: Kind | None) -> int | None:
+    def receive(self, received: Received, kind: Kind | None) -> int | None:
         """Count a message; return its stamp where it has one that the message before did not have."""
         self.count += 1
-        self.last_bytes = len(heard.data)
-        self.heard_s = heard.at_s
-        if kind is None or len(heard.data) < kind.min_bytes:
+        self.last_bytes = len(received.data)
+        self.received_s = received.at_s
+        if kind is None or len(received.data) < kind.min_bytes:
             self.undecodable += 1
-            self._window.add(heard.at_s, heard.at_s, self.count)
+            self._window.add(received.at_s, received.at_s, self.count)
             return None
         if kind is not self.kind:
             self.kind, self.type_name = kind, kind.name
             self._begin_again()
-        if len(heard.data) <= SMALL_BYTES:
-            self._keep(heard)
-        stamped = kind.stamp(heard.data)
+        if len(received.data) <= SMALL_BYTES:
+            self._keep(received)
+        stamped = kind.stamp(received.data)
         if stamped is None:
-            self._window.add(heard.at_s, heard.at_s, self.count)
+            self._window.add(received.at_s, received.at_s, self.count)
             return None
         utime, is_new = stamped[0], stamped[0] != self._last_utime
-        self._number(heard.at_s, *stamped)
+        self._number(received.at_s, *stamped)
         return utime if is_new else None
 
     def note_undecodable(self, number: int) -> None:
@@ -89,7 +89,7 @@ class WatchedChannel:
         if periods is None:
             return None
         quiet_s = max(_SILENT_S, _SILENT_PERIODS / periods.rate_hz if periods.rate_hz > 0 else _SILENT_S)
-        return None if now_s - self.heard_s > quiet_s else periods
+        return None if now_s - self.received_s > quiet_s else periods
 
     def _number(self, at_s: float, utime: int, seq: int) -> None:
         gap = 1 if self._last_seq is None else seq - self._last_seq
@@ -112,8 +112,8 @@ class WatchedChannel:
         self.history.clear()
         self._history_bytes = 0
 
-    def _keep(self, heard: Heard) -> None:
-        self.history.append((self.count, heard))
-        self._history_bytes += len(heard.data)
+    def _keep(self, received: Received) -> None:
+        self.history.append((self.count, received))
+        self._history_bytes += len(received.data)
         while len(self.history) > _MAX_HISTORY or self._history_bytes > _MAX_HISTORY_BYTES:
             self._history_bytes -= len(self.history.popleft()[1].data)

@@ -6,7 +6,7 @@ import threading
 import time
 
 from graphnav.errors import GraphnavError, one_line
-from graphnav.spy import Feed, FeedListener, Heard
+from graphnav.spy import Feed, FeedListener, Received
 from graphnav.view.watch import Watch
 
 
@@ -22,7 +22,7 @@ class LiveSource:
         self._listener = FeedListener(feed, self._take, self._fail, "graphnav-view")
 
     def dropped_packets(self) -> int:
-        """Return how many packets the kernel dropped before they could be heard."""
+        """Return how many packets the kernel dropped before they could be received."""
         return self._feed.dropped_packets()
 
     def start(self) -> None:
@@ -33,9 +33,9 @@ class LiveSource:
         """Stop listening."""
         self._listener.close()
 
-    def _take(self, heard: Heard) -> None:
+    def _take(self, received: Received) -> None:
         with self.lock:
-            self.watch.hear(heard)
+            self.watch.receive(received)
 
     def _fail(self, error: GraphnavError | OSError) -> None:
         self.failure = one_line(error)

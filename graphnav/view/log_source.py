@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from pathlib import Path
 
 from graphnav.record import Recording
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.watch import Watch
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
@@ -23,7 +23,7 @@ _MAX_TOLD = 3
 class LogSource:
     """Plays a log from its beginning; times count from there, in seconds.
 
-    Stamps that jump count as `Timeline` says. ``torn``: what is lost of a damaged log. Raises LogError if the file
+    Stamps that jump count as `Timeline` says. ``truncated``: what is lost of a damaged log. Raises LogError if the file
     cannot be read.
     """
 
@@ -34,8 +34,13 @@ class LogSource:
         self._recording = Recording(path)
         self._index = self._recording.index
         self._times_us = self._recording.timeline.at_us
-        lost = [*map(str, self._recording.damaged), *([str(self._recording.torn)] if self._recording.torn else [])]
-        self.torn = "; ".join(lost[:_MAX_TOLD]) + (f"; and {len(lost) - _MAX_TOLD} more" if lost[_MAX_TOLD:] else "")
+        lost = [
+            *map(str, self._recording.damaged),
+            *([str(self._recording.truncated)] if self._recording.truncated else []),
+        ]
+        self.truncated = "; ".join(lost[:_MAX_TOLD]) + (
+            f"; and {len(lost) - _MAX_TOLD} more" if lost[_MAX_TOLD:] else ""
+        )
         self.speed_ratio = 1.0
         self.is_playing = True
         self._at_s = 0.0
@@ -91,9 +96,9 @@ class LogSource:
         end = bisect_right(self._times_us, self._us(at_s))
         first = max(bisect_left(self._times_us, self._us(at_s - _BEFORE_S)), end - _MAX_BEFORE)
         for number in self._wanted_before(first):
-            self._hear(number)
+            self._receive(number)
         for number in range(first, end):
-            self._hear(number)
+            self._receive(number)
         self._next = end
 
     def step(self, direction: int, channel: str | None) -> None:
@@ -126,7 +131,7 @@ class LogSource:
         end = bisect_right(self._times_us, to_us)
         self._at_s = min(to_us / 1e6, self.length_s)
         for number in range(self._next, end):
-            self._hear(number)
+            self._receive(number)
         self._next = end
 
     def _wanted_before(self, first: int) -> list[int]:
@@ -141,9 +146,9 @@ class LogSource:
                 wanted.update(numbers[0 : place : max(1, place // _MAX_POSES)])
         return sorted(wanted)
 
-    def _hear(self, number: int) -> None:
+    def _receive(self, number: int) -> None:
         event = self._recording.at(number)
-        self.watch.hear(Heard(event.channel, event.data, self._times_us[number] / 1e6))
+        self.watch.receive(Received(event.channel, event.data, self._times_us[number] / 1e6))
 
     def _us(self, at_s: float) -> int:
         return round(at_s * 1e6)

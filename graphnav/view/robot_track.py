@@ -7,7 +7,7 @@ import math
 import graphnav_lcm
 
 from graphnav.codec import DecodeError, codec_of
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.message_types import Kind
 
 _RANKS: dict[type, int] = {graphnav_lcm.odometry_t: 1, graphnav_lcm.state_t: 2}
@@ -40,20 +40,20 @@ class RobotTrack:
         """Whether messages of a type are poses."""
         return kind.lcm_class in _RANKS
 
-    def hear(self, heard: Heard, kind: Kind) -> None:
+    def receive(self, received: Received, kind: Kind) -> None:
         """Take a message if it is a pose of the channel that is followed, or of one that is believed more."""
         rank = _RANKS.get(kind.lcm_class, 0)
-        if not rank or rank < self._rank or (rank == self._rank and heard.channel != self.channel):
+        if not rank or rank < self._rank or (rank == self._rank and received.channel != self.channel):
             return
         try:
-            fields = codec_of(kind.lcm_class).decode(heard.data)
+            fields = codec_of(kind.lcm_class).decode(received.data)
         except DecodeError:
             return
         pose = (fields["x_m"], fields["y_m"], fields["yaw_rad"])
         if not all(map(math.isfinite, pose)):
             return
         if rank > self._rank or fields["utime"] < self._utime:
-            self._restart(heard.channel, rank)
+            self._restart(received.channel, rank)
         self._utime = fields["utime"]
         self.pose = pose
         self.moving = [tuple(one) for one in fields.get("moving", ())[:_MAX_MOVING].tolist()] if rank == 2 else []

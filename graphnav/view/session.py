@@ -18,7 +18,7 @@ from graphnav.view.content.details import details_of, picture_of
 from graphnav.view.content.floor_map import floor_map
 from graphnav.view.content.layout import layout_of
 from graphnav.view.content.moment import Moment, moment_of
-from graphnav.view.content.state import state_of
+from graphnav.view.content.page_state import state_of
 from graphnav.view.log_source import LogSource
 from graphnav.view.source import Source
 from graphnav.view.watch import Watch
@@ -104,7 +104,7 @@ class Session:
         """Return what a page needs to know of the open channel first, and why there is no more of it, in a word."""
         missing = ""
         if channel is None or not channel.count:
-            missing = "unheard"
+            missing = "not_received"
         elif channel.is_too_large:
             missing = "too large"
         elif channel.kind is None:

@@ -20,7 +20,7 @@ class Source(Protocol):
     failure: str
 
     def dropped_packets(self) -> int:
-        """Return how many packets the kernel dropped before they could be heard; 0 in a log."""
+        """Return how many packets the kernel dropped before they could be received; 0 in a log."""
 
     def start(self) -> None:
         """Begin to gather."""

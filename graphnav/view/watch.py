@@ -11,7 +11,7 @@ from graphnav.codec import type_named
 from graphnav.graph.wiring.channels import RESERVED
 from graphnav.messages import About
 from graphnav.record import ABOUT
-from graphnav.spy import Health, Heard
+from graphnav.spy import Health, Received
 from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.view.announcements import Announcements
 from graphnav.view.channel import WatchedChannel
@@ -31,7 +31,7 @@ _HEALTH = (graphnav_lcm.status_t, graphnav_lcm.guard_state_t)
 
 
 class Watch:
-    """What was heard so far; the owner's lock guards it.
+    """What was received so far; the owner's lock guards it.
 
     ``clock`` returns the time now in seconds on the clock of the arrivals. ``count`` and ``undecodable`` are of all
     messages, of channels that were forgotten, too. ``untracked`` counts the messages of
@@ -53,42 +53,42 @@ class Watch:
         self._forgot_s = 0.0
         load_adapted_types()
 
-    def hear(self, heard: Heard) -> None:
+    def receive(self, received: Received) -> None:
         """Take a message; whatever it holds, nothing is raised."""
         self.count += 1
-        kind = self._kinds.of(heard.data)
-        is_decodable = kind is not None and len(heard.data) >= kind.min_bytes
+        kind = self._kinds.of(received.data)
+        is_decodable = kind is not None and len(received.data) >= kind.min_bytes
         self.undecodable += not is_decodable
-        if heard.channel == ABOUT and (about := self.announcements.hear(heard)) is not None:
+        if received.channel == ABOUT and (about := self.announcements.receive(received)) is not None:
             self._expect(about)
-        channel = self.channels.get(heard.channel) or self._admit(heard)
+        channel = self.channels.get(received.channel) or self._admit(received)
         if channel is None:
             self.untracked += 1
             return
-        utime = channel.hear(heard, kind)
+        utime = channel.receive(received, kind)
         if kind is None or not is_decodable:
             return
-        self._keep_newest(channel, heard)
-        if utime is not None and not heard.channel.startswith(RESERVED):
-            channel.add_latency(self._latency_s(utime, heard.at_s))
-        self._use(heard, kind)
+        self._keep_newest(channel, received)
+        if utime is not None and not received.channel.startswith(RESERVED):
+            channel.add_latency(self._latency_s(utime, received.at_s))
+        self._use(received, kind)
 
     def has_poses(self, data: bytes) -> bool:
         """Whether a message is one of those that make the robot's path."""
         kind = self._kinds.of(data)
         return kind is not None and self.track.follows(kind)
 
-    def _use(self, heard: Heard, kind: Kind) -> None:
+    def _use(self, received: Received, kind: Kind) -> None:
         """Read what is always shown: the health of runs and guards, the robot's pose, where the map is."""
-        if kind.lcm_class in _HEALTH and len(heard.data) <= _MAX_STATUS_BYTES:
-            self.health.hear(heard)
+        if kind.lcm_class in _HEALTH and len(received.data) <= _MAX_STATUS_BYTES:
+            self.health.receive(received)
             runs = self.health.runs
             while len(runs) > _MAX_RUNS:
-                del runs[min(runs, key=lambda run_id: runs[run_id].heard_s)]
+                del runs[min(runs, key=lambda run_id: runs[run_id].received_s)]
         elif kind.lcm_class is graphnav_lcm.map_t:
-            self.map_channel = heard.channel
+            self.map_channel = received.channel
         else:
-            self.track.hear(heard, kind)
+            self.track.receive(received, kind)
 
     def _expect(self, about: About) -> None:
         """Make room for the channels that a run announces, and find their types."""
@@ -101,31 +101,33 @@ class Watch:
             if name not in self.channels and len(self.channels) < _MAX_ANNOUNCED:
                 self.channels[name] = WatchedChannel(name, type_name)
 
-    def _admit(self, heard: Heard) -> WatchedChannel | None:
+    def _admit(self, received: Received) -> WatchedChannel | None:
         """Return a new channel, None when full."""
-        if heard.channel in self._announced:
+        if received.channel in self._announced:
             room = _MAX_ANNOUNCED
         else:
             room = _MAX_CHANNELS
-            if len(self.channels) >= room and heard.at_s - self._forgot_s > _FORGET_EVERY_S:
-                self._forget_silent(heard.at_s)
+            if len(self.channels) >= room and received.at_s - self._forgot_s > _FORGET_EVERY_S:
+                self._forget_silent(received.at_s)
         if len(self.channels) >= room:
             return None
-        channel = self.channels[heard.channel] = WatchedChannel(heard.channel)
+        channel = self.channels[received.channel] = WatchedChannel(received.channel)
         return channel
 
     def _forget_silent(self, now_s: float) -> None:
         self._forgot_s = now_s
-        for name in [n for n, c in self.channels.items() if now_s - c.heard_s > _FORGET_S and n not in self._announced]:
+        for name in [
+            n for n, c in self.channels.items() if now_s - c.received_s > _FORGET_S and n not in self._announced
+        ]:
             newest = self.channels.pop(name).newest
             self._kept_bytes -= len(newest.data) if newest else 0
 
-    def _keep_newest(self, channel: WatchedChannel, heard: Heard) -> None:
+    def _keep_newest(self, channel: WatchedChannel, received: Received) -> None:
         """Keep a message as its channel's newest, unless it is too large to keep beside the others."""
         self._kept_bytes -= len(channel.newest.data) if channel.newest else 0
-        n_bytes = len(heard.data)
+        n_bytes = len(received.data)
         channel.is_too_large = n_bytes > _MAX_MESSAGE_BYTES or self._kept_bytes + n_bytes > _MAX_KEPT_BYTES
-        channel.newest = None if channel.is_too_large else heard
+        channel.newest = None if channel.is_too_large else received
         self._kept_bytes += 0 if channel.is_too_large else n_bytes
 
     def _latency_s(self, utime: int, at_s: float) -> float:

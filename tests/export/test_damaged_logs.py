@@ -75,7 +75,7 @@ def test_a_drive_that_is_cut_short_is_exported(
     whole = (drive / "run.lcmlog").read_bytes()
     (tmp_path / "log").write_bytes(whole[: len(whole) * 2 // 3])
     assert main(["export", str(tmp_path / "log"), "--to", kind, "-o", str(tmp_path / "out")]) == 0
-    assert "is not whole; left out" in capsys.readouterr().err
+    assert "is truncated; left out" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -203,13 +203,13 @@ def test_where_lcm_cannot_listen_it_is_said(group: str) -> None:
 
 
 def test_a_closed_bus_lets_go_of_its_handlers() -> None:
-    class Heard:
+    class Received:
         def take(self, channel: str, data: bytes) -> None: ...
 
-    bus, heard = Bus("memq://"), Heard()
-    bus.subscribe("a", heard.take)
-    kept = weakref.ref(heard)
+    bus, received = Bus("memq://"), Received()
+    bus.subscribe("a", received.take)
+    kept = weakref.ref(received)
     bus.close()
-    del heard
+    del received
     gc.collect()
     assert kept() is None

@@ -162,7 +162,7 @@ def test_nesting_beyond_reason_is_refused(codec_types: ModuleType) -> None:
 def test_a_picture_whose_sizes_contradict_is_refused() -> None:
     codec = codec_of(graphnav_lcm.image_t)
     fields = {"utime": 0, "seq": 0, "step_px": 1, "rows": 3, "cols": 5, "channels": 1, "data": bytes(7)}
-    with pytest.raises(DecodeError, match="no Image"):
+    with pytest.raises(DecodeError, match="not a Image"):
         decode(Image, codec.encode(fields))
 
 

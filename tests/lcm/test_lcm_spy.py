@@ -100,10 +100,10 @@ def test_java_decodes_what_lcm_logplayer_plays(tmp_path: Path, group: str, jar: 
         assert java.stdin is not None
         assert java.stdout.readline() == "ready\n"
         subprocess.run([TOOLS / "lcm-logplayer", "--lcm-url", group, tmp_path / "log"], check=True, capture_output=True)
-        heard = [java.stdout.readline().split() for _ in range(10)]
+        received = [java.stdout.readline().split() for _ in range(10)]
         java.stdin.close()
-    twists = [words for words in heard if words[0] == "control.twist"]
-    flows = [words for words in heard if words[0] == "flow.flow"]
+    twists = [words for words in received if words[0] == "control.twist"]
+    flows = [words for words in received if words[0] == "flow.flow"]
     assert [(int(words[1]), int(words[2])) for words in twists] == [(10_000 * k, k) for k in range(5)]
     assert [(float(words[3]), float(words[4])) for words in twists] == [(0.1 * k, -0.3) for k in range(5)]
     assert [words[1:] for words in flows] == [[str(10_000 * k), "3", "4", str(flow.uv_px[1, 2, 0])] for k in range(5)]

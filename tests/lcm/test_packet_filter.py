@@ -14,12 +14,12 @@ import pytest
 _LISTEN = """
 import sys
 from graphnav.bus import Bus
-bus, heard = Bus(sys.argv[1]), []
-bus.subscribe_all(lambda channel, data: heard.append(channel))
+bus, received = Bus(sys.argv[1]), []
+bus.subscribe_all(lambda channel, data: received.append(channel))
 print("ready", flush=True)
-while "END" not in heard:
+while "END" not in received:
     bus.handle(1)
-print(*(name for name in heard if name.startswith("GOOD")))
+print(*(name for name in received if name.startswith("GOOD")))
 """
 
 
@@ -55,7 +55,7 @@ def test_a_listener_survives_packets_of_random_bytes(group: str) -> None:
 
 
 def heard_after(packets: list[bytes], group: str) -> list[str]:
-    """Return the channels of three good messages that a listener hears after ``packets``."""
+    """Return the channels of three good messages that a listener receives after ``packets``."""
     address = urlsplit(group).hostname, urlsplit(group).port
     words = [sys.executable, "-c", _LISTEN, group]
     with (

@@ -83,15 +83,15 @@ def test_spy_lists_the_channels_of_a_log(log: Path, capsys: pytest.CaptureFixtur
     assert f"{log}: 4 channels\n" in said
     assert "flow.flow  graphnav_lcm.flow_t, 10.00 Hz, 152 B, 21 messages\n" in said
     assert "    uv_px        float32 (3, 4, 2)  -1 to 1, mean 0\n" in said
-    assert "robot.state  graphnav_lcm.state_t, not heard\n" in said
+    assert "robot.state  graphnav_lcm.state_t, not received\n" in said
     assert "    moving       double[n_moving][3]\n" in said
 
 
 def test_without_fields_there_is_a_line_for_each_channel(log: Path) -> None:
     feed, traffic = Feed(str(log)), Traffic()
-    for heard in feed.listen(None):
-        assert heard is not None
-        traffic.hear(heard)
+    for received in feed.listen(None):
+        assert received is not None
+        traffic.receive(received)
     lines = as_text(traffic, "heading", with_fields=False).plain.splitlines()
     assert [line.split("  ")[0] for line in lines] == ["heading", *sorted([ABOUT, *TYPES])]
 

@@ -153,7 +153,7 @@ def test_a_log_that_is_cut_is_shown_to_its_end(log: Path, serve_foxglove: Serve)
     log.write_bytes(log.read_bytes()[:-40])
     with FoxgloveClient(serve_foxglove(log).url) as client:
         client.subscribe("/log", "/flow/flow")
-        client.until(lambda: any("is not whole" in shown.message.message for shown in client.of("/log")))
+        client.until(lambda: any("is truncated" in shown.message.message for shown in client.of("/log")))
         client.control(play=False, seek_ns=END_NS)
         client.until(lambda: client.of("/flow/flow") and client.of("/flow/flow")[-1].time_ns == END_NS)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from graphnav.export.entries.entries import Entry, Level, Line, Scalars, World
 from graphnav.export.entries.event_lines import Lines, heading, outcome_lines
 from graphnav.export.entries.message_entries import MessageEntries
-from graphnav.export.log_pass import Walk
+from graphnav.export.log_pass import LogPass
 from graphnav.export.reader import Reader, Sample
 from graphnav.messages import Map, Odometry, State
 from graphnav.pictures import Pictures
@@ -28,7 +28,7 @@ class RunEntries:
     def __init__(self, reader: Reader, pictures: Pictures) -> None:
         self.unstamped: Counter[str] = Counter()
         self.reader = reader
-        self._walk = Walk(reader)
+        self._walk = LogPass(reader)
         self._messages = MessageEntries(pictures, self._walk)
         self._lines = Lines()
         self._poses = 0

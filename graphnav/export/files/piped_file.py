@@ -25,7 +25,7 @@ class PipedFile:
         self._thread.start()
 
     def opened(self) -> None:
-        """Let the library have the only end that writes, so that the end of the file is heard."""
+        """Let the library have the only end that writes, so that the end of the file is received."""
         os.close(self._writing)
 
     def check(self) -> None:

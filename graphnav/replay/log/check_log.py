@@ -12,7 +12,7 @@ from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import LoggedFirings
-from graphnav.replay.log.missing_messages import Hole, holes_of, is_first_only
+from graphnav.replay.log.missing_messages import MissingMessages, is_first_only, missing_messages
 from graphnav.replay.plan import Plan
 from graphnav.tap import PACKET_BYTES
 
@@ -79,15 +79,15 @@ def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int
     UserError
         The log lacks something because it was never recorded, or lacks it from the beginning.
     """
-    lacking: dict[Channel, list[Hole]] = {}
+    lacking: dict[Channel, list[MissingMessages]] = {}
     for channel in plan.needed:
-        holes = [hole for hole in holes_of(channel, plan, contents) if hole.before_us > start_us]
-        if holes:
-            lacking[channel] = holes
+        missing = [part for part in missing_messages(channel, plan, contents) if part.before_us > start_us]
+        if missing:
+            lacking[channel] = missing
     if not lacking:
         return Reach(math.inf)
     readers = ", ".join(sorted({name for channel in lacking for name in plan.readers_of(channel)}))
-    until_us = min(holes[0].after_us for holes in lacking.values())
+    until_us = min(missing[0].after_us for missing in lacking.values())
     if (contents.lost or (contents.is_own and not is_small)) and until_us >= start_us:
         lines = "; ".join(_lines(lacking, contents))
         return Reach(until_us, (f"replayed up to {until_us / 1e6:.2f} s; later messages are missing: {lines}",))
@@ -95,15 +95,15 @@ def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int
     raise UserError.of("\n  ".join([what, *_lines(lacking, contents)]), _HINT)
 
 
-def _lines(lacking: Mapping[Channel, list[Hole]], contents: Contents) -> Iterator[str]:
-    for channel, holes in lacking.items():
+def _lines(lacking: Mapping[Channel, list[MissingMessages]], contents: Contents) -> Iterator[str]:
+    for channel, missing in lacking.items():
         kept = len(contents.messages[channel.name])
         if not kept:
             yield f"{channel.name}: all of them"
             continue
-        missing = sum(hole.n_messages for hole in holes) if all(hole.n_messages for hole in holes) else 0
-        share = f"{missing} of {missing + kept}" if missing else f"all but {kept}"
-        after_us = holes[0].after_us
+        n_missing = sum(part.n_messages for part in missing) if all(part.n_messages for part in missing) else 0
+        share = f"{n_missing} of {n_missing + kept}" if n_missing else f"all but {kept}"
+        after_us = missing[0].after_us
         yield f"{channel.name}: {share}, " + (
             f"the first after {after_us / 1e6:.2f} s" if math.isfinite(after_us) else "from the first on"
         )

@@ -109,7 +109,7 @@ def read_contents(recording: Recording, graph: Graph, about: About | None, *, is
 
 def _lost_bytes(recording: Recording) -> list[str]:
     """Return what could not be read as events."""
-    return [*map(str, recording.damaged), *([str(recording.torn)] if recording.torn else [])]
+    return [*map(str, recording.damaged), *([str(recording.truncated)] if recording.truncated else [])]
 
 
 def _other_types(heads: Sequence[Head], channels: Mapping[str, Channel]) -> frozenset[str]:

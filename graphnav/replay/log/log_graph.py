@@ -62,7 +62,7 @@ def graph_to_replay(
     Raises
     ------
     UserError
-        The log does not say which graph made it, or everything that is wrong with the graph.
+        The log does not hold the graph that produced it, or everything that is wrong with the graph.
     """
     about = about_in(recording)
     if graph is not None:
@@ -83,7 +83,7 @@ def _own_graph(
         return graph_of(saved.read_bytes(), saved, catalog, sets, source, given)
     source = shown_path(recording.path)
     if about is None:
-        what = f"{source} does not say which graph made it: it holds no readable '{ABOUT}'"
+        what = f"{source} does not hold the graph that produced it: no readable '{ABOUT}'"
         raise UserError.of(what, "name the graph with --graph FILE")
     source = f"{source} ({ABOUT})"
     data = _yaml_of(about)

@@ -13,7 +13,7 @@ from graphnav.runner.recording.kept_messages import SMALL_BYTES
 from graphnav.stage import Port
 
 
-class Hole(NamedTuple):
+class MissingMessages(NamedTuple):
     """Messages of a channel that are not in the log: how many, and the stamps between which they were published.
 
     ``n_messages``: 0 where it is not known. ``after_us``: minus infinity where the first message is missing.
@@ -24,17 +24,21 @@ class Hole(NamedTuple):
     before_us: float
 
 
-def holes_of(channel: Channel, plan: Plan, contents: Contents) -> list[Hole]:
+def missing_messages(channel: Channel, plan: Plan, contents: Contents) -> list[MissingMessages]:
     """Return where the messages of a played channel are missing."""
     messages = contents.messages[channel.name]
     port = _port(channel, plan.graph)
     if not messages:
         is_missing = (port is not None and not port.optional) or _has_effects(channel, plan, contents)
-        return [Hole(0, -math.inf, math.inf)] if is_missing else []
-    holes = _by_numbers(messages)
-    holes += [Hole(1, at_us, math.inf) for at_us in contents.damaged.get(channel.name, ()) if not _covers(holes, at_us)]
+        return [MissingMessages(0, -math.inf, math.inf)] if is_missing else []
+    missing = _by_numbers(messages)
+    missing += [
+        MissingMessages(1, at_us, math.inf)
+        for at_us in contents.damaged.get(channel.name, ())
+        if not _covers(missing, at_us)
+    ]
     is_regular = port is not None and not (port.optional or port.stamped) and plan.graph.node(channel.stage).is_source
-    return holes + (
+    return missing + (
         _regular_rest(channel, plan, contents) if is_regular else _large_rest(channel, port, plan, contents)
     )
 
@@ -56,24 +60,24 @@ def _has_effects(channel: Channel, plan: Plan, contents: Contents) -> bool:
     )
 
 
-def _covers(holes: Sequence[Hole], at_us: float) -> bool:
-    return any(hole.after_us == at_us for hole in holes)
+def _covers(missing: Sequence[MissingMessages], at_us: float) -> bool:
+    return any(part.after_us == at_us for part in missing)
 
 
-def _by_numbers(messages: Sequence[Logged]) -> list[Hole]:
+def _by_numbers(messages: Sequence[Logged]) -> list[MissingMessages]:
     """Return the gaps in the numbers; a number that fits neither neighbour, while they fit each other, is damaged."""
-    holes: list[Hole] = []
+    missing: list[MissingMessages] = []
     last_seq, last_us = -1, -math.inf
     for place, message in enumerate(messages):
         following = messages[place + 1].seq if place + 1 < len(messages) else None
         seq = last_seq + 1 if following == last_seq + 2 else message.seq
         if seq > last_seq + 1:
-            holes.append(Hole(seq - last_seq - 1, last_us, message.utime))
+            missing.append(MissingMessages(seq - last_seq - 1, last_us, message.utime))
         last_seq, last_us = max(seq, last_seq), message.utime
-    return holes
+    return missing
 
 
-def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[Hole]:
+def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[MissingMessages]:
     """Return the rest of a channel on which a source publishes at every firing, as its other channels tell.
 
     The last tick of the log is left out: a run that was killed may have ended within it.
@@ -86,10 +90,10 @@ def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[Hole
         later[port.optional] |= {one.utime for one in messages if last_us < one.utime < contents.last_us}
     if not (later[True] or later[False]):
         return []
-    return [Hole(len(later[False]) if later[False] >= later[True] else 0, last_us, math.inf)]
+    return [MissingMessages(len(later[False]) if later[False] >= later[True] else 0, last_us, math.inf)]
 
 
-def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Contents) -> list[Hole]:
+def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Contents) -> list[MissingMessages]:
     """Return the rest of a channel of which the log keeps nothing but the first message, because it is large.
 
     A source may publish a large message once, as it does a map, for stages that sample it.
@@ -99,7 +103,7 @@ def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Conte
         return []
     is_sampled = not any(i.channel == channel and i.port.is_plain for n in plan.stepped.nodes for i in n.inputs)
     is_once = is_sampled and (port is None or port.optional)
-    return [] if is_once else [Hole(0, messages[0].utime, math.inf)]
+    return [] if is_once else [MissingMessages(0, messages[0].utime, math.inf)]
 
 
 def is_first_only(messages: Sequence[Logged], contents: Contents) -> bool:

@@ -27,7 +27,7 @@ def summarised(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def declared(lcm_class: type) -> dict[str, Any]:
-    """Return the types of the fields of a message that was not heard yet, as its definition has them."""
+    """Return the types of the fields of a message that was not received yet, as its definition has them."""
     return {
         field.name: {"type": field.primitive + "".join(f"[{dim}]" for dim in field.dims)}
         for field in fields_of(lcm_class)

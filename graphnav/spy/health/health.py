@@ -9,7 +9,7 @@ from typing import Any
 from graphnav.codec import DecodeError, decode, fingerprint
 from graphnav.messages import About, GuardState, Status
 from graphnav.record import ABOUT
-from graphnav.spy.feed import Heard
+from graphnav.spy.feed import Received
 
 STATUS_SILENT_S = 2.5
 """A run that sends a status every second is silent after this time without one."""
@@ -26,11 +26,11 @@ _STATUS, _GUARD = fingerprint(Status.lcm_class), fingerprint(GuardState.lcm_clas
 class RunHealth:
     """One run: its newest status, None before the first, with that message's stamp (microseconds) and number.
 
-    ``heard_s``: when the status arrived, or the run was first heard of, on the clock of the arrivals.
+    ``received_s``: when the status arrived, or the run was first received of, on the clock of the arrivals.
     """
 
     run_id: str
-    heard_s: float
+    received_s: float
     status: Status | None = None
     utime: int = 0
     seq: int = 0
@@ -41,7 +41,7 @@ class GuardHealth:
     """The newest state of a guard, its stamp (microseconds) and when it arrived."""
 
     channel: str
-    heard_s: float
+    received_s: float
     state: GuardState
     utime: int
 
@@ -59,7 +59,7 @@ class Health:
 
     @property
     def is_complete(self) -> bool:
-        """Whether there is a run, and every run that was heard of has sent a status."""
+        """Whether there is a run, and every run that was received of has sent a status."""
         return bool(self.runs) and all(run.status is not None for run in self.runs.values())
 
     @property
@@ -67,33 +67,33 @@ class Health:
         """Whether any run has sent a status."""
         return any(run.status is not None for run in self.runs.values())
 
-    def hear(self, heard: Heard) -> bool:
+    def receive(self, received: Received) -> bool:
         """Take a message; return whether it was a status. One that cannot be decoded is left aside."""
         try:
-            if heard.data[:8] == _STATUS:
-                utime, seq, status = decode(Status, heard.data)
-                self._keep_run(RunHealth(status.run_id, heard.at_s, status, utime, seq))
+            if received.data[:8] == _STATUS:
+                utime, seq, status = decode(Status, received.data)
+                self._keep_run(RunHealth(status.run_id, received.at_s, status, utime, seq))
                 return True
-            if heard.data[:8] == _GUARD:
-                utime, _, state = decode(GuardState, heard.data)
-                self.guards.pop(heard.channel, None)
-                self.guards[heard.channel] = GuardHealth(heard.channel, heard.at_s, state, utime)
+            if received.data[:8] == _GUARD:
+                utime, _, state = decode(GuardState, received.data)
+                self.guards.pop(received.channel, None)
+                self.guards[received.channel] = GuardHealth(received.channel, received.at_s, state, utime)
                 _bound(self.guards)
-            elif heard.channel == ABOUT and (run_id := decode(About, heard.data)[2].run_id):
-                self._keep_run(self.runs.get(run_id) or RunHealth(run_id, heard.at_s))
+            elif received.channel == ABOUT and (run_id := decode(About, received.data)[2].run_id):
+                self._keep_run(self.runs.get(run_id) or RunHealth(run_id, received.at_s))
         except DecodeError:
             pass
         return False
 
     def _keep_run(self, run: RunHealth) -> None:
-        """Keep a run as the one that was heard last."""
+        """Keep a run as the one that was received last."""
         self.runs.pop(run.run_id, None)
         self.runs[run.run_id] = run
         _bound(self.runs)
 
     def silent_s(self, of: RunHealth | GuardHealth) -> float | None:
-        """Return how long ago something was heard of a run or guard; None in a log."""
-        return None if self._clock is None else max(0.0, self._clock() - of.heard_s)
+        """Return how long ago something was received of a run or guard; None in a log."""
+        return None if self._clock is None else max(0.0, self._clock() - of.received_s)
 
     def is_silent(self, of: RunHealth | GuardHealth) -> bool:
         """Whether a run or guard no longer sends what it sends regularly."""
@@ -102,6 +102,6 @@ class Health:
 
 
 def _bound(newest_last: dict[str, Any]) -> None:
-    """Drop what was heard of longest ago."""
+    """Drop what was received of longest ago."""
     while len(newest_last) > MAX_RUNS:
         del newest_last[next(iter(newest_last))]

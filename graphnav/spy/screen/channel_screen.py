@@ -16,12 +16,12 @@ from graphnav.arrays import Bytes
 from graphnav.errors import CatalogError, DrawingError, shown_name
 from graphnav.messages import Message
 from graphnav.pictures import drawing
-from graphnav.spy.report import size_of
 from graphnav.spy.screen.field_tree import FieldTree
 from graphnav.spy.screen.picture_view import PictureView
 from graphnav.spy.screen.plot_view import MAX_CURVES, PlotView
 from graphnav.spy.screen.reason_line import ReasonLine
 from graphnav.spy.screen.session import Session
+from graphnav.spy.traffic_report import size_of
 from graphnav.spy.watch.series import Path, Series, measures_of, path_text
 from graphnav.spy.watch.silence_reasons import losses
 from graphnav.spy.watch.watch import Sample

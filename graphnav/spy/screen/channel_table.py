@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rich.segment import Segment
 
 from graphnav.spy.screen.columns import GAP, NAME, Column, fitted, layout
-from graphnav.spy.screen.lines import HEADING, PLAIN, QUIET, WARNING, Line, Lines
+from graphnav.spy.screen.line_list import HEADING, PLAIN, QUIET, WARNING, Line, Lines
 from graphnav.spy.watch.row import Row
 
 _WARNED = {"drops", "undec."}

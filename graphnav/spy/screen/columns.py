@@ -10,7 +10,7 @@ from rich.cells import cell_len, set_cell_size
 
 from graphnav.errors import shown_name
 from graphnav.spy.graphics.sparkline import sparkline
-from graphnav.spy.report import size_of
+from graphnav.spy.traffic_report import size_of
 from graphnav.spy.watch.row import Row
 
 GAP = 1

@@ -10,7 +10,7 @@ from rich.style import Style
 
 from graphnav.spy.fields.field_lines import FieldLine, field_lines
 from graphnav.spy.screen.columns import fitted
-from graphnav.spy.screen.lines import HEADING, PLAIN, QUIET, Line, Lines
+from graphnav.spy.screen.line_list import HEADING, PLAIN, QUIET, Line, Lines
 from graphnav.spy.watch.series import Path
 
 _NAME = Style(color="cyan")

@@ -18,7 +18,7 @@ from graphnav.spy.watch.moment import Moment
 class Session:
     """One use of the full-screen spy.
 
-    ``is_frozen``: the view stands still, and what is heard meanwhile is kept all the same. ``is_playing``: a log goes
+    ``is_frozen``: the view stands still, and what is received meanwhile is kept all the same. ``is_playing``: a log goes
     on by itself. ``new_painter`` makes what draws the pictures of a view.
     """
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from graphnav.bus import require_route, with_defaults
 from graphnav.errors import GraphnavError, shown_name
 from graphnav.record import ABOUT, ThreadedLogWriter
-from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed import Feed, Received
 from graphnav.spy.feed_listener import FeedListener
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch.row import Row, row_of
-from graphnav.spy.watch.silence_reasons import nothing_heard, why_empty
+from graphnav.spy.watch.silence_reasons import nothing_received, why_empty
 from graphnav.spy.watch.watch import Memory, Sample
 
 _MAX_NAMED = 3
@@ -39,7 +39,7 @@ class LiveWatch:
 
     @property
     def version(self) -> object:
-        """The number of messages that were heard."""
+        """The number of messages that were received."""
         return self._memory.traffic.count
 
     @property
@@ -58,7 +58,7 @@ class LiveWatch:
         self.stop_recording()
 
     def rows(self) -> list[Row]:
-        """Return the channels, in the order in which they were first heard of."""
+        """Return the channels, in the order in which they were first received of."""
         now_s = time.monotonic()
         with self._memory.lock:
             channels = self._memory.traffic.channels.values()
@@ -89,7 +89,7 @@ class LiveWatch:
                 return self.failure
             if channel is not None:
                 return why_empty(channel, for_s)
-            return "" if self._memory.traffic.channels else nothing_heard(self.name, for_s)
+            return "" if self._memory.traffic.channels else nothing_received(self.name, for_s)
 
     def heading(self) -> str:
         """Return the feed, its channels and runs, what the kernel dropped, all counts, and what is recorded.
@@ -120,7 +120,7 @@ class LiveWatch:
         return self._writer.path if self._writer is not None else None
 
     def record(self, path: Path) -> None:
-        """Write everything that is heard from now on to a log, what the run says of itself first.
+        """Write everything that is received from now on to a log, what the run says of itself first.
 
         Raises OSError where the file cannot be opened.
         """
@@ -128,7 +128,7 @@ class LiveWatch:
         about = self._memory.newest(ABOUT)
         with self._memory.lock:
             if about is not None:
-                self._write(writer, Heard(ABOUT, about.data, time.monotonic()))
+                self._write(writer, Received(ABOUT, about.data, time.monotonic()))
             self._writer = writer
 
     def stop_recording(self) -> str:
@@ -143,16 +143,16 @@ class LiveWatch:
     def _fail(self, error: GraphnavError | OSError) -> None:
         self.failure = str(error)
 
-    def _take(self, heard: Heard) -> None:
-        self._memory.hear(heard)
+    def _take(self, received: Received) -> None:
+        self._memory.receive(received)
         if self._writer is not None:
             with self._memory.lock:
                 if self._writer is not None:
-                    self._write(self._writer, heard)
+                    self._write(self._writer, received)
 
-    def _write(self, writer: ThreadedLogWriter, heard: Heard) -> None:
+    def _write(self, writer: ThreadedLogWriter, received: Received) -> None:
         """Record a message at the time of day at which it arrived, as lcm-logger does."""
-        writer.write(heard.channel, round((heard.at_s + self._clock_offset_s) * 1e6), heard.data)
+        writer.write(received.channel, round((received.at_s + self._clock_offset_s) * 1e6), received.data)
 
 
 def _named(runs: list[str]) -> str:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from graphnav.record import Recording
-from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed import Feed, Received
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch.row import Row, row_of
 from graphnav.spy.watch.silence_reasons import why_empty
@@ -144,8 +144,8 @@ class LogWatch:
             said.append("reading")
         if self._traffic.overflow:
             said.append(f"{self._traffic.overflow} messages of further channels not kept")
-        if self._recording.torn is not None:
-            said.append(str(self._recording.torn))
+        if self._recording.truncated is not None:
+            said.append(str(self._recording.truncated))
         return "  ".join(said)
 
     def _read(self) -> None:
@@ -154,7 +154,7 @@ class LogWatch:
                 return
             at_s = event.utime / 1e6
             with self._lock:
-                self._traffic.hear(Heard(event.channel, event.data, at_s))
+                self._traffic.receive(Received(event.channel, event.data, at_s))
                 if event.channel in self._traffic.channels:
                     self._times.setdefault(event.channel, array("d")).append(at_s)
                     self._all_times.append(at_s)

@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 from graphnav.bus import RECEIVE_BUFFER_BYTES
-from graphnav.spy.report import size_of
 from graphnav.spy.traffic import ChannelTraffic
+from graphnav.spy.traffic_report import size_of
 from graphnav.tap import PACKET_BYTES
 
 _DOCTOR = "'graphnav doctor' says what this machine grants"
 
 
-def nothing_heard(feed: str, for_s: float) -> str:
+def nothing_received(feed: str, for_s: float) -> str:
     """Return why a live feed without any message is empty."""
     return (
-        f"no publisher: nothing was heard on {feed} for {for_s:.0f} s\n"
+        f"no publisher: nothing was received on {feed} for {for_s:.0f} s\n"
         "start a run that can be watched: graphnav run GRAPH --pace 1"
     )
 
 
 def why_empty(channel: ChannelTraffic, for_s: float) -> str:
-    """Return why a channel that was announced or heard shows nothing new; empty where its newest message can be seen.
+    """Return why a channel that was announced or received shows nothing new; empty where its newest message can be seen.
 
     ``for_s``: how long the feed has been listened to.
     """
     if not channel.count:
         return (
-            f"announced, and not heard for {for_s:.0f} s: nothing was published yet, or fragments were lost\n"
+            f"announced, and not received for {for_s:.0f} s: nothing was published yet, or fragments were lost\n"
             f"messages above one packet need a receive buffer of {RECEIVE_BUFFER_BYTES} bytes: {_DOCTOR}"
         )
     if not channel.decodes:

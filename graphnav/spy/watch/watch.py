@@ -7,7 +7,7 @@ from collections import deque
 from typing import NamedTuple, Protocol, TypeVar
 
 from graphnav.messages import Message
-from graphnav.spy.feed import Heard
+from graphnav.spy.feed import Received
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch.row import Row
 
@@ -46,7 +46,7 @@ class Watch(Protocol):
         """Let go of the network or the file."""
 
     def rows(self) -> list[Row]:
-        """Return the channels, in the order in which they were first heard of."""
+        """Return the channels, in the order in which they were first received of."""
 
     def channel(self, name: str) -> ChannelTraffic | None:
         """Return what is known of a channel."""
@@ -68,7 +68,7 @@ class Watch(Protocol):
 
 
 class Memory:
-    """Traffic and kept messages, guarded by a lock: one thread hears, another one looks."""
+    """Traffic and kept messages, guarded by a lock: one thread receives, another one looks."""
 
     def __init__(self, traffic: Traffic) -> None:
         self.traffic = traffic
@@ -76,18 +76,18 @@ class Memory:
         self._newest: dict[str, Sample] = {}
         self._kept: dict[str, deque[Sample]] = {}
 
-    def hear(self, heard: Heard) -> None:
+    def receive(self, received: Received) -> None:
         """Take a message; of channels beyond the limit nothing is kept."""
         with self.lock:
-            self.traffic.hear(heard)
-            if heard.channel not in self.traffic.channels:
+            self.traffic.receive(received)
+            if received.channel not in self.traffic.channels:
                 return
-            sample = Sample(heard.at_s, heard.data)
-            self._newest[heard.channel] = sample
-            if len(heard.data) <= KEPT_BYTES:
-                kept = self._kept.get(heard.channel)
+            sample = Sample(received.at_s, received.data)
+            self._newest[received.channel] = sample
+            if len(received.data) <= KEPT_BYTES:
+                kept = self._kept.get(received.channel)
                 if kept is None:
-                    kept = self._kept[heard.channel] = deque(maxlen=KEPT_MESSAGES)
+                    kept = self._kept[received.channel] = deque(maxlen=KEPT_MESSAGES)
                 kept.append(sample)
 
     def newest(self, name: str) -> Sample | None:

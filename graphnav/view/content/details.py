@@ -13,7 +13,7 @@ from graphnav.arrays import Bytes
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of
 from graphnav.messages import Message
 from graphnav.pictures import PictureContext, Pictures
-from graphnav.spy import Heard, plain, summarised
+from graphnav.spy import Received, plain, summarised
 from graphnav.view.content.moment import Moment
 from graphnav.view.message_types import Kind
 
@@ -41,10 +41,10 @@ def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
         return None
     series = _series(values)
     points = []
-    for heard in moment.points:
-        if (found := _fields(moment.kind, heard)) is not None:
+    for received in moment.points:
+        if (found := _fields(moment.kind, received)) is not None:
             plotted = _series(found)
-            points.append([heard.at_s, *(plotted.get(name) for name in series)])
+            points.append([received.at_s, *(plotted.get(name) for name in series)])
     return {
         "fields": plain(summarised(values)),
         "series": list(series),
@@ -74,17 +74,17 @@ def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
     return None if picture is None else _png(picture)
 
 
-def _fields(kind: Kind, heard: Heard) -> dict[str, Any] | None:
+def _fields(kind: Kind, received: Received) -> dict[str, Any] | None:
     try:
-        return codec_of(kind.lcm_class).decode(heard.data)
+        return codec_of(kind.lcm_class).decode(received.data)
     except DecodeError:
         return None
 
 
-def _message(kind: Kind, heard: Heard) -> Message | None:
+def _message(kind: Kind, received: Received) -> Message | None:
     message_class = message_class_of(kind.lcm_class)
     try:
-        return None if message_class is None else decode(message_class, heard.data)[2]
+        return None if message_class is None else decode(message_class, received.data)[2]
     except DecodeError:
         return None
 

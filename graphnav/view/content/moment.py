@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphnav.arrays import Doubles
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.channel import WatchedChannel
 from graphnav.view.message_types import Kind
 from graphnav.view.watch import Watch
@@ -23,8 +23,8 @@ class Moment:
     """
 
     kind: Kind
-    newest: Heard
-    points: list[Heard]
+    newest: Received
+    points: list[Received]
     others: Mapping[type, bytes]
     path_m: Doubles
 
@@ -33,7 +33,7 @@ def moment_of(watch: Watch, channel: WatchedChannel, after: int) -> Moment | Non
     """Return what there is of a channel, with the points behind message ``after``; None where nothing can be shown."""
     if channel.kind is None or channel.newest is None:
         return None
-    points = [heard for number, heard in channel.history if number > after]
+    points = [received for number, received in channel.history if number > after]
     if not channel.history and channel.count > after:
         points = [channel.newest]
     stamp = _stamp(channel)

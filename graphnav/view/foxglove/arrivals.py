@@ -1,4 +1,4 @@
-"""Messages on their way from whoever hears them to whoever shows them: bounded, the oldest give way."""
+"""Messages on their way from whoever receives them to whoever shows them: bounded, the oldest give way."""
 
 from __future__ import annotations
 

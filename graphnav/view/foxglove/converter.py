@@ -1,4 +1,4 @@
-"""Turns the messages that are heard into Foxglove's, those that somebody has subscribed to."""
+"""Turns the messages that are received into Foxglove's, those that somebody has subscribed to."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from graphnav.export.message_types import MessageTypes
 from graphnav.messages import About, Map, Message, Odometry, State
 from graphnav.pictures import Pictures
 from graphnav.record import ABOUT
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.announcements import Announcements
 from graphnav.view.foxglove.arrivals import Arrival, Batch
-from graphnav.view.foxglove.heard_past import HeardPast
 from graphnav.view.foxglove.losses import Losses, Reason
+from graphnav.view.foxglove.message_history import MessageHistory
 from graphnav.view.foxglove.shown_channels import ShownChannel, ShownChannels
 from graphnav.view.message_types import Kinds
 
@@ -41,7 +41,7 @@ class Converter:
         self._foxglove, self._source = foxglove, source
         self._types = MessageTypes(catalog)
         self.channels = ShownChannels(foxglove, self._types)
-        self._past = HeardPast(self._types)
+        self._past = MessageHistory(self._types)
         self._messages = MessageEntries(Pictures(catalog), self._past)
         self._lines = Lines()
         self._kinds = Kinds()
@@ -62,7 +62,7 @@ class Converter:
             self.losses.add(Reason.TOO_FAST, n=batch.n_dropped)
         newest = {arrival.channel: arrival for arrival in batch.arrivals}
         for arrival in batch.arrivals:
-            self._hear(arrival, is_drawn=newest[arrival.channel] is arrival)
+            self._receive(arrival, is_drawn=newest[arrival.channel] is arrival)
         if self._foxglove.is_wanted(LOG_TOPIC):
             self._tell(self.losses.due())
 
@@ -88,10 +88,10 @@ class Converter:
         for line in lines:
             self._foxglove.add(line)
 
-    def _hear(self, arrival: Arrival, *, is_drawn: bool) -> None:
+    def _receive(self, arrival: Arrival, *, is_drawn: bool) -> None:
         self._now_us = arrival.utime
         if arrival.channel == ABOUT:
-            self._hear_about(arrival)
+            self._receive_about(arrival)
         kind = self._kinds.of(arrival.data)
         if kind is None:
             self.losses.add(Reason.UNKNOWN_TYPE, arrival.channel)
@@ -99,19 +99,19 @@ class Converter:
         if len(arrival.data) < kind.min_bytes:
             self.losses.add(Reason.UNDECODABLE, arrival.channel)
             return
-        channel = self.channels.hear(arrival, kind.lcm_class)
+        channel = self.channels.receive(arrival, kind.lcm_class)
         if channel is None:
             self.losses.add(Reason.UNTRACKED)
             return
         if channel.message_type is not None:
-            self._past.hear(arrival, kind.lcm_class, channel.message_type)
+            self._past.receive(arrival, kind.lcm_class, channel.message_type)
         if not arrival.is_past:
             self._show(channel, arrival, self._wanted(channel, is_drawn=is_drawn))
             self._show_along(channel, arrival)
 
-    def _hear_about(self, arrival: Arrival) -> None:
+    def _receive_about(self, arrival: Arrival) -> None:
         """Notice a new run: what it announces takes the place of what the run before announced."""
-        about = self._announcements.hear(Heard(arrival.channel, arrival.data, arrival.utime / 1e6))
+        about = self._announcements.receive(Received(arrival.channel, arrival.data, arrival.utime / 1e6))
         if about is None or (self._about is not None and about.run_id == self._about.run_id):
             return
         if self._about is not None:

@@ -1,9 +1,9 @@
-"""A multicast group as it arrives, heard by a thread that does nothing else."""
+"""A multicast group as it arrives, received by a thread that does nothing else."""
 
 from __future__ import annotations
 
 from graphnav.errors import GraphnavError, one_line
-from graphnav.spy import Feed, FeedListener, Heard
+from graphnav.spy import Feed, FeedListener, Received
 from graphnav.view.foxglove.arrivals import Arrival, Arrivals
 
 
@@ -30,13 +30,13 @@ class LiveFeed:
         self._listener.close()
 
     def newly_dropped_packets(self) -> int:
-        """Return how many packets the kernel has dropped since the last time, before they could be heard."""
+        """Return how many packets the kernel has dropped since the last time, before they could be received."""
         before, self._n_dropped = self._n_dropped, self._feed.dropped_packets()
         return self._n_dropped - before
 
-    def _take(self, heard: Heard) -> None:
-        utime = round((heard.at_s + self._epoch_s) * 1e6)
-        self.arrivals.put(Arrival(heard.channel, utime, heard.data))
+    def _take(self, received: Received) -> None:
+        utime = round((received.at_s + self._epoch_s) * 1e6)
+        self.arrivals.put(Arrival(received.channel, utime, received.data))
 
     def _fail(self, error: GraphnavError | OSError) -> None:
         self.failure = one_line(error)

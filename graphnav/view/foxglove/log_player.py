@@ -9,7 +9,7 @@ from pathlib import Path
 from graphnav.codec import message_class_of
 from graphnav.export.entries.run_entries import MAX_UTIME
 from graphnav.export.log_pass import POSES
-from graphnav.player import Pace
+from graphnav.player import PlaybackClock
 from graphnav.record import Recording
 from graphnav.view.foxglove.arrivals import Arrival, Arrivals
 from graphnav.view.foxglove.playback import Playback, Request, Status
@@ -38,7 +38,7 @@ class LogPlayer:
         self.duration_us = timeline.duration_us
         first_us = self.recording.begin_us
         self.begin_us = first_us if 0 <= first_us < MAX_UTIME - self.duration_us else 0
-        self._pace = Pace()
+        self._pace = PlaybackClock()
         self._pace.pause()
         self._next = self._jumps = 0
         self._is_jump_due = True

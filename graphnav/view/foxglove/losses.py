@@ -18,7 +18,7 @@ class Reason(Enum):
     UNDRAWN = "channel '{channel}': pictures that cannot be drawn: {n}: {why}"
     UNTRACKED = "messages of further channels, not shown: {n}"
     TOO_FAST = "messages that came faster than they can be shown: {n}"
-    DROPPED = "packets that the kernel dropped before they could be heard: {n}"
+    DROPPED = "packets that the kernel dropped before they could be received: {n}"
     FEED = "{why}"
 
 

@@ -27,7 +27,7 @@ class ShownChannel:
     message_type: type[Message] | None
     topics: tuple[str, ...]
     newest: Arrival | None = None
-    heard_us: int = field(default=0)
+    received_us: int = field(default=0)
 
 
 class ShownChannels:
@@ -49,12 +49,12 @@ class ShownChannels:
         """Return a channel."""
         return self._by_name.get(name)
 
-    def hear(self, arrival: Arrival, lcm_class: type) -> ShownChannel | None:
+    def receive(self, arrival: Arrival, lcm_class: type) -> ShownChannel | None:
         """Return the channel of a message, on offer from now on; None when full."""
         channel = self.offer(arrival.channel, lcm_class, arrival.utime)
         if channel is None:
             return None
-        channel.heard_us = arrival.utime
+        channel.received_us = arrival.utime
         self._kept_bytes -= channel.newest.n_bytes if channel.newest else 0
         channel.newest = arrival if self._kept_bytes + arrival.n_bytes <= _MAX_KEPT_BYTES else None
         self._kept_bytes += channel.newest.n_bytes if channel.newest else 0
@@ -114,7 +114,7 @@ class ShownChannels:
         others = [channel for channel in self._by_name.values() if channel.name not in self._announced]
         if name not in self._announced or not others:
             return False
-        self.withdraw(min(others, key=lambda channel: channel.heard_us).name)
+        self.withdraw(min(others, key=lambda channel: channel.received_us).name)
         return True
 
     def _forget_silent(self, now_us: int) -> bool:
@@ -122,7 +122,7 @@ class ShownChannels:
         if now_us - self._forgot_us < _FORGET_EVERY_US:
             return False
         self._forgot_us = now_us
-        silent = [channel.name for channel in self._by_name.values() if now_us - channel.heard_us > _FORGET_US]
+        silent = [channel.name for channel in self._by_name.values() if now_us - channel.received_us > _FORGET_US]
         for name in silent:
             self.withdraw(name)
         return bool(silent)

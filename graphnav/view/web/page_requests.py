@@ -32,25 +32,25 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class LogOrder:
+class LogCommand:
     """What to do with the log: "play", "pause", "seek" (s), "step" (1 or -1), "speed" (ratio)."""
 
     action: str
     value: float = 0.0
 
 
-class OrderError(GraphnavError):
+class RequestError(GraphnavError):
     """What came is not an order."""
 
 
-def parse_order(text: str | bytes) -> View | Shown | LogOrder:
-    """Return what a page sent; raises OrderError for anything else."""
+def parse_request(text: str | bytes) -> View | Shown | LogCommand:
+    """Return what a page sent; raises RequestError for anything else."""
     try:
         said = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise OrderError("not JSON") from error
+        raise RequestError("not JSON") from error
     if not isinstance(said, dict):
-        raise OrderError("not a mapping")
+        raise RequestError("not a mapping")
     match said.get("kind"):
         case "view":
             return View(
@@ -59,26 +59,26 @@ def parse_order(text: str | bytes) -> View | Shown | LogOrder:
         case "shown":
             return Shown(int(_number(said.get("number"))))
         case "log" if said.get("action") in _ACTIONS:
-            return LogOrder(said["action"], _number(said.get("value", 0)))
-    raise OrderError("an unknown kind of order")
+            return LogCommand(said["action"], _number(said.get("value", 0)))
+    raise RequestError("an unknown kind of order")
 
 
 def _name(value: Any) -> str | None:
     if value is None or (isinstance(value, str) and len(value) <= _MAX_NAME):
         return value
-    raise OrderError("not a name")
+    raise RequestError("not a name")
 
 
 def _number(value: Any) -> float:
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e15 and math.isfinite(value):
         return float(value)
-    raise OrderError("not a number")
+    raise RequestError("not a number")
 
 
 def _cursor(value: Any) -> Cursor | None:
     if value is None:
         return None
     if not isinstance(value, list) or len(value) != 2:
-        raise OrderError("not a place")
+        raise RequestError("not a place")
     x_ratio, y_ratio = map(_number, value)
     return Cursor(x_ratio, y_ratio) if 0 <= x_ratio < 1 and 0 <= y_ratio < 1 else None

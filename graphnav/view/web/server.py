@@ -23,7 +23,7 @@ from graphnav.view.session import Session
 from graphnav.view.source import Source
 from graphnav.view.web.hosts import Hosts, url_of
 from graphnav.view.web.page_files import SECURITY_HEADERS, page_files
-from graphnav.view.web.page_requests import LogOrder, OrderError, Shown, View, parse_order
+from graphnav.view.web.page_requests import LogCommand, RequestError, Shown, View, parse_request
 
 T = TypeVar("T")
 
@@ -113,8 +113,8 @@ class PageServer:
         """Take the page's orders; end the connection, by an exception, when it ends."""
         while True:
             try:
-                order = parse_order(await connection.recv())
-            except OrderError:
+                order = parse_request(await connection.recv())
+            except RequestError:
                 await connection.close(CloseCode.POLICY_VIOLATION)
                 continue
             if isinstance(order, View):
@@ -136,7 +136,7 @@ class _Page:
     drawn: int = 0
 
 
-def _obey(log: LogSource, order: LogOrder, channel: str | None) -> None:
+def _obey(log: LogSource, order: LogCommand, channel: str | None) -> None:
     """Do what a page asks of the log; the open channel is what a step goes by."""
     with log.lock:
         match order.action:

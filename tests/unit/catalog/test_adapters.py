@@ -117,7 +117,7 @@ def test_two_adapters_of_one_type_and_direction_are_told_with_both_origins(tmp_p
     ("given", "said"),
     [
         ("3", "graphnav_adapters() does not return a list\n  return [MyAdapter()]"),
-        ("[Twist]", "graphnav_adapters() returns <class 'graphnav.messages.driving.Twist'>, which is not an Adapter"),
+        ("[Twist]", "graphnav_adapters() returns <class 'graphnav.messages.robot.Twist'>, which is not an Adapter"),
         ("[Adapter]", "adapter Adapter does not name its type: write type_name = 'package.type_t'"),
         ("[type('Half', (Adapter,), {'type_name': 'a.b_t'})]", "adapter Half has no lcm_class that lcm-gen made"),
         (

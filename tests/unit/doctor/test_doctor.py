@@ -19,9 +19,9 @@ import pytest
 from graphnav.bus import FRAGMENT_BYTES, RECEIVE_BUFFER_BYTES
 from graphnav.catalog import Catalog
 from graphnav.cli import main
-from graphnav.doctor import Finding, examine
-from graphnav.doctor.held_bytes import ReceiveBuffer, try_receive_buffer
+from graphnav.doctor import Finding, run_checks
 from graphnav.doctor.message_sizes import message_sizes
+from graphnav.doctor.receive_buffer import ReceiveBuffer, try_receive_buffer
 from graphnav.graph import load_graph
 
 PYTHON = sys.executable
@@ -111,7 +111,7 @@ def told_of(graph: str, buffer: ReceiveBuffer, monkeypatch: pytest.MonkeyPatch) 
     """Return what is said of the receive buffer of a machine that grants some other one."""
     monkeypatch.setattr("graphnav.doctor.network.try_receive_buffer", lambda: buffer)
     loaded = load_graph(graph, Catalog())
-    return next(finding for finding in examine(loaded) if finding.subject == "receive buffer")
+    return next(finding for finding in run_checks(loaded) if finding.subject == "receive buffer")
 
 
 def test_a_buffer_is_compared_with_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:

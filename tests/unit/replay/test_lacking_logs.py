@@ -121,7 +121,9 @@ def test_pictures_that_the_tap_thinned(record: Record, again: Again, tmp_path: P
 
 def test_a_log_that_does_not_say_its_graph(record: Record, again: Again, rewrite: Rewrite, tmp_path: Path) -> None:
     log = rewrite(record(), lambda channel, _: channel != ABOUT)
-    with pytest.raises(UserError, match=r"does not say which graph made it: .*\n  name the graph with --graph FILE"):
+    with pytest.raises(
+        UserError, match=r"does not hold the graph that produced it: .*\n  name the graph with --graph FILE"
+    ):
         again(log)
     assert again(log, graph=tmp_path / "run.yaml").is_equal
 
@@ -139,5 +141,5 @@ def test_a_channel_of_another_type(record: Record, again: Again, tmp_path: Path)
 
 def test_an_empty_log(again: Again, tmp_path: Path) -> None:
     (tmp_path / "empty.lcmlog").touch()
-    with pytest.raises(UserError, match="does not say which graph made it"):
+    with pytest.raises(UserError, match="does not hold the graph that produced it"):
         again(tmp_path / "empty.lcmlog")

@@ -137,7 +137,7 @@ export class Graph {
     }
   }
 
-  // What the run itself says of an input or output counts before what is heard here.
+  // What the run itself says of an input or output counts before what is received here.
   label(port, channels, chosen, input, output) {
     port.name = port.names.find((name) => channels.get(name)?.count) ?? port.names[0];
     const channel = channels.get(port.name);
@@ -145,7 +145,7 @@ export class Graph {
     const latencyMs = output?.sent ? output.latency_p50_ms : channel?.latency_ms;
     const rejected = Object.values(input?.rejected ?? {}).reduce((sum, n) => sum + n, 0);
     const lost = input?.lost ?? channel?.lost;
-    const drops = [channel?.count ? `${format.count(lost)} lost` : "not heard"];
+    const drops = [channel?.count ? `${format.count(lost)} lost` : "not received"];
     if (rejected) drops.push(`${format.count(rejected)} rejected`);
     if (input?.fault) drops.push(input.fault);
     setText(port.rate, channel?.once ? "once" : format.rate(rateHz));

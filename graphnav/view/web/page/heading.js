@@ -71,7 +71,7 @@ function figures({ run, run_id: id }) {
 function notices(state) {
   const found = [];
   if (state.failure) found.push([state.failure, true]);
-  if (state.log?.torn) found.push([`the log is incomplete: ${state.log.torn}`, true]);
+  if (state.log?.truncated) found.push([`the log is incomplete: ${state.log.truncated}`, true]);
   if (state.run?.silent) found.push([`no status of the run for ${format.seconds(state.run.silent_s)}`, true]);
   if (state.untracked) found.push([`${format.count(state.untracked)} messages on further channels are not shown`, true]);
   if (state.dropped_packets) found.push([`${format.count(state.dropped_packets)} packets dropped by the kernel`, true]);

@@ -33,7 +33,7 @@ const connection = new Connection({
     floor.reset();
     if (!hello.log) return;
     timeline.show(hello.length_s);
-    setText(byId("graph-empty"), "The log does not say which graph made it.");
+    setText(byId("graph-empty"), "The log does not hold the graph that produced it.");
   },
   state: (name) => heading.connected(name),
   update,
@@ -89,7 +89,7 @@ function drawGraph(layout) {
 
 // A camera's picture is the best beginning, if there is one.
 function openFirst() {
-  const heard = state.channels.filter((channel) => channel.count);
-  const first = heard.find((channel) => channel.type === IMAGE);
+  const received = state.channels.filter((channel) => channel.count);
+  const first = received.find((channel) => channel.type === IMAGE);
   if (first) open(first.name);
 }

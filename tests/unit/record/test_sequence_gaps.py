@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from graphnav.codec import encode, fingerprint
 from graphnav.messages import Twist
 from graphnav.record import SequenceGaps
-from graphnav.record.sequence import numbered_fingerprints, seq_of
+from graphnav.record.sequence_gaps import numbered_fingerprints, seq_of
 
 
 def counted(seqs: list[int]) -> tuple[int, int]:

@@ -19,7 +19,7 @@ _MAX_POSES = 4000
 _MAX_POSE_BYTES = 1 << 16
 
 
-class HeardPast:
+class MessageHistory:
     """The newest message of each type, and the poses; of several channels of one type the first one counts."""
 
     def __init__(self, types: MessageTypes) -> None:
@@ -37,13 +37,13 @@ class HeardPast:
         self._kept_every = 1
         self._since_kept = 0
 
-    def hear(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
+    def receive(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
         """Remember a message."""
         known = self._newest.get(message_type)
         if known is None or known[0].channel == arrival.channel:
             self._newest[message_type] = arrival, lcm_class
         if message_type in POSES:
-            self._hear_pose(arrival, lcm_class, message_type)
+            self._receive_pose(arrival, lcm_class, message_type)
 
     def channel_of(self, kind: type[Message]) -> str | None:
         """Return the channel whose messages are found for a type."""
@@ -68,7 +68,7 @@ class HeardPast:
         self._waiting.clear()
         return np.array(self._path, np.float64).reshape(-1, 2)
 
-    def _hear_pose(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
+    def _receive_pose(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
         if self._pose_type is None or POSES.index(message_type) < POSES.index(self._pose_type):
             self.pose_channel, self._pose_type = arrival.channel, message_type
             self._path, self._waiting = [], []

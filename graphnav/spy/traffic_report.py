@@ -11,15 +11,15 @@ from graphnav.errors import shown_name
 from graphnav.spy.feed import Feed
 from graphnav.spy.fields.field_summary import declared, described, summarised
 from graphnav.spy.fields.plain_values import plain
+from graphnav.spy.message_window import Periods
 from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
-from graphnav.spy.window import Periods
 
 _APART_RATIO = 0.05
 """So far from the rate of the stamps the rate of the arrivals is worth a word."""
 
 
 def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
-    """Return everything that was heard, and what was not, for programs."""
+    """Return everything that was received, and what was not, for programs."""
     return {
         "feed": feed.name,
         "runs": list(traffic.runs),
@@ -77,7 +77,7 @@ def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | 
 
 
 def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
-    """Return everything that was heard, for people; without the fields one line a channel."""
+    """Return everything that was received, for people; without the fields one line a channel."""
     lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in traffic.runs)]
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
@@ -90,7 +90,7 @@ def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text
 
 
 def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
-    """Return the contents of a channel's newest message, or how its type declares them where none was heard."""
+    """Return the contents of a channel's newest message, or how its type declares them where none was received."""
     if channel.values is not None:
         return summarised(channel.values)
     return declared(channel.lcm_class) if channel.lcm_class is not None else {}
@@ -114,9 +114,9 @@ def silence_of(channel: ChannelTraffic) -> str:
 
 
 def volume(channel: ChannelTraffic) -> Iterator[str]:
-    """Yield how much was heard on one channel and what is missing of it, in words."""
+    """Yield how much was received on one channel and what is missing of it, in words."""
     if not channel.count:
-        yield "not heard"
+        yield "not received"
         return
     yield size_of(channel.last_bytes)
     yield "1 message" if channel.count == 1 else f"{channel.count} messages"

@@ -46,7 +46,7 @@ def channel_state(channel: WatchedChannel, now_s: float) -> dict[str, Any]:
         "bytes": channel.last_bytes,
         "lost": channel.lost,
         "undecodable": channel.undecodable,
-        "age_s": now_s - channel.heard_s if channel.count else None,
+        "age_s": now_s - channel.received_s if channel.count else None,
     }
 
 
@@ -57,5 +57,5 @@ def log_state(source: LogSource) -> dict[str, Any]:
         "length_s": source.length_s,
         "playing": source.is_playing,
         "speed": source.speed_ratio,
-        "torn": source.torn,
+        "torn": source.truncated,
     }
