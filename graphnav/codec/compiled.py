@@ -57,7 +57,7 @@ class Codec:
         if self._flat_decode is not None and (flat := self._flat_decode(data)) is not None:
             return flat
         if data[:8] != self.fingerprint:
-            raise DecodeError(f"not a {self.name}: it begins with {data[:8].hex()}, not {self.fingerprint.hex()}")
+            raise DecodeError(f"not of type {self.name}: it begins with {data[:8].hex()}, not {self.fingerprint.hex()}")
         try:
             values, end = self.decode_from(data, 8)
         except (DecodeError, struct.error) as error:

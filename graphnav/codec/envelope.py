@@ -23,4 +23,4 @@ def decode(message_class: type[M], data: bytes) -> tuple[int, int, M]:
         message = message_class.from_lcm_fields(values)
         return values["utime"], values["seq"], message
     except (KeyError, TypeError, ValueError) as error:
-        raise DecodeError(f"not a {message_class.__name__}: {error}") from error
+        raise DecodeError(f"not of type {message_class.__name__}: {error}") from error

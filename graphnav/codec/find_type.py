@@ -32,7 +32,7 @@ def find_type(name: str, more: Mapping[str, type] | None = None) -> type:
     found = named.get(name) or short.get(name) or type_named(name)
     if found is None:
         hint = did_you_mean(name, {*named, *short}) or (
-            "'graphnav types' lists the shipped types; for another package write package.type_t and install what lcm-gen generated"
+            "'graphnav types' lists the shipped types; for others write package.type_t and install the package"
         )
         raise UserError.of(f"there is no LCM type '{name}'", hint)
     return found

@@ -1,4 +1,4 @@
-"""Everything that the doctor looks at, in order."""
+"""Run all checks of the doctor in order."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav.graph import Graph
 
 
 def run_checks(graph: Graph | None = None) -> Iterator[Finding]:
-    """Look at everything, one finding after another; the receive buffer against what ``graph`` needs."""
+    """Yield the findings of all checks; the receive buffer is compared with the messages of ``graph``."""
     yield multicast()
     yield from receive_buffer(graph)
     yield lcm_wheel()

@@ -1,4 +1,4 @@
-"""The message types that ship."""
+"""The shipped message types."""
 
 from graphnav.messages.message import Message, snake_case
 from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist

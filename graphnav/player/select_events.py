@@ -27,7 +27,7 @@ class EventSelection(NamedTuple):
 def select_events(
     recording: Recording, channels: ChannelFilter, start_s: float = 0.0, end_s: float | None = None
 ) -> EventSelection:
-    """Return the events on the channels from ``start_s`` to ``end_s`` (None: the end), in seconds since the first event.
+    """Return the events on the channels from ``start_s`` to ``end_s`` (None: the end), seconds since the first event.
 
     Raises
     ------

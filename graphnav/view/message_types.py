@@ -44,5 +44,5 @@ def _kind(lcm_class: type) -> Kind:
     first = [(field.name, field.primitive, field.dims) for field in fields_of(lcm_class)[:2]]
     is_stamped = first == [("utime", "int64_t", ()), ("seq", "int64_t", ())]
     return Kind(
-        lcm_class, lcm_name(lcm_class), _FINGERPRINT_BYTES + codec_of(lcm_class).least_bytes, is_stamped=is_stamped
+        lcm_class, lcm_name(lcm_class), _FINGERPRINT_BYTES + codec_of(lcm_class).min_bytes, is_stamped=is_stamped
     )

@@ -197,7 +197,7 @@ def test_where_lcm_cannot_listen_it_is_said(group: str) -> None:
             bus.subscribe("x", lambda *_: None)
         bus.close()
     assert str(caught.value) == (
-        f"LCM cannot listen on {bus.url}: its port is taken, or LCM's self test of the network failed\n"
+        f"LCM cannot listen on {bus.url}: its port is in use, or LCM's self test of the network failed\n"
         "  choose another port, or run: graphnav doctor"
     )
 

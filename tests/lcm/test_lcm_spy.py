@@ -26,7 +26,7 @@ from graphnav.typeinfo import file_of_lcm, types_jar
 
 from .conftest import TOOLS
 
-NO_JDK = find_jdk().lacks
+NO_JDK = find_jdk().missing
 needs_jdk = pytest.mark.skipif(bool(NO_JDK), reason=NO_JDK)
 needs_xvfb = pytest.mark.skipif(shutil.which("Xvfb") is None, reason="Xvfb is not installed")
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
@@ -171,10 +171,10 @@ def test_without_java_it_is_said_what_installs_it(
 @pytest.mark.parametrize(
     ("tools", "lacks"),
     [
-        (["java"], "there is a Java runtime, but no compiler (javac)"),
-        (["java", "javac"], "there is a Java runtime, but no tool jar"),
+        (["java"], "Java is installed, but no compiler (javac)"),
+        (["java", "javac"], "Java is installed, but no tool jar"),
         (["java", "javac", "jar"], ""),
-        (["java", "javac", "jar", "headless"], "the installed Java is a headless one, which opens no window"),
+        (["java", "javac", "jar", "headless"], "the installed Java is headless and cannot open windows"),
     ],
 )
 def test_an_incomplete_java_is_told(
@@ -188,7 +188,7 @@ def test_an_incomplete_java_is_told(
         (tmp_path / "lib").mkdir()
         (tmp_path / "lib" / "modules").touch()
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
-    assert find_jdk().lacks == lacks
+    assert find_jdk().missing == lacks
 
 
 @needs_jdk

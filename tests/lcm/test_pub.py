@@ -125,8 +125,8 @@ def test_what_is_late_is_not_made_up_for() -> None:
         (
             ["X", "geometry.twist"],
             (
-                "there is no LCM type 'geometry.twist'\n  'graphnav types' lists the shipped types; for another package write "
-                "package.type_t, and install what lcm-gen made\n"
+                "there is no LCM type 'geometry.twist'\n  'graphnav types' lists the shipped types; for others write "
+                "package.type_t and install the package\n"
             ),
         ),
         (["X", "Twist", "v: 1"], "FIELDS:1:1: graphnav_lcm.twist_t has no field 'v'\n"),

@@ -11,8 +11,8 @@ import threading
 import pytest
 
 ASK = (
-    "from graphnav.machine.terminal_graphics import ask_terminal; import os; "
-    "os.write({fd}, repr(ask_terminal()).encode())"
+    "from graphnav.machine.terminal_graphics import query_terminal; import os; "
+    "os.write({fd}, repr(query_terminal()).encode())"
 )
 
 

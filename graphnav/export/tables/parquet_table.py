@@ -1,4 +1,4 @@
-"""A table as Parquet: each column in the type that the field has in LCM."""
+"""Write Parquet tables, each column in the field's LCM type."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the messages of a channel that a replay needs are not in the log."""
+"""Find messages of a channel that a replay needs but the log does not hold."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from graphnav.stage import Port
 
 
 class MissingMessages(NamedTuple):
-    """Messages of a channel that are not in the log: how many, and the stamps between which they were published.
+    """Missing messages of a channel: their number, and the timestamps between which they were published.
 
-    ``n_messages``: 0 where it is not known. ``after_us``: minus infinity where the first message is missing.
+    ``n_messages``: 0 if unknown. ``after_us``: minus infinity if the first message is missing.
     """
 
     n_messages: int
@@ -25,7 +25,7 @@ class MissingMessages(NamedTuple):
 
 
 def missing_messages(channel: Channel, plan: Plan, contents: Contents) -> list[MissingMessages]:
-    """Return where the messages of a played channel are missing."""
+    """Return the missing messages of a played channel."""
     messages = contents.messages[channel.name]
     port = _port(channel, plan.graph)
     if not messages:
@@ -51,7 +51,7 @@ def _port(channel: Channel, graph: Graph) -> Port | None:
 
 
 def _has_effects(channel: Channel, plan: Plan, contents: Contents) -> bool:
-    """Whether a stage that fires on the channel has published, so that the channel cannot have been silent."""
+    """Whether a stage that is fired by the channel has published, so that the channel was not silent."""
     return any(
         contents.messages[written.name]
         for node in plan.stepped.nodes
@@ -65,7 +65,7 @@ def _covers(missing: Sequence[MissingMessages], at_us: float) -> bool:
 
 
 def _by_numbers(messages: Sequence[Logged]) -> list[MissingMessages]:
-    """Return the gaps in the numbers; a number that fits neither neighbour, while they fit each other, is damaged."""
+    """Return the gaps in the sequence numbers; a number that fits neither of two matching neighbours is damaged."""
     missing: list[MissingMessages] = []
     last_seq, last_us = -1, -math.inf
     for place, message in enumerate(messages):
@@ -78,9 +78,9 @@ def _by_numbers(messages: Sequence[Logged]) -> list[MissingMessages]:
 
 
 def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[MissingMessages]:
-    """Return the rest of a channel on which a source publishes at every firing, as its other channels tell.
+    """Return the missing end of a channel on which a source publishes at every firing, from its other channels.
 
-    The last tick of the log is left out: a run that was killed may have ended within it.
+    The last tick of the log is left out: it may be incomplete if the run was killed.
     """
     node = plan.graph.node(channel.stage)
     last_us = contents.messages[channel.name][-1].utime
@@ -94,9 +94,9 @@ def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[Miss
 
 
 def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Contents) -> list[MissingMessages]:
-    """Return the rest of a channel of which the log keeps nothing but the first message, because it is large.
+    """Return the missing end of a channel of which the log keeps only the first message, because it is large.
 
-    A source may publish a large message once, as it does a map, for stages that sample it.
+    A source may publish a large message only once, such as a map, for stages that sample it.
     """
     messages = contents.messages[channel.name]
     if not is_first_only(messages, contents):
@@ -107,5 +107,5 @@ def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Conte
 
 
 def is_first_only(messages: Sequence[Logged], contents: Contents) -> bool:
-    """Whether a log may hold nothing but the first message of a channel because it is large."""
+    """Whether a log may hold only the first message of a channel because it is large."""
     return len(messages) == 1 and messages[0].n_bytes >= SMALL_BYTES and messages[0].utime < contents.last_us

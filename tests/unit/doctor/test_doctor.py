@@ -191,7 +191,7 @@ def test_the_terminal_is_asked_and_left_as_it_was(attributes: bytes, kitty: byte
 def test_no_terminal_is_not_asked() -> None:
     done = subprocess.run([GRAPHNAV, "doctor", "--json"], stdin=subprocess.DEVNULL, capture_output=True, check=False)
     told = {finding["subject"]: finding for finding in json.loads(done.stdout)}
-    assert told["terminal graphics"]["seen"] == "not asked: this is not run from a terminal"
+    assert told["terminal graphics"]["seen"] == "not checked: not a terminal"
 
 
 def test_a_network_without_multicast_is_told_with_what_makes_a_route() -> None:

@@ -33,10 +33,10 @@ def test_small_messages_only(record: Record, again: Again) -> None:
     with pytest.raises(UserError) as caught:
         again(log)
     assert str(caught.value) == (
-        f"{log} lacks messages that mean read:\n"
+        f"{log} is missing messages that mean read:\n"
         "  robot.image: all but 1, the first after 0.00 s\n"
         "  record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
-        "or play what these stages publish with --play"
+        "or play the outputs of these stages with --play"
     )
     result = again(log, play=["mean"])
     assert result.is_equal
@@ -135,7 +135,7 @@ def test_a_channel_of_another_type(record: Record, again: Again, tmp_path: Path)
         "run: {until_s: 3}\nchannels: {robot.odometry: robot.image, robot.image: robot.odometry}\n"
         "stages:\n  robot: {use: again.robot}\n  mean: {use: again.mean, in: {image: robot.image}}\n"
     )
-    with pytest.raises(UserError, match=r"channel 'robot\.odometry' of .* is not Image, as the graph says"):
+    with pytest.raises(UserError, match=r"channel 'robot\.odometry' of .* is not Image, the type in the graph"):
         again(log, graph=other)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-from graphnav.machine.terminal_graphics import CellSize, TerminalGraphics, ask_terminal, cell_size_px
+from graphnav.machine.terminal_graphics import CellSize, TerminalGraphics, cell_size_px, query_terminal
 from graphnav.spy.screen.painters.block_painter import BlockPainter
 from graphnav.spy.screen.painters.kitty_painter import KittyPainter
 from graphnav.spy.screen.painters.painter import Painter
@@ -21,7 +21,7 @@ def painters(choice: str) -> Callable[[], Painter]:
     ``choice``: ``blocks``, ``sixel``, ``kitty``, or ``auto`` for the best that the terminal confirms.
     Asks the terminal, so it comes before anything else that reads from it.
     """
-    graphics = TerminalGraphics() if choice == "blocks" else ask_terminal() or TerminalGraphics()
+    graphics = TerminalGraphics() if choice == "blocks" else query_terminal() or TerminalGraphics()
 
     def cell_px() -> CellSize:
         return cell_size_px() or graphics.cell_px or _VT340_CELL_PX
