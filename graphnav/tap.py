@@ -41,7 +41,8 @@ class Tap:
     and column; "full" sends all bytes, which
     rarely arrive completely with default kernel settings.
 
-    ``notice`` is called once for each other run on the same group that publishes the same channels. Raises BusError if there is no multicast route.
+    ``notice`` is called once for each other run on the same group that publishes the same channels. Raises BusError if
+    there is no multicast route.
     """
 
     def __init__(

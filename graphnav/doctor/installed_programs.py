@@ -38,5 +38,5 @@ def java() -> Finding:
         )
     except (OSError, subprocess.SubprocessError) as error:
         return Finding("java", fine=False, seen=f"it does not run: {error}", fix=install_jdk(), needed=False)
-    said = (done.stderr or done.stdout).strip().splitlines()
-    return Finding("java", fine=True, seen=said[0] if said else str(jdk.java))
+    lines = (done.stderr or done.stdout).strip().splitlines()
+    return Finding("java", fine=True, seen=lines[0] if lines else str(jdk.java))

@@ -52,7 +52,7 @@ def write_video(
     notes = _Notes()
     count = 0
 
-    def told(frames: Frames) -> Frames:
+    def with_progress(frames: Frames) -> Frames:
         nonlocal count
         for utime, frame in frames:
             reader.on_time(reader.at_s(utime))
@@ -65,7 +65,7 @@ def write_video(
         else:
             video = _pictures(reader, channel, _drawn(reader, Pictures(catalog), notes))
         with drawing():
-            video = video._replace(frames=told(video.frames))
+            video = video._replace(frames=with_progress(video.frames))
             if catalog.hook.graphnav_write_video(frames=video, file=file) is None:
                 raise UserError.of("no installed plugin writes videos", "install graphnav's own plugins")
     losses = reader.losses()

@@ -20,8 +20,8 @@ class ChannelInfo:
     """The messages of one channel.
 
     ``type_name``: None if unknown; ``is_known``: whether its definition is installed; ``fingerprint``: the first 8
-    bytes of a message in hex, None if it is shorter. ``first_us``, ``last_us``: microseconds since the first event of the
-    log. ``lost``: missing sequence numbers; ``n_restarts``: how often the numbering restarted; both None if messages
+    bytes of a message in hex, None if it is shorter. ``first_us``, ``last_us``: microseconds since the first event.
+    ``lost``: missing sequence numbers; ``n_restarts``: how often the numbering restarted; both None if messages
     have no numbers. ``undecodable``: messages that are damaged or not of the channel's type.
     """
 

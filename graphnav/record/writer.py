@@ -33,14 +33,14 @@ class LogWriter:
         self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
-        self._whole_bytes = 0
+        self._complete_bytes = 0
         self._flushed_s = time.monotonic()
         self._failure: LogError | None = None
 
     @property
     def n_bytes(self) -> int:
         """The size of the log, with what is not flushed yet."""
-        return self._whole_bytes + self._waiting_bytes
+        return self._complete_bytes + self._waiting_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Append an event; raises LogError, once and for all, if the disk refuses it."""
@@ -96,18 +96,18 @@ class LogWriter:
             rest = memoryview(b"".join(buffers))[written:]
             while rest:
                 rest = rest[os.write(self._fd, rest) :]
-        self._whole_bytes += total
+        self._complete_bytes += total
 
     def _cut(self, buffers: list[bytes], error: OSError) -> LogError:
         """Cut the file after the last complete event and return the error message."""
-        end, kept = self._whole_bytes, self.n_events - len(buffers) // 2
+        end, kept = self._complete_bytes, self.n_events - len(buffers) // 2
         size = os.fstat(self._fd).st_size
         for header, data in zip(buffers[::2], buffers[1::2], strict=True):
             if end + len(header) + len(data) > size:
                 break
             end += len(header) + len(data)
             kept += 1
-        self.n_events, self._whole_bytes = kept, end
+        self.n_events, self._complete_bytes = kept, end
         if size > end:
             os.ftruncate(self._fd, end)
         return LogError(f"{self.path}: {error.strerror}; the log holds {kept} complete events")

@@ -1,4 +1,4 @@
-"""Watching: which channels there are, what goes over them and how fast, live or in a log."""
+"""Show the channels of a multicast group or a log: types, rates, sizes, contents."""
 
 from graphnav.spy.feed import Feed, Received, drops_of
 from graphnav.spy.feed_listener import FeedListener

@@ -1,4 +1,4 @@
-"""A thread that receives a live feed until it is told to stop."""
+"""A thread that receives a live feed until it is stopped."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from graphnav.spy.feed import Feed, Received
 
 
 class FeedListener:
-    """Hands every message of a live feed to ``take``, from a thread of its own.
+    """Hands every message of a live feed to ``take``, from a separate thread.
 
-    It may start before anything is published, and outlives those who publish. ``fail`` is called with the error that
-    ended it before it was closed.
+    It may start before any publisher, and outlives publishers. ``fail`` is called with the error that ended the thread
+    early.
     """
 
     def __init__(
@@ -25,11 +25,11 @@ class FeedListener:
         self._thread = threading.Thread(target=self._listen, name=name, daemon=True)
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Start receiving."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop listening; return when the thread has ended."""
+        """Stop receiving; return when the thread has ended."""
         self._closing.set()
         if self._thread.is_alive():
             self._thread.join()

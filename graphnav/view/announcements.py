@@ -1,4 +1,4 @@
-"""The runs that announce themselves on ``graphnav.about``."""
+"""Track the runs announced on ``graphnav.about``."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from graphnav.spy import Received
 _MAX_RUNS = 16
 _MAX_BYTES = 1 << 20
 _SILENT_S = 3.5
-"""A run that announces itself every second is silent after this time without."""
+"""A run, which announces itself every second, is silent after this time without an announcement."""
 _ENVELOPE_BYTES = 24
 
 
 @dataclass
 class Announcement:
-    """What a run says of itself; ``begin_s``, ``received_s``: when it was received first and last."""
+    """The announcement of a run; ``begin_s``, ``received_s``: its first and last arrival."""
 
     about: About
     begin_s: float
@@ -25,7 +25,7 @@ class Announcement:
 
 
 class Announcements:
-    """The newest announcement of each of the newest 16 runs."""
+    """The newest announcements of the newest 16 runs."""
 
     def __init__(self) -> None:
         self.runs: dict[str, Announcement] = {}
@@ -33,7 +33,7 @@ class Announcements:
         self._bodies: dict[bytes, str] = {}
 
     def receive(self, received: Received) -> About | None:
-        """Take an announcement; return it if it is new or changed."""
+        """Process an announcement; return it if it is new or changed."""
         body = received.data[_ENVELOPE_BYTES:]
         run_id = self._bodies.get(body)
         if run_id is not None and run_id in self.runs:
@@ -52,7 +52,7 @@ class Announcements:
         return about
 
     def shown(self, chosen: str | None, now_s: float) -> str | None:
-        """Return the run to show: the chosen one while it is received, else the one that began last; None without any."""
+        """Return the run to show: the selected one while it is announced, else the newest; None without runs."""
         alive = [run_id for run_id, one in self.runs.items() if now_s - one.received_s < _SILENT_S]
         if chosen in alive:
             return chosen

@@ -193,7 +193,7 @@ def test_without_a_terminal_a_silent_group_is_said_once(group: str) -> None:
         assert process.stderr is not None
         assert [process.stderr.readline(), process.stderr.readline()] == [
             f"no message on {group} within 3 s\n",
-            "  start a run that can be watched: graphnav run GRAPH --pace 1\n",
+            "  start a run: graphnav run GRAPH --pace 1\n",
         ]
         process.send_signal(signal.SIGINT)
         assert process.wait(30) == 130

@@ -149,5 +149,5 @@ def test_damage_anywhere_is_told_and_a_damaged_stamp_does_not_stretch_the_log(tm
     source.start()
     source.close()
     assert source.length_s == pytest.approx(3.9, abs=0.2)
-    told = source.truncated.split("; ")
+    told = source.damage.split("; ")
     assert [f"from byte {events[20]}" in told[0], "is truncated" in told[1]] == [True, True]

@@ -163,5 +163,5 @@ def _view(log: Path) -> int:
             source.seek(0.0)
     finally:
         source.close()
-    print(source.truncated)
+    print(source.damage)
     return 0

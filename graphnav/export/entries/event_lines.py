@@ -58,8 +58,8 @@ def heading(about: About | None) -> str:
         graph = parse_yaml(about.graph_yaml.encode(), ABOUT)[0].plain()
     except UserError:
         graph = None
-    said = graph.get("about") if isinstance(graph, dict) else None
-    text = str(said or "").strip()
+    description = graph.get("about") if isinstance(graph, dict) else None
+    text = str(description or "").strip()
     return " ".join(part for part in (text, f"(seed {about.seed})") if part)
 
 

@@ -52,7 +52,7 @@ def bodies_of(world: Map) -> Iterator[Body]:
 
 
 def ring(outline_m: Doubles) -> Doubles | None:
-    """Return a closed outline on the floor, (n, 3), None where it has no area or numbers that are not finite."""
+    """Return a closed outline on the floor, (n, 3), None if it has no area or is not finite."""
     if len(outline_m) < 3 or not np.isfinite(outline_m).all():
         return None
     return Body(0, outline_m, 0.0).ring(0.0)

@@ -24,7 +24,7 @@ class Past(Protocol):
     """The messages before the current one."""
 
     def find(self, kind: type[M], /) -> M | None:
-        """Return the message of ``kind`` of the same stamp, else the newest before it; None where there is none."""
+        """Return the message of ``kind`` of the same stamp, else the newest before it; None if there is none."""
 
     def path_m(self) -> Doubles:
         """Return the robot's path so far, (n, 2), x_m and y_m."""
@@ -61,14 +61,14 @@ class MessageEntries:
         return None if pixels is None else Picture(channel, utime, pixels)
 
     def pose(self, utime: int, message: State | Odometry) -> Pose | None:
-        """Return where the robot is, None where the numbers are not finite."""
+        """Return the pose of the robot, None if it is not finite."""
         if not np.isfinite((message.x_m, message.y_m, message.yaw_rad)).all():
             return None
         moving = message.moving if isinstance(message, State) else np.empty((0, 3))
         return Pose(utime, message.x_m, message.y_m, message.yaw_rad, moving)
 
     def path(self, utime: int) -> Path | None:
-        """Return the path so far, None where it is a point."""
+        """Return the path so far, None for a single point."""
         points = self._past.path_m()
         if len(points) < 2:
             return None

@@ -56,12 +56,12 @@ class RunEntries:
         """Return one sentence per part of the selection that was not exported."""
         texts, undrawn = self.reader.losses(), self._messages.undrawn
         for name, count in self.unstamped.items():
-            said = (
+            left_out = (
                 "1 message is left out: its timestamp is"
                 if count == 1
                 else f"{count} messages are left out: timestamps are"
             )
-            texts.append(f"channel {name!r}: {said} out of range")
+            texts.append(f"channel {name!r}: {left_out} out of range")
         return texts + [f"channel {name!r}: pictures are missing: {why}" for name, why in undrawn.items()]
 
     def _at_begin(self, utime: int) -> Iterator[Entry]:

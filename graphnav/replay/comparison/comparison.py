@@ -22,8 +22,8 @@ _SEQ_BEGIN, _SEQ_END = 16, 24
 class Scope(NamedTuple):
     """The scope of the comparison: messages published from ``from_us`` on, with a tolerance.
 
-    ``begin_us``: the run's clock at its start. ``last_us``: the run's clock at the last tick or firing of the log, which
-    may be incomplete. ``is_small``: whether the log keeps only small messages. ``recorded``: the channels of the run,
+    ``begin_us``: the run's clock at its start. ``last_us``: the run's clock at the last tick or firing of the log,
+    which may be incomplete. ``is_small``: whether the log keeps only small messages. ``recorded``: the channels of the run,
     None if unknown.
     """
 

@@ -80,24 +80,24 @@ def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int
     UserError
         Messages were never recorded, or are missing from the beginning.
     """
-    lacking: dict[Channel, list[MissingMessages]] = {}
+    incomplete: dict[Channel, list[MissingMessages]] = {}
     for channel in plan.needed:
         missing = [part for part in missing_messages(channel, plan, contents) if part.before_us > start_us]
         if missing:
-            lacking[channel] = missing
-    if not lacking:
+            incomplete[channel] = missing
+    if not incomplete:
         return Reach(math.inf)
-    readers = ", ".join(sorted({name for channel in lacking for name in plan.readers_of(channel)}))
-    until_us = min(missing[0].after_us for missing in lacking.values())
+    readers = ", ".join(sorted({name for channel in incomplete for name in plan.readers_of(channel)}))
+    until_us = min(missing[0].after_us for missing in incomplete.values())
     if (contents.lost or (contents.is_own and not is_small)) and until_us >= start_us:
-        lines = "; ".join(_lines(lacking, contents))
+        lines = "; ".join(_lines(incomplete, contents))
         return Reach(until_us, (f"replayed up to {until_us / 1e6:.2f} s; later messages are missing: {lines}",))
     what = f"{recording.path} is missing messages that {readers} read:"
-    raise UserError.of("\n  ".join([what, *_lines(lacking, contents)]), _HINT)
+    raise UserError.of("\n  ".join([what, *_lines(incomplete, contents)]), _HINT)
 
 
-def _lines(lacking: Mapping[Channel, list[MissingMessages]], contents: Contents) -> Iterator[str]:
-    for channel, missing in lacking.items():
+def _lines(incomplete: Mapping[Channel, list[MissingMessages]], contents: Contents) -> Iterator[str]:
+    for channel, missing in incomplete.items():
         kept = len(contents.messages[channel.name])
         if not kept:
             yield f"{channel.name}: all of them"

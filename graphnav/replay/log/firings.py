@@ -66,18 +66,18 @@ def read_firings(
     new_ports = frozenset((name, i.port.name) for name, i in new_inputs(plan, wires) if name not in added)
     reader = _Reader(plan, contents, new_ports)
     firings: list[Firing] = []
-    lacking: Counter[str] = Counter()
+    n_missing: Counter[str] = Counter()
     n_complete: float = math.inf
     for firing in _decoded(recording):
-        if lacks := reader.take(firing) if firing.stage in plan.stepped_names else []:
-            lacking.update(lacks)
+        if missing := reader.take(firing) if firing.stage in plan.stepped_names else []:
+            n_missing.update(missing)
             n_complete = min(n_complete, len(firings))
         firings.append(firing)
     if not firings:
         what = f"{recording.path} does not hold the firings of the stages: no '{FIRED}'"
         raise UserError.of(what, "record the live run with this version of graphnav, in its own log")
-    if lacking and not (contents.lost and n_complete):
-        lines = [f"{name}: {count} of {reader.read[name]}" for name, count in lacking.items()]
+    if n_missing and not (contents.lost and n_complete):
+        lines = [f"{name}: {count} of {reader.read[name]}" for name, count in n_missing.items()]
         what = "\n  ".join([f"{recording.path} is missing messages that its stages stepped with:", *lines])
         raise UserError.of(
             what, "record everything: --set run.record=all; or play the outputs of these stages with --play"
@@ -132,7 +132,7 @@ class _Reader:
 
     def take(self, firing: Firing) -> list[str]:
         """Record the messages that a firing reads; return the channels of missing ones."""
-        lacks = []
+        missing = []
         for used in firing.used:
             channel, is_played = self._ports[firing.stage].get(used.port, (None, False))
             if channel is None or used.number < 0:
@@ -147,10 +147,10 @@ class _Reader:
             self.read[channel.name] += 1
             found = self._find(channel, used)
             if found is None:
-                lacks.append(channel.name)
+                missing.append(channel.name)
             else:
                 self.played[key] = found
-        return lacks
+        return missing
 
     def _find(self, channel: Channel, used: Used) -> Logged | None:
         """Return a message by its number; by its timestamp if messages before it are missing in the log."""

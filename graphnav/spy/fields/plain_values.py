@@ -1,4 +1,4 @@
-"""A message's values with arrays as lists, complete."""
+"""Convert the complete values of a message to nested lists."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def plain(value: Any) -> Any:
 
 
 def nested(value: Any) -> Any:
-    """Return a value with arrays as nested lists, NaN and infinities included, for people."""
+    """Return a value with arrays as nested lists, including NaN and infinities."""
     return _nested(value, nested)
 
 

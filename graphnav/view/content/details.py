@@ -1,4 +1,4 @@
-"""The newest message of the channel that a page shows: fields, plot, values under the cursor, picture."""
+"""Details of the open channel's newest message: fields, plot, values under the cursor, picture."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ _ROWS, _COLS = 480, 640
 _MAX_SERIES = 12
 _MAX_VALUES = 4
 _NOT_PLOTTED = {"utime", "seq", "interval_us", "step_px", "rows", "cols", "channels", "size"}
-"""The envelope, and what tells the shape of arrays."""
+"""The envelope and the sizes of arrays."""
 
 
 @dataclass(frozen=True)
 class Cursor:
-    """Where the cursor is on a picture: shares of its width and height."""
+    """The position of the cursor on a picture, as fractions of its width and height."""
 
     x_ratio: float
     y_ratio: float
 
 
 def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
-    """Return fields, plotted points and values under the cursor; None where the newest cannot be decoded."""
+    """Return fields, plotted points and values under the cursor; None if the newest message cannot be decoded."""
     values = _fields(moment.kind, moment.newest)
     if values is None:
         return None
@@ -55,9 +55,9 @@ def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
 
 
 def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
-    """Return the newest message as PNG; None where no plugin draws its type.
+    """Return the newest message as PNG; None if no plugin draws its type.
 
-    Raises GraphnavError where it cannot be drawn.
+    Raises GraphnavError if it cannot be drawn.
     """
     message = _message(moment.kind, moment.newest)
     if message is None:
@@ -90,7 +90,7 @@ def _message(kind: Kind, received: Received) -> Message | None:
 
 
 def _series(values: Mapping[str, Any]) -> dict[str, float]:
-    """Return the numbers that are plotted: scalars, and the elements of arrays of a few."""
+    """Return the plotted numbers: scalars, and the elements of small arrays."""
     series: dict[str, float] = {}
     for name, value in values.items():
         if name in _NOT_PLOTTED or name.startswith("n_"):
@@ -105,7 +105,7 @@ def _series(values: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _under_cursor(moment: Moment, cursor: Cursor) -> dict[str, Any] | None:
-    """Return the cell of the message's grids below the cursor, and its values."""
+    """Return the grid cell under the cursor, and its values."""
     message = _message(moment.kind, moment.newest)
     grids = {name: getattr(message, name) for name in message.grid} if message else {}
     if not grids:

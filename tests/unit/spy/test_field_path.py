@@ -84,7 +84,7 @@ def test_what_is_no_path_is_said(text: str) -> None:
         (
             graphnav_lcm.flow_t,
             "uv_px[0][0][2]",
-            "'uv_px[0][0][2]': uv_px is float[rows][cols][2]\n  its elements there are 0 to 1",
+            "'uv_px[0][0][2]': uv_px is float[rows][cols][2]\n  its elements on this axis are 0 to 1",
         ),
         (
             graphnav_lcm.status_t,

@@ -1,4 +1,4 @@
-// The page: takes the server's updates and hands each part to what shows it.
+// The page: passes the parts of the server's updates to their components.
 
 import { Channels } from "./channels.js";
 import { Connection } from "./connection.js";
@@ -87,7 +87,7 @@ function drawGraph(layout) {
   refresh();
 }
 
-// A camera's picture is the best beginning, if there is one.
+// Initially show the picture of a camera, if there is one.
 function openFirst() {
   const received = state.channels.filter((channel) => channel.count);
   const first = received.find((channel) => channel.type === IMAGE);
