@@ -33,7 +33,7 @@ _CLOSE_TIMEOUT_S = 0.3
 
 
 class Tap:
-    """Publishes copies of a run's messages on UDP multicast from a thread of its own.
+    """Publishes copies of a run's messages on UDP multicast from a separate thread.
 
     It never blocks or fails the run: ``write`` appends to a bounded queue that drops rather than waits, and failures
     are counted in ``dropped``. A message that is the only one on its channel is repeated every second, like

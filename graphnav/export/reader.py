@@ -61,7 +61,7 @@ class Reader:
                 yield sample
 
     def decoded(self, event: Event) -> Sample | None:
-        """Return an event's message; None, counted, where it cannot be decoded."""
+        """Return an event's message; None, and counted, if it cannot be decoded."""
         self.on_time(self.at_s(event.utime))
         lcm_class = self.recording.channels[event.channel]
         assert lcm_class is not None

@@ -23,7 +23,7 @@ def is_about(channel: str, data: bytes) -> bool:
 
 
 class AboutFirst:
-    """Writes the first description of a run before everything else, with the stamp of the first event.
+    """Writes the first description of a run before everything else, with the timestamp of the first event.
 
     Waits for the description for 1.2 s after the first event, or until 32 MB are held back. Without a description the
     events are written as they arrived.
@@ -43,7 +43,7 @@ class AboutFirst:
 
     @property
     def n_bytes(self) -> int:
-        """The size of the log, without what is held back."""
+        """The size of the log, excluding events held back."""
         return self._log.n_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:

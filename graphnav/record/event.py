@@ -67,7 +67,7 @@ class LogFile:
             raise LogError(f"{path}: {error.strerror}") from error
 
     def read(self, start: int, stop: int) -> bytes:
-        """Return the bytes from ``start`` to before ``stop``, fewer where the file ends."""
+        """Return the bytes from ``start`` to before ``stop``, fewer at the end of the file."""
         return os.pread(self._fd, stop - start, start)
 
     def close(self) -> None:

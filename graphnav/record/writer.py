@@ -39,7 +39,7 @@ class LogWriter:
 
     @property
     def n_bytes(self) -> int:
-        """The size of the log, with what is not flushed yet."""
+        """The size of the log, including unflushed events."""
         return self._complete_bytes + self._waiting_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:

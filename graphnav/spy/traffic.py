@@ -33,13 +33,12 @@ Clock = Callable[[], float]
 
 
 class Traffic:
-    """All channels, by name, and the runs that said that they publish there, with the time at which each said so last.
+    """All channels, by name, and the announced runs with the time of their last announcement.
 
-    ``has_announcement`` says whether any run did; ``channels`` then holds what it promised, received or not. There are at most 512;
-    ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` are of all messages, those included.
-    ``clock`` returns the time now in seconds, on the clock of the
-    arrivals; without one, as for a log, no channel is silent and rates are those of the newest 10,000 messages, else
-    those of the last 10 s.
+    ``has_announcement``: whether a run was announced; ``channels`` then includes the announced ones. There are at most
+    512 channels; ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` include these messages.
+    ``clock`` returns the current time, seconds, on the arrival clock; with a clock rates are those of the last 10 s.
+    Without a clock, as for a log, no channel is silent and rates are those of the newest 10,000 messages.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:

@@ -24,7 +24,7 @@ class WatchedChannel:
     """The messages of one channel.
 
     ``count`` numbers the messages from 1. ``newest``: the newest message, unless it is too large; ``history``: the
-    newest small messages with their numbers. ``lost``: missing sequence numbers since the publisher's numbering started.
+    newest small messages with their numbers. ``lost``: missing sequence numbers since the numbering started.
     ``undecodable``: messages of an unknown type, too short for their type, or not decodable. ``is_single``: whether all
     messages have the same sequence number and timestamp: published once, and possibly repeated for late subscribers.
     """

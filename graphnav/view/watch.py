@@ -34,8 +34,8 @@ class Watch:
     """The messages received so far; guarded by the owner's lock.
 
     ``clock`` returns the current time, seconds, on the arrival clock. ``count`` and ``undecodable`` include the
-    messages of forgotten channels. ``untracked`` counts the messages of channels beyond the first 256; announced channels are
-    always tracked, up to 1024.
+    messages of forgotten channels. ``untracked`` counts the messages of channels beyond the first 256; announced
+    channels are always tracked, up to 1024.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:

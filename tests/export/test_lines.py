@@ -1,4 +1,4 @@
-"""What happened in a run is told once, when it happens."""
+"""Events of a run are reported once, when they happen."""
 
 from __future__ import annotations
 

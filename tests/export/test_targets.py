@@ -1,4 +1,4 @@
-"""What has the final name is complete; whatever goes wrong, nothing else is left behind."""
+"""Targets are complete or absent, and errors leave no other files behind."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ def test_a_missing_multicast_route_is_said_with_the_command_that_makes_one() -> 
     ]
 
 
-def test_the_command_that_makes_a_route_mends_it() -> None:
+def test_the_command_that_makes_a_route_fixes_it() -> None:
     unshare = shutil.which("unshare")
     program = f"{MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.bus import *; require_route(GROUP)'"
     if unshare is None or subprocess.run([unshare, "-rn", "ip", "link"], capture_output=True, check=False).returncode:

@@ -1,4 +1,4 @@
-"""What does not fit a type, or is no message, is one clear error and never a crash or a huge allocation."""
+"""Values and bytes that do not fit a type give one clear error, never a crash or a huge allocation."""
 
 from __future__ import annotations
 

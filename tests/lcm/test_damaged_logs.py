@@ -1,4 +1,4 @@
-"""Logs that were cut, or whose bits have flipped: what is complete is used, what is lost is said, nothing crashes."""
+"""Truncated logs, and logs with flipped bits: intact parts are used, losses are reported, nothing crashes."""
 
 from __future__ import annotations
 
@@ -201,7 +201,7 @@ def test_an_empty_log_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 @contextmanager
 def without_privileges() -> Iterator[None]:
-    """Be nobody where this is root, who may read everything."""
+    """Drop the privileges of root, who may read all files."""
     own = os.geteuid()
     if not own:
         os.seteuid(65534)

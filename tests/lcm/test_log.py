@@ -1,4 +1,4 @@
-"""Logs: readable by LCM, theirs by us, and whole whatever happens."""
+"""Logs are compatible with LCM's own tools in both directions, and complete after any failure."""
 
 from __future__ import annotations
 
@@ -131,17 +131,17 @@ def test_a_damaged_message_is_an_error_that_names_it(tmp_path: Path) -> None:
 
 @settings(derandomize=True, deadline=None, max_examples=60)
 @given(cut=st.integers(1, 400))
-def test_a_torn_log_is_read_up_to_the_tear(tmp_path_factory: pytest.TempPathFactory, cut: int) -> None:
-    folder = tmp_path_factory.mktemp("torn")
-    data = write_log(folder / "whole").read_bytes()
+def test_a_truncated_log_is_read_up_to_its_end(tmp_path_factory: pytest.TempPathFactory, cut: int) -> None:
+    folder = tmp_path_factory.mktemp("truncated")
+    data = write_log(folder / "complete").read_bytes()
     kept = data[: max(1, len(data) - cut)]
-    (folder / "torn").write_bytes(kept)
-    with Recording(folder / "whole") as whole, Recording(folder / "torn") as torn:
-        there = list(torn.events())
-        assert there == list(whole.events())[: len(there)]
-        lost = torn.truncated.n_bytes if torn.truncated else 0
+    (folder / "truncated").write_bytes(kept)
+    with Recording(folder / "complete") as complete, Recording(folder / "truncated") as truncated:
+        there = list(truncated.events())
+        assert there == list(complete.events())[: len(there)]
+        lost = truncated.truncated.n_bytes if truncated.truncated else 0
         assert sum(28 + len(e.channel) + len(e.data) for e in there) + lost == len(kept)
-        assert torn.truncated is None or "is truncated" in str(torn.truncated)
+        assert truncated.truncated is None or "is truncated" in str(truncated.truncated)
 
 
 def test_garbage_in_a_log_is_told_with_its_place(tmp_path: Path) -> None:

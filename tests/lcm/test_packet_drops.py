@@ -1,4 +1,4 @@
-"""What the kernel drops of a group is told by everything that listens there."""
+"""Every listener reports the packets that the kernel dropped."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def test_ctrl_c_ends_it(group: str, listener: Listener) -> None:
 
 
 class Time:
-    """A clock that passes only while somebody sleeps."""
+    """A clock that advances only during sleeps."""
 
     def __init__(self) -> None:
         self.now_s = 100.0

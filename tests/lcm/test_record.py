@@ -52,7 +52,7 @@ def start(group: str) -> Iterator[Start]:
 
 
 def received(path: Path) -> list[tuple[str, bytes]]:
-    """Return what was recorded but for marks."""
+    """Return the recorded messages except marks."""
     return [(event.channel, event.data) for event in events_of(path) if event.channel != "mark"]
 
 

@@ -144,7 +144,7 @@ def test_echo_shows_a_damaged_message(tmp_path: Path, capsys: pytest.CaptureFixt
     assert capsys.readouterr().out.splitlines()[:2] == ["x  graphnav_lcm.twist_t, 39 B", "    undecodable"]
 
 
-def test_a_torn_log_is_shown_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_truncated_log_is_shown_with_a_notice(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = log / "run.lcmlog"
     path.write_bytes(path.read_bytes()[:-3])
     assert main(["spy", str(path)]) == 0

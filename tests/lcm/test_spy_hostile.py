@@ -27,7 +27,7 @@ from graphnav.spy.watch.watch import Memory
 from .spy_app import until
 
 SHORT_MAGIC = 0x4C433032
-"""What a LCM packet of one fragment begins with."""
+"""The magic number of an unfragmented LCM packet."""
 GRID, VALID = np.ones((4, 5, 2), np.float32), np.ones((4, 5), np.uint8)
 FORCE = np.array([0.1, 0.2])
 MESSAGES: list[Message] = [

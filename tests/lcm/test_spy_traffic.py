@@ -41,7 +41,7 @@ def test_lost_messages_are_counted_and_leave_the_rate_as_it_is() -> None:
     assert traffic.channels["x"].rate_hz == pytest.approx(10)
 
 
-def test_a_new_run_starts_the_count_anew() -> None:
+def test_a_new_run_resets_the_count() -> None:
     traffic = Traffic()
     for k in (500, 501, 502, 0, 1, 2):
         traffic.receive(Received("x", twist_at(k), k))

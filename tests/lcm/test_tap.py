@@ -31,7 +31,7 @@ def flow_of(rows: int, cols: int) -> Flow:
 
 
 class Listener:
-    """Somebody else on the group."""
+    """Another program on the group."""
 
     def __init__(self, group: str) -> None:
         self.received: list[tuple[str, bytes]] = []

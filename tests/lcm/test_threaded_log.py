@@ -1,4 +1,4 @@
-"""A log that is written by a thread: the caller never waits, what is lost is counted, what is there is complete."""
+"""A log that is written by a thread: the caller never waits, losses are counted, the rest is complete."""
 
 from __future__ import annotations
 

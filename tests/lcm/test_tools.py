@@ -120,7 +120,7 @@ def test_lcm_logfilter_cuts_our_log(tmp_path: Path) -> None:
 
 
 def _events(path: Path) -> list[Any]:
-    """Return the whole events of a log that may still grow; lcm-logger's flush may tear the last one."""
+    """Return the complete events of a log that may still grow; lcm-logger's flush may truncate the last one."""
     if not path.exists():
         return []
     with Recording(path) as recording:

@@ -1,4 +1,4 @@
-"""What a terminal says of itself."""
+"""Queries of terminal properties."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class PlayedTerminal:
                     os.write(self.ours, answer)
 
     def close(self) -> None:
-        """Let go of both ends."""
+        """Close both ends."""
         os.close(self.theirs)
         os.close(self.ours)
 

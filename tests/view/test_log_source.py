@@ -122,7 +122,7 @@ def test_playing_goes_on_from_a_jump_and_ends_paused(log: Path) -> None:
     assert counts(source)["robot.image"] == 40
     with source.lock:
         source.play()
-        assert source.at_s == 0, "playing begins anew at the end"
+        assert source.at_s == 0, "playing restarts at the end"
     source.close()
 
 

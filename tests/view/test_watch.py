@@ -1,4 +1,4 @@
-"""What is known of the traffic is right, and bounded whatever comes."""
+"""Traffic statistics are correct, and bounded for any messages."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_rate_losses_and_silence(ear: Ear) -> None:
     assert (channel.count, channel.lost, channel.undecodable) == (45, 5, 0)
     assert channel.periods(ear.now_s + 1.2) is None, "a silent channel has no rate"
     ear.receive("control.twist", encode(TWIST, 0, 0), 0.05)
-    assert channel.lost == 0, "a publisher that starts anew counts anew"
+    assert channel.lost == 0, "a publisher that restarts resets its numbers"
 
 
 def test_latency_is_counted_from_the_first_message_of_the_stamp(ear: Ear) -> None:
@@ -163,7 +163,7 @@ def state(x_m: float) -> State:
     return State(x_m, 0, 0, 0, 0, 1, contact=False, at_goal=False, moving=np.empty((0, 3)))
 
 
-def test_the_path_is_thinned_and_begins_anew_with_a_new_run(ear: Ear) -> None:
+def test_the_path_is_thinned_and_restarts_with_a_new_run(ear: Ear) -> None:
     track = ear.watch.track
     for k in range(10_000):
         ear.receive("robot.state", encode(state(0.01 * k), k * 1000, k), 0.001)

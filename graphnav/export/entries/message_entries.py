@@ -24,7 +24,7 @@ class Past(Protocol):
     """The messages before the current one."""
 
     def find(self, kind: type[M], /) -> M | None:
-        """Return the message of ``kind`` of the same stamp, else the newest before it; None if there is none."""
+        """Return the message of ``kind`` with the same timestamp, else the newest before it; None if there is none."""
 
     def path_m(self) -> Doubles:
         """Return the robot's path so far, (n, 2), x_m and y_m."""

@@ -23,8 +23,8 @@ class Scope(NamedTuple):
     """The scope of the comparison: messages published from ``from_us`` on, with a tolerance.
 
     ``begin_us``: the run's clock at its start. ``last_us``: the run's clock at the last tick or firing of the log,
-    which may be incomplete. ``is_small``: whether the log keeps only small messages. ``recorded``: the channels of the run,
-    None if unknown.
+    which may be incomplete. ``is_small``: whether the log keeps only small messages. ``recorded``: the channels of the
+    run, None if unknown.
     """
 
     begin_us: int

@@ -146,7 +146,7 @@ def _refuse_several_runs(
         for before, after in itertools.pairwise(found):
             if after.utime < before.utime:
                 what = (
-                    f"{recording.path} holds several runs: '{name}' goes back from {before.utime / 1e6:.2f} s "
+                    f"{recording.path} holds several runs: '{name}' jumps back from {before.utime / 1e6:.2f} s "
                     f"to {after.utime / 1e6:.2f} s"
                 )
                 raise UserError.of(what, "record one run per log")

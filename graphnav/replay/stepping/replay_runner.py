@@ -61,7 +61,7 @@ class ReplayRunner(WiredStages):
         Raises
         ------
         StageError
-            A stage raised, or returned what it may not.
+            A stage raised, or returned an invalid value.
         DecodeError
             A message of the log is damaged.
         """

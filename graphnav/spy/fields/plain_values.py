@@ -10,7 +10,7 @@ import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """Return a value with arrays as nested lists; numbers that JSON lacks become null."""
+    """Return a value with arrays as nested lists; non-finite numbers become null."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return _nested(value, plain)

@@ -102,7 +102,7 @@ class LogWatch:
             return [self._row(channel, now_s, at_s) for channel in self._traffic.channels.values()]
 
     def channel(self, name: str) -> ChannelTraffic | None:
-        """Return what is known of a channel."""
+        """Return the statistics of a channel."""
         return self._traffic.channels.get(name)
 
     def newest(self, name: str) -> Sample | None:

@@ -39,7 +39,7 @@ class Request:
     seek_us: int | None = None
 
     def speed_after(self, speed_ratio: float) -> float:
-        """Return the speed that is asked for, within limits; the one before where it is not a speed."""
+        """Return the requested speed, within limits; the previous speed if it is invalid."""
         if not math.isfinite(self.speed_ratio) or self.speed_ratio <= 0:
             return speed_ratio
         return min(max(self.speed_ratio, _MIN_SPEED_RATIO), _MAX_SPEED_RATIO)

@@ -1,4 +1,4 @@
-"""What every message keeps to."""
+"""Properties of all messages."""
 
 from __future__ import annotations
 

@@ -152,7 +152,7 @@ def test_a_keyboard_that_ends_ends_it() -> None:
     assert world.sent == [(0, "0")]
 
 
-def test_a_loop_begins_anew_at_the_end() -> None:
+def test_a_loop_restarts_at_the_end() -> None:
     world = World([(2.6, b"q")])
     world.player([0.5, 1.0, 1.5], loop=True).play(world)
     assert world.sent == [(at_s, str(k % 3)) for k, at_s in enumerate([0, 0.5, 1, 1, 1.5, 2, 2, 2.5])]

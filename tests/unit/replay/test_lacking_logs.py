@@ -98,7 +98,7 @@ def test_a_log_of_two_runs_is_refused(record: Record, again: Again, tmp_path: Pa
         for at_us in (10**15, 2 * 10**15):
             for event in recording.events():
                 writer.write(event.channel, at_us + event.utime, event.data)
-    with pytest.raises(UserError, match=r"two\.lcmlog holds several runs: '.*' goes back from 3\.00 s to 0\.00 s"):
+    with pytest.raises(UserError, match=r"two\.lcmlog holds several runs: '.*' jumps back from 3\.00 s to 0\.00 s"):
         again(tmp_path / "two.lcmlog")
 
 

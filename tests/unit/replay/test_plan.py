@@ -1,4 +1,4 @@
-"""What is played from the log and what steps."""
+"""The choice of played channels and stepping stages."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class SixelPainter:
         return centred(-(-picture.shape[0] * scale // cell_rows), -(-picture.shape[1] * scale // cell_cols), rows, cols)
 
     def erase(self) -> str:
-        """Return nothing: what is written over a picture takes its place."""
+        """Return an empty sequence: writing over a picture replaces it."""
         return ""
 
     def _box(self, rows: int, cols: int) -> tuple[int, int, int]:
