@@ -118,7 +118,7 @@ def test_a_hostile_description_loads_nothing_and_is_printed_as_text(
     Path("evil.py").write_text("raise SystemExit('imported')")
     Path("evil.yaml").write_text("plugins: [evil.py]\nstages: {}\n")
     said = {
-        "extends: evil.yaml\nstages: {}\n": "the graph of this log extends another one",
+        "extends: evil.yaml\nstages: {}\n": "the graph of this log extends another graph",
         "plugins: [evil.py]\nstages: {}\n": "the graph of this log needs the plugin 'evil.py'",
         'stages: {a: {use: "\\e[31mx.y"}}\n': "there is no family '\\x1b[31mx'",
         "stages: [": "hostile.lcmlog (graphnav.about):1:10: YAML: ",
@@ -140,7 +140,7 @@ def test_the_log_of_the_replay(folder: Path, capsys: pytest.CaptureFixture[str])
     assert main(["replay", "again.lcmlog", "--plugin", "mine.py", "--json"]) == 0
     capsys.readouterr()
     assert main(["replay", str(folder), "-o", "again.lcmlog"]) == 2
-    assert capsys.readouterr().err == "again.lcmlog exists already\n  choose another file with -o\n"
+    assert capsys.readouterr().err == "again.lcmlog already exists\n  choose another file with -o\n"
     assert main(["replay", str(folder), "-o", "no/again.lcmlog"]) == 2
     assert capsys.readouterr().err.startswith("cannot write no/again.lcmlog: No such file or directory\n")
 
