@@ -231,8 +231,8 @@ def test_a_rule_finds_its_bad_example_and_leaves_the_good_ones(rule: Rule) -> No
 @pytest.mark.parametrize(
     ("source", "expected"),
     [
-        ("least_px = 1", "m.py:1: 'least' in a name: use min, max"),
-        ("class LeastPx: ...", "m.py:1: 'least' in a name: use min, max"),
+        ("least_px = 1", "m.py:1: 'least px' in a name: use min, max"),
+        ("class LeastPx: ...", "m.py:1: 'least px' in a name: use min, max"),
         ('"""Reads.\n\nThe log is\nwhole."""', "m.py:4: 'whole' in a text: use complete, entire"),
         ('"""What it reads."""', "m.py:1: 'What' in a doc: use a verb or a noun as the first word"),
         ("x = 1  # nobody reads it", "m.py:1: 'nobody' in a text: use no stage, another program, the caller"),
