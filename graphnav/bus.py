@@ -20,28 +20,28 @@ GROUP = f"udpm://{_HOST}:{_PORT}?ttl=0"
 """The multicast group where LCM's own tools listen by default; it does not leave the machine."""
 
 MAKE_ROUTE = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo"
-"""What a machine without a network needs, as root, before multicast works on it."""
+"""The commands, run as root, that enable multicast on a machine without a network."""
 
 RECEIVE_BUFFER_BYTES = 2_097_152
-"""What is asked for, so that messages of many packets arrive; the kernel may grant less."""
+"""The requested receive buffer, sized for messages of many packets; the kernel may grant less."""
 
 FRAGMENT_BYTES = 65_487
-"""What one packet carries of a message that needs several; one lost packet loses the message."""
+"""The bytes of a fragmented message in one packet; a lost packet loses the message."""
 
 _SELF_TEST = "LCM_SELF_TEST"
 _ALL = "(?s).*"
-"""Names with line breaks, too: a plain dot does not match those."""
+"""Also matches names with line breaks, unlike a plain dot."""
 _DEFAULTS = {"ttl": "0", "recv_buf_size": str(RECEIVE_BUFFER_BYTES)}
 
 
 class Bus:
     """One `lcm.LCM` object; a single thread owns it.
 
-    On `memq://` what is published reaches the handlers of this object, in order, when `drain` is called, and is
-    dropped where nobody has subscribed. What waits there is counted, which spares a poll of the empty queue. On
-    `udpm://` it reaches every process in the group, this one included.
+    On `memq://` messages reach the handlers of this object, in order, when `drain` is called, and are dropped without a
+    subscriber. Queued messages are counted, which saves polling an empty queue. On `udpm://` they reach every process
+    in the group, this one included.
 
-    Raises BusError where LCM cannot be opened; without a multicast route the error says the command that makes one.
+    Raises BusError if LCM cannot be opened; without a multicast route the error names the command that adds one.
     """
 
     def __init__(self, url: str = "memq://") -> None:
@@ -57,17 +57,17 @@ class Bus:
         self._subscriptions: list[Any] = []
         self._is_counted = self.url.startswith("memq:")
         self._channels: set[str] = set()
-        self._hears_all = False
+        self._receives_all = False
         self._waiting = 0
         self._sockets: frozenset[str] = frozenset()
 
     def publish(self, channel: str, data: bytes) -> None:
-        """Send a message; raises BusError where the network refuses it."""
+        """Send a message; raises BusError if the network refuses it."""
         try:
             self._lcm.publish(channel, data)
         except (OSError, RuntimeError, ValueError) as error:
             raise BusError(f"cannot publish {len(data)} bytes on '{channel}': {error}") from error
-        if self._hears_all or channel in self._channels:
+        if self._receives_all or channel in self._channels:
             self._waiting += 1
 
     def subscribe(self, channel: str, handler: Handler) -> None:
@@ -76,22 +76,22 @@ class Bus:
         self._subscribe(re.escape(channel), handler)
 
     def subscribe_all(self, handler: Handler, max_waiting: int = 0) -> None:
-        """Call ``handler(channel, data)`` for each message of every channel, but for LCM's own tests of the network.
+        """Call ``handler(channel, data)`` for each message of every channel, except LCM's own tests of the network.
 
-        ``max_waiting``: LCM refuses further messages while so many wait; 0 refuses none.
+        ``max_waiting``: LCM drops further messages while this many are queued; 0 is unlimited.
         """
 
-        def heard(channel: str, data: bytes) -> None:
+        def received(channel: str, data: bytes) -> None:
             if channel != _SELF_TEST:
                 handler(channel, data)
 
-        self._hears_all = True
-        self._subscribe(_ALL, heard, max_waiting)
+        self._receives_all = True
+        self._subscribe(_ALL, received, max_waiting)
 
     def drain(self) -> int:
-        """Deliver until nothing waits, what handlers publish included; return the number of messages.
+        """Deliver until the queue is empty, including messages published by handlers; return the number of messages.
 
-        An exception of a handler comes out of here; what is still waiting then stays.
+        Exceptions of handlers propagate; undelivered messages stay queued.
         """
         count = 0
         if self._is_counted:
@@ -105,7 +105,7 @@ class Bus:
         return count
 
     def handle(self, timeout_s: float) -> bool:
-        """Wait for one message and deliver it; return whether one came."""
+        """Wait for one message and deliver it; return whether one arrived."""
         if self._is_counted:
             if self._waiting:
                 self._waiting -= 1
@@ -115,13 +115,13 @@ class Bus:
         return bool(self._lcm.handle_timeout(max(0, round(timeout_s * 1000))))
 
     def dropped_packets(self) -> int:
-        """Return the number of packets that the kernel dropped before this bus could take them; 0 on `memq://`."""
+        """Return the number of packets that the kernel dropped for lack of buffer space; 0 on `memq://`."""
         return dropped_packets(self._sockets)
 
     def close(self) -> None:
-        """Leave the network; the bus cannot be used any more."""
+        """Leave the network; the bus cannot be used afterwards."""
         for subscription in self._subscriptions:
-            self._lcm.unsubscribe(subscription)  # else LCM holds on to the handlers, and to all that they reach
+            self._lcm.unsubscribe(subscription)  # otherwise LCM keeps references to the handlers
         self._subscriptions.clear()
         del self._lcm
 
@@ -130,11 +130,11 @@ class Bus:
         subscription = self._lcm.subscribe(pattern, handler)
         if subscription is None:
             raise BusError(
-                f"LCM cannot listen on {self.url}: its port is taken, or LCM's self test of the network failed",
+                f"LCM cannot listen on {self.url}: its port is in use, or LCM's self test of the network failed",
                 "choose another port, or run: graphnav doctor",
             )
         if not self._is_counted:
-            self._sockets |= own_sockets() - others  # LCM opens what it listens on at the first subscription
+            self._sockets |= own_sockets() - others  # LCM opens its socket at the first subscription
         subscription.set_queue_capacity(max_waiting)
         if not self._subscriptions and self.url.startswith("udpm:"):
             filter_packets(urlsplit(self.url).port or _PORT)
@@ -142,9 +142,9 @@ class Bus:
 
 
 def with_defaults(url: str) -> str:
-    """Return a URL that keeps `udpm` traffic on this machine and asks for a large receive buffer, unless it says so.
+    """Return a URL whose defaults keep `udpm` traffic on this machine and request a large receive buffer.
 
-    Without a port it gets that of LCM. Raises BusError where it is not a URL.
+    The default port is that of LCM. Raises BusError if it is not a URL.
     """
     try:
         parts = urlsplit(url)
@@ -161,14 +161,14 @@ def with_defaults(url: str) -> str:
 
 
 def same_group(one: str, other: str) -> bool:
-    """Whether two URLs lead to the same multicast group and port, whatever their options."""
+    """Whether two URLs have the same multicast group and port, regardless of their options."""
     return urlsplit(with_defaults(one))[:2] == urlsplit(with_defaults(other))[:2]
 
 
 def require_route(url: str) -> None:
-    """Raise NoRouteError, with the command that mends it, where no multicast route leads to the URL's group.
+    """Raise NoRouteError, with the command that fixes it, if no multicast route leads to the URL's group.
 
-    Raises BusError where it has no multicast group, or port 0.
+    Raises BusError if it has no multicast group, or port 0.
     """
     parts = urlsplit(url)
     if not _is_multicast(parts.hostname or ""):

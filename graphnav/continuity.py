@@ -1,4 +1,4 @@
-"""Whether a stream of stamps goes on or has a gap, after which what a stage remembers holds no more."""
+"""Detect gaps in a stream of timestamps, after which a stage's memory is no longer valid."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _KEPT = 9
 
 
 class Continuity:
-    """Tells a stage with memory when to begin anew.
+    """Tells a stage with memory when to reset it.
 
-    A stream is broken by a stamp that does not advance, and by a gap of more than ``max_periods`` of its usual
-    periods, which is the median of the last 9. Regular streams, as in lockstep, are never broken.
+    A stream is broken by a timestamp that does not advance, and by a gap of more than ``max_periods`` times its period,
+    the median of the last 9. Regular streams, as in lockstep, are never broken.
     """
 
     def __init__(self, max_periods: float = MAX_PERIODS) -> None:
@@ -23,7 +23,7 @@ class Continuity:
         self._periods: list[int] = []
 
     def breaks(self, stamp: Stamp | int) -> bool:
-        """Take the next stamp; return whether the stream was broken before it. The first one does not break it."""
+        """Take the next timestamp; return whether the stream was broken before it, False for the first one."""
         last, self._last = self._last, int(stamp)
         if last is None:
             return False

@@ -1,4 +1,4 @@
-"""Dense fields on coarser cells: means over blocks of pixels."""
+"""Coarsen dense fields: means over blocks of pixels."""
 
 from __future__ import annotations
 
@@ -13,18 +13,17 @@ from graphnav.messages import Flow
 def coarsen(flow: Flow, step_px: int) -> Flow:
     """Return ``flow`` averaged over blocks of ``step_px`` pixels.
 
-    A block's vector is the mean of its valid vectors, zero where it has none; the block is valid where at least half
-    of it is, what lies beyond the picture's rim counting as not. A flow that is this coarse already comes back as it
-    is.
+    A block's vector is the mean of its valid vectors, zero without any; the block is valid if at least half of it is,
+    pixels outside of the image counting as invalid. A flow of this step is returned unchanged.
 
     Raises
     ------
     ValueError
-        ``step_px`` is no multiple of the flow's own step.
+        ``step_px`` is not a multiple of the flow's own step.
     """
     factor, rest = divmod(step_px, flow.step_px)
     if rest or not factor:
-        raise ValueError(f"the flow has a vector every {flow.step_px} px, which gives no mean for every {step_px} px")
+        raise ValueError(f"cannot coarsen a flow of one vector every {flow.step_px} px to {step_px} px: not a multiple")
     if factor == 1:
         return flow
     weight = (flow.valid != 0).astype(np.float32)
@@ -42,7 +41,7 @@ def coarsen(flow: Flow, step_px: int) -> Flow:
 def block_sum(field: npt.NDArray[Any], factor: int) -> npt.NDArray[Any]:
     """Return the sums over blocks of ``factor`` rows and columns of ``field``, (rows, cols).
 
-    Blocks cut off by the rim sum what is there: the result has ``ceil(rows / factor)`` rows.
+    Blocks at the border sum their part of the field: the result has ``ceil(rows / factor)`` rows.
     """
     rows, cols = field.shape
     if rows % factor or cols % factor:

@@ -1,4 +1,4 @@
-"""Which LCM URL to use: the one given, that of the environment, or this machine's group."""
+"""Choose the LCM URL: the given one, that of the environment, or this machine's group."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from graphnav.bus import GROUP, require_route, with_defaults
 from graphnav.errors import BusError, Place, UserError
 
 DEFAULT_URL = "LCM_DEFAULT_URL"
-"""The environment variable by which every program of LCM is told its URL."""
+"""The environment variable that sets the URL for all LCM programs."""
 
 
 def lcm_url(*choices: tuple[str, str | None]) -> str:
-    """Return the first URL that is given, else that of ``LCM_DEFAULT_URL``, else this machine's group.
+    """Return the first given URL, else that of ``LCM_DEFAULT_URL``, else this machine's group.
 
-    ``choices``: what errors call a URL, and the URL, None where it is not given.
+    ``choices``: the name of a URL in errors, and the URL, None if not given.
 
     Raises
     ------
     UserError
-        No other program can be reached there.
+        The URL cannot reach other programs.
     """
     return with_defaults(_chosen(choices))
 
 
 def tap_url() -> str:
-    """Return the URL where runs are tapped: as `lcm_url`, but what is sent there does not leave this machine.
+    """Return the URL of the tap: as `lcm_url`, but its messages do not leave this machine.
 
     Raises
     ------
     UserError
-        No other program can be reached there.
+        The URL cannot reach other programs.
     """
     url = _chosen(())
     options = dict(parse_qsl(urlsplit(url).query)) | {"ttl": "0"}
@@ -39,7 +39,7 @@ def tap_url() -> str:
 
 
 def _chosen(choices: tuple[tuple[str, str | None], ...]) -> str:
-    """Return the URL as it was written, after it was checked."""
+    """Return the URL as written, after checking it."""
     default = DEFAULT_URL, os.environ.get(DEFAULT_URL) or None
     where, url = next(((where, url) for where, url in (*choices, default) if url is not None), ("", GROUP))
     place = Place(where) if where else None

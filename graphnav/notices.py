@@ -1,4 +1,4 @@
-"""Notices: what a program tells while it goes on."""
+"""Notices: warnings of a program that continues."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ import sys
 
 
 def print_notice(notice: str) -> None:
-    """Print a notice to standard error, at once."""
+    """Print a notice to standard error, unbuffered."""
     print(notice, file=sys.stderr, flush=True)

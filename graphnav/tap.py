@@ -1,4 +1,4 @@
-"""The tap: what a run publishes inside its process, for everybody else on this machine to watch."""
+"""The tap: copies of a run's messages for other programs on this machine."""
 
 from __future__ import annotations
 
@@ -18,29 +18,31 @@ from graphnav.notices import print_notice
 from graphnav.record import ABOUT
 
 PACKET_BYTES = 65_499
-"""What one UDP packet holds of a message, its channel's name included."""
+"""The maximum size of a message in one UDP packet, including its channel name."""
 
-_MOST_STEP = 64
-_MOST_WAITING_BYTES = 8 << 20
+_MAX_STEP_PX = 64
+_MAX_QUEUED_BYTES = 8 << 20
 _PER_MESSAGE_BYTES = 256
 _POLL_S = 0.005
-_BREATH_BYTES = 65_536
-_BREATH_MESSAGES = 16
-_BREATH_S = 0.002
-"""The pause after so many bytes or messages: stock receive buffers hold three packets, stock queues 30 messages."""
+_BURST_BYTES = 65_536
+_BURST_MESSAGES = 16
+_PAUSE_S = 0.002
+"""The pause after a burst: default receive buffers hold three packets, default queues 30 messages."""
 _ABOUT_S = 1.0
-_LAST_WORDS_S = 0.3
+_CLOSE_TIMEOUT_S = 0.3
 
 
 class Tap:
-    """Publishes copies of a run's messages on UDP multicast from a thread of its own.
+    """Publishes copies of a run's messages on UDP multicast from a separate thread.
 
-    It never slows or fails the run: ``write`` appends to a bounded queue that drops rather than waits, and whatever
-    goes wrong behind it is counted in ``dropped``. A message that stays the only one of its channel is repeated every
-    second, like ``graphnav.about``, for those who join late. In mode "thin" grids above one packet are sent with every
-    n-th row and column; "full" sends all bytes as they are, which seldom arrive whole on a stock machine.
+    It never blocks or fails the run: ``write`` appends to a bounded queue that drops rather than waits, and failures
+    are counted in ``dropped``. A message that is the only one on its channel is repeated every second, like
+    ``graphnav.about``, for late subscribers. In mode "thin" grids larger than one packet are sent with every n-th row
+    and column; "full" sends all bytes, which
+    rarely arrive completely with default kernel settings.
 
-    ``notice`` is told once about each other run on the same group. Raises BusError where there is no multicast route.
+    ``notice`` is called once for each other run on the same group that publishes the same channels. Raises BusError if
+    there is no multicast route.
     """
 
     def __init__(
@@ -68,14 +70,14 @@ class Tap:
         self._utime = self._n_abouts = 0
         self._about_due_s = 0.0
         bus = Bus(self.url)
-        bus.subscribe(ABOUT, self._hear)
+        bus.subscribe(ABOUT, self._receive)
         self._thread = threading.Thread(target=self._serve, args=(bus,), name="graphnav-tap", daemon=True)
         self._thread.start()
 
     def announce(self, about: About, shareable: Collection[str] = ()) -> None:
-        """Say on ``graphnav.about``, now and every second, what runs.
+        """Publish the description of the run on ``graphnav.about``, now and every second.
 
-        ``shareable``: channels that other runs may name too, as those that one writes and another one reads.
+        ``shareable``: channels that other runs may also have, such as outputs of one run that another one reads.
         """
         self._shareable = frozenset(shareable)
         types = zip(about.channels, map(type_named, about.types), strict=True)
@@ -83,37 +85,37 @@ class Tap:
         self._about = replace(about, run_id=self._run_id)
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Hand over a message; returns at once."""
+        """Queue a message; returns immediately."""
         n_bytes = len(data) + _PER_MESSAGE_BYTES
-        if self._put_bytes - self._taken_bytes + n_bytes > _MOST_WAITING_BYTES:
+        if self._put_bytes - self._taken_bytes + n_bytes > _MAX_QUEUED_BYTES:
             self._drop()
             return
         self._put_bytes += n_bytes
         self._waiting.append((channel, utime, data))
 
     def close(self) -> None:
-        """Send what waits, for a third of a second at most, and stop."""
+        """Send the queued messages, for at most a third of a second, and stop."""
         self._closing.set()
         self._thread.join()
 
     def _serve(self, bus: Bus) -> None:
-        """Publish until closed; the only thread that touches ``bus`` from here on."""
-        unrested_bytes = unrested = 0
+        """Publish until closed; from here on only this thread uses ``bus``."""
+        burst_bytes = burst_messages = 0
         stop_s = math.inf
         while time.monotonic() < stop_s:
             if self._closing.is_set() and stop_s == math.inf:
-                stop_s = time.monotonic() + _LAST_WORDS_S
+                stop_s = time.monotonic() + _CLOSE_TIMEOUT_S
             self._announce_again(bus)
             bus.drain()
             if self._waiting:
                 channel, self._utime, data = self._waiting.popleft()
                 self._taken_bytes += len(data) + _PER_MESSAGE_BYTES
                 self._remember(channel, data)
-                unrested_bytes += self._send(bus, channel, data)
-                unrested += 1
-                if unrested_bytes >= _BREATH_BYTES or unrested >= _BREATH_MESSAGES:
-                    unrested_bytes = unrested = 0
-                    time.sleep(_BREATH_S)
+                burst_bytes += self._send(bus, channel, data)
+                burst_messages += 1
+                if burst_bytes >= _BURST_BYTES or burst_messages >= _BURST_MESSAGES:
+                    burst_bytes = burst_messages = 0
+                    time.sleep(_PAUSE_S)
             elif self._closing.wait(_POLL_S) and not self._waiting:
                 break
         for _ in self._waiting:
@@ -121,7 +123,7 @@ class Tap:
         bus.close()
 
     def _announce_again(self, bus: Bus) -> None:
-        """Repeat what runs, and what was said once (the map), if the last time was a second ago."""
+        """Repeat the description, and messages published once (the map), after a second."""
         if self._about is not None and time.monotonic() >= self._about_due_s:
             self._about_due_s = time.monotonic() + _ABOUT_S
             self._send(bus, ABOUT, encode(self._about, self._utime, self._n_abouts))
@@ -131,7 +133,7 @@ class Tap:
                     self._send(bus, channel, data)
 
     def _remember(self, channel: str, data: bytes) -> None:
-        """Keep the message of a channel as long as it is the only one."""
+        """Keep the message of a channel while it is the only one."""
         if channel in self._spoken:
             self._lone.pop(channel, None)
         else:
@@ -139,7 +141,7 @@ class Tap:
             self._lone[channel] = time.monotonic(), data
 
     def _send(self, bus: Bus, channel: str, data: bytes) -> int:
-        """Publish a message, thinned if need be; return the bytes that were sent."""
+        """Publish a message, thinned if necessary; return the number of bytes sent."""
         try:
             if self._mode == "thin" and len(data) + len(channel) > PACKET_BYTES:
                 data = self._thinned(channel, data)
@@ -150,21 +152,21 @@ class Tap:
         return len(data)
 
     def _thinned(self, channel: str, data: bytes) -> bytes:
-        """Return the message with as many rows and columns as fit one packet, or as it is if it has no grid."""
+        """Return the message thinned to fit one packet; unchanged if it has no grid."""
         message_class = self._classes.get(channel)
         if message_class is None or not message_class.grid:
             return data
         utime, seq, message = decode(message_class, data)
         kind = (channel, len(data))
-        for step in range(self._steps.get(kind) or math.isqrt(len(data) // PACKET_BYTES) + 1, _MOST_STEP):
+        for step in range(self._steps.get(kind) or math.isqrt(len(data) // PACKET_BYTES) + 1, _MAX_STEP_PX):
             thinned = encode(message.thin(step), utime, seq)
             if len(thinned) + len(channel) <= PACKET_BYTES:
                 self._steps[kind] = step
                 return thinned
         return data
 
-    def _hear(self, _channel: str, data: bytes) -> None:
-        """Notice the other runs on this group that publish on the same channels."""
+    def _receive(self, _channel: str, data: bytes) -> None:
+        """Report other runs on this group that publish on the same channels."""
         try:
             other = decode(About, data)[2]
         except GraphnavError:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from graphnav.spy import ChannelTraffic, Traffic
 
 _KEYS = """\
-  type, messages, lost    as spy says them: messages heard, and missing by their numbers
+  type, messages, lost    as spy says them: messages received, and missing by their numbers
   bytes_per_s             what arrives; null below two messages and where nothing comes any more
   bytes                   of the newest message
   min_bytes, mean_bytes, max_bytes
@@ -54,7 +54,7 @@ def _table(traffic: Traffic) -> TextTable:
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
         if not channel.count:
-            table.add_text(shown_name(name), "", "", "", "", "0", "not heard")
+            table.add_text(shown_name(name), "", "", "", "", "0", "not received")
             continue
         sizes = channel.sizes
         total += channel.bytes_per_s or 0.0

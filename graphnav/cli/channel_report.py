@@ -42,7 +42,7 @@ def report(
 ) -> int:
     """Run a command that prints a line for one channel, a table of all, or either as JSON.
 
-    Raises GraphnavError where nothing was heard, UserError where a run is heard that has no such channel.
+    Raises GraphnavError where nothing was received, UserError where a run is received that has no such channel.
     """
     from graphnav.cli.tables import print_table
     from graphnav.spy import Feed, Traffic
@@ -53,9 +53,9 @@ def report(
     traffic = Traffic(feed.clock)
     for_s = _JSON_S if args.json and args.for_s is None else args.for_s
     times = ReportTimes(for_s)
-    for heard in feed.listen(for_s):
-        if heard is not None:
-            traffic.hear(heard)
+    for received in feed.listen(for_s):
+        if received is not None:
+            traffic.receive(received)
             continue
         if name is not None:
             traffic.check(name, feed)

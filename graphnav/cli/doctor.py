@@ -22,11 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 where something needed is lacking."""
-    from graphnav.doctor import examine
+    from graphnav.doctor import run_checks
 
     graph = None if args.graph is None else load(args)[1]
     findings = []
-    for finding in examine(graph):
+    for finding in run_checks(graph):
         findings.append(finding)
         if not args.json:
             _print(finding)

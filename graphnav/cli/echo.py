@@ -56,14 +56,14 @@ def main(args: argparse.Namespace) -> int:
     form = Lines if not args.jsonl else JsonLines
     printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)
     n_printed = 0
-    for heard in feed.listen(args.for_s):
-        if heard is None:
+    for received in feed.listen(args.for_s):
+        if received is None:
             traffic.check(args.channel, feed)
             continue
-        channel = traffic.hear(heard)
-        if heard.channel == args.channel:
+        channel = traffic.receive(received)
+        if received.channel == args.channel:
             values = channel.values if channel.decodes else None
-            n_printed += printer.show(Spoken(heard, channel.type_name, channel.lcm_class, values))
+            n_printed += printer.show(Spoken(received, channel.type_name, channel.lcm_class, values))
             if n_printed == args.count:
                 break
     else:

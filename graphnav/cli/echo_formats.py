@@ -14,7 +14,7 @@ from graphnav.notices import print_notice
 from graphnav.spy import (
     MISSING,
     FieldPath,
-    Heard,
+    Received,
     Selection,
     all_columns,
     columns_of,
@@ -29,7 +29,7 @@ from graphnav.spy import (
 class Spoken(NamedTuple):
     """A message with what is known of it; ``values`` is None where it cannot be decoded."""
 
-    heard: Heard
+    received: Received
     type_name: str | None
     lcm_class: type | None
     values: Mapping[str, Any] | None
@@ -53,8 +53,8 @@ class Lines:
 
     def show(self, spoken: Spoken) -> bool:
         """Print a message."""
-        size = size_of(len(spoken.heard.data))
-        head = f"{shown_name(spoken.heard.channel)}  {shown_name(spoken.type_name or 'unknown type')}, {size}"
+        size = size_of(len(spoken.received.data))
+        head = f"{shown_name(spoken.received.channel)}  {shown_name(spoken.type_name or 'unknown type')}, {size}"
         print("\n".join([head, *self._contents(spoken)]), flush=True)
         return True
 
@@ -86,9 +86,9 @@ class JsonLines:
         if fields is not None:
             fields = plain(fields if self._full else summarised(fields))
         told = {
-            "at_s": round(self._epoch_s + spoken.heard.at_s, 6),
+            "at_s": round(self._epoch_s + spoken.received.at_s, 6),
             "type": spoken.type_name,
-            "bytes": len(spoken.heard.data),
+            "bytes": len(spoken.received.data),
             "fields": fields,
         }
         print(json.dumps(told), flush=True)
@@ -118,7 +118,7 @@ class CsvRows:
             self._skipped_type = spoken.lcm_class
             return False
         cells = [_cell(column.pick(spoken.values)) for column in self._columns]
-        self._writer.writerow([f"{self._epoch_s + spoken.heard.at_s:.6f}", *cells])
+        self._writer.writerow([f"{self._epoch_s + spoken.received.at_s:.6f}", *cells])
         sys.stdout.flush()
         return True
 

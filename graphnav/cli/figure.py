@@ -69,6 +69,6 @@ def main(args: argparse.Namespace) -> int:
             raise UserError.of(f"{log} holds nothing to draw", "record images, planes or a robot's states")
     for path in drawn:
         print(path)
-    for damage in (*recording.damaged, *filter(None, [recording.torn])):
+    for damage in (*recording.damaged, *filter(None, [recording.truncated])):
         print_notice(f"{log}: {damage}; the pictures show the rest")
     return OK

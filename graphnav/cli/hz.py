@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from graphnav.spy import ChannelTraffic, Periods, Traffic
 
 _KEYS = """\
-  type, messages, lost    as spy says them: messages heard, and missing by their numbers
+  type, messages, lost    as spy says them: messages received, and missing by their numbers
   rate_hz, wall_rate_hz   by the messages' own stamps, and as they arrived; null where there is none
   period_min_s, period_max_s, period_std_s, wall_period_min_s, ...
                           of the periods between neighbours, on either clock
@@ -37,13 +37,13 @@ def _lines(channel: ChannelTraffic) -> str:
     from graphnav.errors import shown_name
     from graphnav.spy import silence_of, volume
 
-    name, heard = shown_name(channel.name), ", ".join(volume(channel))
+    name, received = shown_name(channel.name), ", ".join(volume(channel))
     if channel.is_silent:
-        return f"{name}  {silence_of(channel)}; {heard}"
+        return f"{name}  {silence_of(channel)}; {received}"
     by_stamp, by_arrival = _text(channel.published), _text(channel.arriving)
     if by_arrival == by_stamp:
-        return f"{name}  {by_stamp}; {heard}"
-    return f"{name}  by stamp: {by_stamp}\n{name}  by arrival: {by_arrival}; {heard}"
+        return f"{name}  {by_stamp}; {received}"
+    return f"{name}  by stamp: {by_stamp}\n{name}  by arrival: {by_arrival}; {received}"
 
 
 def _text(periods: Periods | None) -> str:
@@ -81,7 +81,7 @@ def _ms(period_s: float | None) -> str:
 
 def _note(channel: ChannelTraffic) -> str:
     if not channel.count:
-        return "not heard"
+        return "not received"
     if channel.is_silent:
         return f"silent {channel.silent_s or 0.0:.1f} s"
     return f"{channel.lost} lost" if channel.lost else ""

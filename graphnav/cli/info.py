@@ -22,7 +22,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.cli.tables import TextTable, print_table
     from graphnav.cli.type_names import short_type
     from graphnav.loginfo import as_json, as_text, survey
-    from graphnav.loginfo.as_text import HEADINGS, damage, rows
+    from graphnav.loginfo.info_text import HEADINGS, damage, rows
     from graphnav.record import find_log
     from graphnav.spy.adapted_types import load_adapted_types
 

@@ -19,7 +19,7 @@ from graphnav.errors import shown_name
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from graphnav.player import Chosen, Player
+    from graphnav.player import EventSelection, Player
     from graphnav.player.player import Keyboard
     from graphnav.record import Recording
 
@@ -50,15 +50,15 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.bus import Bus
     from graphnav.notices import print_notice
-    from graphnav.player import Pace, Player, choose
+    from graphnav.player import PlaybackClock, Player, select_events
     from graphnav.player.player import HELP
     from graphnav.record import Recording, find_log
 
     channels = channels_of(args)
     url = url_of(args)
     with Recording(find_log(args.log)) as recording:
-        chosen = choose(recording, channels, args.start, args.end)
-        _tell(recording, chosen)
+        selection = select_events(recording, channels, args.start, args.end)
+        _tell(recording, selection)
         bus = Bus(url)
         status = StatusLine()
 
@@ -67,16 +67,16 @@ def main(args: argparse.Namespace) -> int:
             print_notice(text)
 
         player = Player(
-            chosen,
+            selection,
             recording.at,
             bus.publish,
-            Pace(args.speed),
+            PlaybackClock(args.speed),
             loop=args.loop,
             notice=notice,
-            show=lambda: status.show(_status(player, chosen)),
+            show=lambda: status.show(_status(player, selection)),
         )
-        what = f"{counted(len(chosen.numbers), 'message')} on {counted(len(chosen.channels), 'channel')}"
-        length_s = (chosen.end_us - chosen.begin_us) / 1e6
+        what = f"{counted(len(selection.numbers), 'message')} on {counted(len(selection.channels), 'channel')}"
+        length_s = (selection.end_us - selection.begin_us) / 1e6
         print(f"playing {recording.path}: {what}, {length_s:.1f} s, {args.speed:g}x\n  on {url}", flush=True)
         begin_s = time.monotonic()
         try:
@@ -92,14 +92,14 @@ def main(args: argparse.Namespace) -> int:
     return FAILED if player.n_refused and not player.n_played else OK
 
 
-def _tell(recording: Recording, chosen: Chosen) -> None:
+def _tell(recording: Recording, selection: EventSelection) -> None:
     """Say what is damaged, and what would move a robot that listens."""
     from graphnav.notices import print_notice
     from graphnav.player import motor_channels
 
     if notice := recording.damage_notice():
         print_notice(notice)
-    motors = {channel: ref for channel, ref in motor_channels(recording).items() if channel in chosen.channels}
+    motors = {channel: ref for channel, ref in motor_channels(recording).items() if channel in selection.channels}
     for channel, ref in motors.items():
         name = shown_name(channel)
         print_notice(
@@ -108,13 +108,13 @@ def _tell(recording: Recording, chosen: Chosen) -> None:
         )
 
 
-def _status(player: Player, chosen: Chosen) -> str:
+def _status(player: Player, selection: EventSelection) -> str:
     pace = player.pace
-    at_us = min(max(pace.at_us, chosen.begin_us), chosen.end_us)
+    at_us = min(max(pace.at_us, selection.begin_us), selection.end_us)
     state = "paused " if pace.is_paused else "playing"
     behind = f"  {player.behind_s:.1f} s behind" if player.behind_s else ""
     return (
-        f"{state}  {at_us / 1e6:.1f} of {chosen.end_us / 1e6:.1f} s  {pace.speed_ratio:g}x  "
+        f"{state}  {at_us / 1e6:.1f} of {selection.end_us / 1e6:.1f} s  {pace.speed_ratio:g}x  "
         f"{counted(player.n_played, 'message')}{behind}"
     )
 

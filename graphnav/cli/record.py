@@ -126,11 +126,11 @@ def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> Non
             if now_s - shown_s < _STATUS_S:
                 continue
             recorder.look()
-            tally = recorder.tally
-            rate = (tally.n_bytes - shown_bytes) / (now_s - shown_s)
-            shown_s, shown_bytes = now_s, tally.n_bytes
+            statistics = recorder.statistics
+            rate = (statistics.n_bytes - shown_bytes) / (now_s - shown_s)
+            shown_s, shown_bytes = now_s, statistics.n_bytes
             status.show(
-                f"{now_s - begin_s:.1f} s  {counted(tally.n_messages, 'message')} on "
-                f"{counted(len(tally.channels), 'channel')}  "
-                f"{size_text(tally.n_bytes)}  {size_text(rate)}/s  {'; '.join(losses(recorder)) or 'nothing lost'}"
+                f"{now_s - begin_s:.1f} s  {counted(statistics.n_messages, 'message')} on "
+                f"{counted(len(statistics.channels), 'channel')}  "
+                f"{size_text(statistics.n_bytes)}  {size_text(rate)}/s  {'; '.join(losses(recorder)) or 'nothing lost'}"
             )

@@ -18,7 +18,7 @@ _MAX_ROWS = 100
 
 def losses(recorder: Recorder) -> Iterator[str]:
     """Yield what was lost, and where; nothing if nothing was."""
-    if lost := recorder.tally.lost:
+    if lost := recorder.statistics.lost:
         yield f"{counted(lost, 'message')} lost (missing numbers)"
     if recorder.dropped_packets:
         yield f"{counted(recorder.dropped_packets, 'packet')} dropped by the kernel"
@@ -32,24 +32,24 @@ def print_recorded(recorder: Recorder, url: str) -> None:
     """Print a table of the channels, what was lost, and the files."""
     from graphnav.cli.tables import TextTable, print_table
 
-    tally = recorder.tally
-    if not tally.n_messages:
+    statistics = recorder.statistics
+    if not statistics.n_messages:
         print(f"no message on {url}")
     else:
         table = TextTable("channel", "type", "messages", "size", "lost")
-        for name in sorted(tally.channels)[:_MAX_ROWS]:
-            channel = tally.channels[name]
+        for name in sorted(statistics.channels)[:_MAX_ROWS]:
+            channel = statistics.channels[name]
             lcm_class = type_of(channel.fingerprint)
             kind = lcm_name(lcm_class) if lcm_class is not None else f"unknown, {channel.fingerprint.hex()}"
             lost = f"{channel.gaps.lost:,}" if channel.gaps is not None else ""
             table.add_text(shown_name(name), kind, f"{channel.n_messages:,}", size_text(channel.n_bytes), lost)
         print_table(table)
-        if (n_more := len(tally.channels) - _MAX_ROWS) > 0:
+        if (n_more := len(statistics.channels) - _MAX_ROWS) > 0:
             print(f"and {counted(n_more, 'more channel')}")
-        if tally.others.n_messages:
-            print(f"and {counted(tally.others.n_messages, 'message')} on further channels")
+        if statistics.others.n_messages:
+            print(f"and {counted(statistics.others.n_messages, 'message')} on further channels")
     said = "; ".join(losses(recorder)) or "nothing lost"
-    print(f"{counted(tally.n_messages, 'message')}, {size_text(tally.n_bytes)}; {said}")
+    print(f"{counted(statistics.n_messages, 'message')}, {size_text(statistics.n_bytes)}; {said}")
     files = recorder.files.paths
     names = str(files[0]) if len(files) == 1 else f"{files[0]} to {files[-1].name} ({len(files)} files)"
     print(f"{names}: {size_text(sum(file.stat().st_size for file in files if file.exists()))}")

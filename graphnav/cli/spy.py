@@ -61,16 +61,16 @@ def main(args: argparse.Namespace) -> int:
     if feed.is_live and not (args.once or args.json):
         _watch(feed, traffic, console)
         return OK
-    for heard in feed.listen(args.for_s):
-        if heard is not None:
-            traffic.hear(heard)
+    for received in feed.listen(args.for_s):
+        if received is not None:
+            traffic.receive(received)
     if not traffic.channels:
         raise feed.silence(args.for_s)
     if args.json:
         print(json.dumps(as_json(traffic, feed)))
         return OK
     heading = f"{feed.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
-    console.print(as_text(traffic, "; ".join([heading, *filter(None, [feed.torn, drops_of(feed)])])))
+    console.print(as_text(traffic, "; ".join([heading, *filter(None, [feed.truncated, drops_of(feed)])])))
     return OK
 
 
@@ -109,9 +109,9 @@ def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
 
     begin_s, shown_s, is_told = time.monotonic(), 0.0, False
     with Live(console=console, auto_refresh=False) as live:
-        for heard in feed.listen(None):
-            if heard is not None:
-                traffic.hear(heard)
+        for received in feed.listen(None):
+            if received is not None:
+                traffic.receive(received)
                 continue
             if not is_told and not traffic.channels and time.monotonic() - begin_s > _HINT_S:
                 is_told = True

@@ -66,9 +66,9 @@ def main(args: argparse.Namespace) -> int:
 def _look(feed: Feed, health: Health, for_s: float) -> None:
     """Listen until every run has sent a status, or to the end of a log."""
     begin_s = time.monotonic()
-    for heard in feed.listen(for_s):
-        if heard is not None:
-            health.hear(heard)
+    for received in feed.listen(for_s):
+        if received is not None:
+            health.receive(received)
         elif health.is_complete and time.monotonic() - begin_s > _EVERY_RUN_S:
             return
 
@@ -82,9 +82,9 @@ def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
 
     begin_s, shown_s, is_new, is_told = time.monotonic(), 0.0, False, False
     with Live(console=console, auto_refresh=False) as live:
-        for heard in feed.listen(None):
-            if heard is not None:
-                is_new |= health.hear(heard)
+        for received in feed.listen(None):
+            if received is not None:
+                is_new |= health.receive(received)
             elif health.has_status:
                 if is_new or time.monotonic() - shown_s > _REFRESH_S:
                     shown_s, is_new = time.monotonic(), False
@@ -101,5 +101,5 @@ def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:
         return GraphnavError(f"{feed.name} holds no status of a run: live runs record it")
     if health.runs:
         runs = ", ".join(map(shown_name, sorted(health.runs)))
-        return GraphnavError(f"no status within {for_s:g} s of run {runs}, which is heard on {feed.name}")
+        return GraphnavError(f"no status within {for_s:g} s of run {runs}, which is received on {feed.name}")
     return GraphnavError(f"no run on {feed.name} within {for_s:g} s: start one with 'graphnav run GRAPH --live'")

@@ -1,4 +1,4 @@
-"""LCM bytes and numpy arrays: what lcm-gen's Python does, fast."""
+"""Fast encoding and decoding of LCM types with numpy arrays."""
 
 from graphnav.codec.comments import comments_of, constants_of
 from graphnav.codec.compiled import Codec, codec_of
@@ -6,7 +6,7 @@ from graphnav.codec.definition import definition_of, lcm_text_of
 from graphnav.codec.envelope import decode, encode
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.find_type import SHIPPED, find_type
-from graphnav.codec.known import (
+from graphnav.codec.known_types import (
     add_type,
     known_types,
     message_class_of,

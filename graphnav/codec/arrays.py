@@ -1,4 +1,4 @@
-"""Arrays of numbers: between what people hand over, numpy arrays and the wire."""
+"""Arrays of numbers: conversion between Python sequences, numpy arrays and the wire format."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.layout import PRIMITIVES
-from graphnav.codec.nested import Shape
+from graphnav.codec.nested_sequences import Shape
 
 Array = npt.NDArray[Any]
 
 
 class Numbers:
-    """One primitive type: its numpy type in memory and on the wire."""
+    """A primitive type: its numpy dtype in memory and on the wire."""
 
     def __init__(self, primitive: str) -> None:
         self.native = np.dtype(PRIMITIVES[primitive].replace("q", "i8"))
@@ -26,7 +26,7 @@ class Numbers:
     def take(self, value: Any, axes: int) -> tuple[Shape, Array]:
         """Return the shape and the array of ``value``; no copy of an array.
 
-        An array's type must fit without loss. Numbers in lists have no width: they are checked one by one.
+        An array's dtype must convert without loss. Numbers in lists have no width: each value is checked.
         Raises EncodeError.
         """
         array = value if type(value) is np.ndarray else self._from_sequence(value)
@@ -40,13 +40,13 @@ class Numbers:
         return shape, array
 
     def put(self, array: Array) -> Array:
-        """Return the array as its bytes lie on the wire: contiguous, big-endian."""
+        """Return the array in wire format: contiguous, big-endian."""
         return array.astype(self.wire, "C", "unsafe", True, False)  # noqa: FBT003, by position is faster
 
     def read(self, data: bytes, at: int, shape: tuple[int, ...]) -> tuple[Array, int]:
-        """Return the read-only array of ``shape`` at offset ``at`` of ``data``, and the offset behind it.
+        """Return the read-only array of ``shape`` at offset ``at`` of ``data``, and the offset after it.
 
-        Raises DecodeError where ``data`` is too short, before any memory is taken.
+        Raises DecodeError if ``data`` is too short, before any memory is allocated.
         """
         count = math.prod(shape)
         end = at + count * self._size

@@ -9,17 +9,17 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from graphnav.codec.errors import DecodeError, EncodeError
-from graphnav.codec.flat import flat_decoder, flat_encoder, flat_measure, is_flat
+from graphnav.codec.field_codecs import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, String, Values
+from graphnav.codec.flat_codec import flat_decoder, flat_encoder, flat_measure, is_flat
 from graphnav.codec.layout import Field, fields_of, fingerprint, lcm_name
-from graphnav.codec.parts import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, Text, Values
-from graphnav.codec.peeks import peeks
+from graphnav.codec.peek_integers import peeks
 
 
 class Codec:
-    """Moves the fields of one LCM type to bytes and back.
+    """Encodes and decodes one LCM type.
 
-    The bytes are those of lcm-gen's own encoder. Arrays of numbers are numpy arrays, received native-endian and
-    read-only; arrays of strings and of structs are tuples (arrays of objects if they have several axes); a struct is
+    The bytes are those of lcm-gen's own encoder. Arrays of numbers are numpy arrays, native-endian and read-only when
+    decoded; arrays of strings and of structs are tuples (arrays of objects if they have several axes); a struct is
     a dict.
     """
 
@@ -34,12 +34,12 @@ class Codec:
         self._flat_decode = flat_decoder(fields, self.fingerprint) if is_flat(fields) else None
         self._flat_measure = flat_measure(fields, self.fingerprint) if is_flat(fields) else None
         self._peeks = peeks(fields)
-        self.least_bytes = 0
+        self.min_bytes = 0
         self._parts: list[Part] = []
         self._arrays: list[ArrayPart] = []
         for part in self._compile(fields, {**(under_way or {}), lcm_class: self}):
             self._parts.append(part)
-            self.least_bytes += part.least_bytes
+            self.min_bytes += part.min_bytes
 
     def encode(self, fields: Mapping[str, Any]) -> bytes:
         """Return the message. Fields that hold array sizes may be left out; where they are given, they must agree.
@@ -53,11 +53,11 @@ class Codec:
         return b"".join(out)
 
     def decode(self, data: bytes) -> Values:
-        """Return all fields of a message; raises DecodeError for anything that is none of this type."""
+        """Return all fields of a message; raises DecodeError for anything that is not a message of this type."""
         if self._flat_decode is not None and (flat := self._flat_decode(data)) is not None:
             return flat
         if data[:8] != self.fingerprint:
-            raise DecodeError(f"no {self.name}: it begins with {data[:8].hex()}, not {self.fingerprint.hex()}")
+            raise DecodeError(f"not of type {self.name}: it begins with {data[:8].hex()}, not {self.fingerprint.hex()}")
         try:
             values, end = self.decode_from(data, 8)
         except (DecodeError, struct.error) as error:
@@ -79,9 +79,9 @@ class Codec:
         return True
 
     def peek(self, data: bytes, name: str) -> int | None:
-        """Return one integer of a complete message, None where the type has no such field or it is not an integer.
+        """Return one integer of a complete message, None if the type has no such field or it is not an integer.
 
-        Cheap for a field of the scalars that a type begins with, as stamps and numbers are; else all is decoded.
+        Cheap for leading scalars, such as timestamp and sequence number; otherwise all fields are decoded.
         """
         if name in self._peeks:
             packer, at = self._peeks[name]
@@ -102,7 +102,7 @@ class Codec:
             raise EncodeError(f"{self.name}.{error}") from error
 
     def decode_from(self, data: bytes, at: int) -> tuple[Values, int]:
-        """Return the struct at an offset and the offset behind it."""
+        """Return the struct at an offset and the offset after it."""
         values: Values = {}
         for part in self._parts:
             at = part.decode(data, at, values)
@@ -115,7 +115,7 @@ class Codec:
             raise EncodeError(f"{self.name} has no field {', '.join(sorted(set(fields) - self._known))}")
 
     def _take_arrays(self, fields: Mapping[str, Any]) -> Values:
-        """Return the fields with arrays as their parts want them and with every size."""
+        """Return the fields with arrays prepared for encoding and all sizes filled in."""
         values = dict(fields)
         sizes = {name: values[name] for name in self._sizes if name in values}
         for array in self._arrays:
@@ -131,7 +131,7 @@ class Codec:
         return values
 
     def _compile(self, fields: list[Field], under_way: Mapping[type, Codec]) -> Iterator[Part]:
-        """Yield the parts; a type inside itself finds its own codec among those ``under_way``."""
+        """Yield the field codecs; a recursive type finds its own codec in ``under_way``."""
 
         def is_scalar(field: Field) -> bool:
             return not field.dims and field.struct is None and field.primitive != "string"
@@ -150,7 +150,7 @@ class Codec:
                     self._arrays.append(array)
                     yield array
                 else:
-                    yield Text(field.name) if codec is None else Nested(field.name, codec)
+                    yield String(field.name) if codec is None else Nested(field.name, codec)
 
 
 @functools.cache
@@ -160,6 +160,6 @@ def codec_of(lcm_class: type) -> Codec:
 
 
 def _wanted(array: ArrayPart, sizes: Mapping[str, int]) -> str:
-    """Return the shape that an array should have, as far as the other fields tell it."""
+    """Return the expected shape of an array, as far as the other fields define it."""
     known: Mapping[Any, int] = sizes
     return f"({', '.join(f'{dim}={known[dim]}' if dim in known else str(dim) for dim in array.dims)})"

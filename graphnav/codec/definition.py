@@ -1,4 +1,4 @@
-"""LCM types written out in LCM's own language."""
+"""LCM types as source text in LCM's definition language."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from graphnav.codec.layout import fields_of, lcm_name
 def lcm_text_of(lcm_classes: Iterable[type]) -> str:
     """Return the definitions of the types and of all that are nested in them, each once, sorted by name.
 
-    lcm-gen makes types of the same fingerprints from it. Comments and constants are not in it: lcm-gen drops the
+    lcm-gen generates types with the same fingerprints from it. Comments and constants are left out: lcm-gen drops the
     former, and neither is on the wire.
     """
     found: dict[str, type] = {}

@@ -1,4 +1,4 @@
-"""Messages and the envelope that they travel in: stamp and sequence number."""
+"""Encode and decode messages with their envelope: timestamp and sequence number."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ def encode(message: Message, utime: int, seq: int) -> bytes:
 
 
 def decode(message_class: type[M], data: bytes) -> tuple[int, int, M]:
-    """Return ``(utime, seq, message)``; raises DecodeError for anything that is no such message."""
+    """Return ``(utime, seq, message)``; raises DecodeError for anything that is not such a message."""
     values = codec_of(message_class.lcm_class).decode(data)
     try:
         message = message_class.from_lcm_fields(values)
         return values["utime"], values["seq"], message
     except (KeyError, TypeError, ValueError) as error:
-        raise DecodeError(f"no {message_class.__name__}: {error}") from error
+        raise DecodeError(f"not of type {message_class.__name__}: {error}") from error

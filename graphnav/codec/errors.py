@@ -1,4 +1,4 @@
-"""What can go wrong between fields and bytes."""
+"""Errors of encoding and decoding."""
 
 from __future__ import annotations
 
@@ -10,4 +10,4 @@ class EncodeError(GraphnavError):
 
 
 class DecodeError(GraphnavError):
-    """The bytes are no message of the expected LCM type."""
+    """The bytes are not a message of the expected LCM type."""

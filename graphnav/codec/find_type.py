@@ -1,4 +1,4 @@
-"""Find the LCM type that a person names: ``Flow``, ``flow_t`` or ``graphnav_lcm.flow_t``."""
+"""Find an LCM type by any of its names: ``Flow``, ``flow_t`` or ``graphnav_lcm.flow_t``."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import graphnav_lcm
 
-from graphnav.codec.known import message_classes, type_named
+from graphnav.codec.known_types import message_classes, type_named
 from graphnav.codec.layout import lcm_name
 from graphnav.errors import UserError, did_you_mean
 
@@ -15,14 +15,14 @@ SHIPPED: tuple[type, ...] = tuple(found for found in vars(graphnav_lcm).values()
 
 
 def find_type(name: str, more: Mapping[str, type] | None = None) -> type:
-    """Return the lcm-gen class that is called ``name``, or whose message is; the types that ship come first.
+    """Return the lcm-gen class of the LCM type or message class ``name``; shipped types come first.
 
-    ``more``: further types by the name that they have in LCM, above all those of adapters.
+    ``more``: further types by their LCM names, such as those of adapters.
 
     Raises
     ------
     UserError
-        There is none; the hint names the nearest.
+        There is no such type; the hint names the nearest.
     """
     named: dict[str, type] = dict(more or {})
     for lcm_class in (*(message.lcm_class for message in message_classes()), *SHIPPED):
@@ -32,7 +32,7 @@ def find_type(name: str, more: Mapping[str, type] | None = None) -> type:
     found = named.get(name) or short.get(name) or type_named(name)
     if found is None:
         hint = did_you_mean(name, {*named, *short}) or (
-            "'graphnav types' lists what ships; of another package write package.type_t, and install what lcm-gen made"
+            "'graphnav types' lists the shipped types; for others write package.type_t and install the package"
         )
         raise UserError.of(f"there is no LCM type '{name}'", hint)
     return found

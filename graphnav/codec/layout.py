@@ -1,4 +1,4 @@
-"""What an lcm-gen class says of its own layout."""
+"""Read the layout of an lcm-gen class by reflection."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ PRIMITIVES = {
 
 
 _prefixes: set[str] = set()
-"""Where lcm-gen was told to make its packages inside others (``--package-prefix``), with the dot."""
+"""Package prefixes given to lcm-gen (``--package-prefix``), with the dot."""
 
 
 def hide_prefix(prefix: str) -> None:
-    """Let no type's name begin with the package ``prefix``, which is Python's and not LCM's."""
+    """Strip the Python package ``prefix``, which LCM does not know, from the names of types."""
     _prefixes.add(prefix)
 
 
 def lcm_name(lcm_class: type) -> str:
-    """Return the name that the type has in LCM: ``graphnav_lcm.flow_t``."""
+    """Return the LCM name of the type: ``graphnav_lcm.flow_t``."""
     name = ".".join([*lcm_class.__module__.split(".")[:-1], lcm_class.__name__])
     return next((name.removeprefix(prefix) for prefix in _prefixes if name.startswith(prefix)), name)
 
@@ -55,7 +55,7 @@ def fingerprint(lcm_class: Any) -> bytes:
 
 
 def fields_of(lcm_class: Any) -> list[Field]:
-    """Return the fields of an lcm-gen class in the order of the wire."""
+    """Return the fields of an lcm-gen class in wire order."""
     columns = zip(lcm_class.__slots__, lcm_class.__typenames__, lcm_class.__dimensions__, strict=True)
     return [_field(lcm_class, name, typename, tuple(dims or ())) for name, typename, dims in columns]
 
@@ -68,7 +68,7 @@ def _field(lcm_class: type, name: str, typename: str, dims: tuple[Dim, ...]) -> 
 
 
 def _struct(lcm_class: type, typename: str) -> type:
-    """Return the class of a nested type, as the generated module itself would find it."""
+    """Return the class of a nested type, resolved as in the generated module."""
     package, *path = typename.split(".")
     found: type = functools.reduce(getattr, path, vars(sys.modules[lcm_class.__module__])[package])
     return found

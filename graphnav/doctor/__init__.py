@@ -1,6 +1,6 @@
-"""What this machine lacks for LCM, for a graph and for the installed plugins, with the commands that fix it."""
+"""Check this machine for LCM, a graph and the installed plugins; every problem has a command that fixes it."""
 
-from graphnav.doctor.examine import examine
 from graphnav.doctor.finding import Finding
+from graphnav.doctor.run_checks import run_checks
 
-__all__ = ["Finding", "examine"]
+__all__ = ["Finding", "run_checks"]

@@ -1,4 +1,4 @@
-"""The optional parts of graphnav that are not installed."""
+"""Check the optional dependencies (extras) of graphnav."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _OF_DEVELOPERS = {"dev"}
 
 
 def extras() -> Iterator[Finding]:
-    """Look at each extra that graphnav's package declares."""
+    """Check each extra that graphnav's package declares."""
     for extra in sorted(set(metadata("graphnav").get_all("Provides-Extra") or ()) - _OF_DEVELOPERS):
         own = requirements_of(extra)
-        lacking = [problem for one in own if (problem := _problem(one))]
-        seen = "; ".join(lacking) or ", ".join(f"{one.name} {version(one.name)}" for one in own)
-        fix = install_command(extra) if lacking else ""
-        yield Finding(f"extra {extra}", fine=not lacking, seen=seen, fix=fix, needed=False)
+        problems = [problem for one in own if (problem := _problem(one))]
+        seen = "; ".join(problems) or ", ".join(f"{one.name} {version(one.name)}" for one in own)
+        fix = install_command(extra) if problems else ""
+        yield Finding(f"extra {extra}", fine=not problems, seen=seen, fix=fix, needed=False)
 
 
 def _problem(needed: Requirement) -> str:

@@ -1,4 +1,4 @@
-"""What the doctor says of one thing."""
+"""The result of one check."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at: whether it is fine, what was seen, and the command that fixes it.
+    """The result of a check: the subject, whether it is fine, the observation, and the command that fixes it.
 
-    ``needed``: whether graphnav lacks something without it; else it is an extra.
+    ``needed``: whether graphnav requires it; otherwise it is an extra.
     """
 
     subject: str

@@ -1,4 +1,4 @@
-"""How large the messages of a graph are that travel complete between programs."""
+"""Measure the sizes of the messages that a graph exchanges with other programs."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from graphnav.record import Recording
 from graphnav.runner import Runner
 
 _TICKS = 3
-"""The first tick has no flow, the second has everything."""
+"""The first tick has no flow, the second has all messages."""
 _MAX_S = 10.0
 _ASSUMED_IMAGE_BYTES = 640 * 480 * 3
 _FROM_LOG = 20
 
 
 class MessageSize(NamedTuple):
-    """The largest message of a channel; ``assumed`` says of what, where nothing tells the size before it comes."""
+    """The largest message of a channel; ``assumed``: the assumption made if the size is not known in advance."""
 
     channel: str
     n_bytes: int
@@ -28,20 +28,20 @@ class MessageSize(NamedTuple):
 
 @dataclass
 class _Largest:
-    """Takes messages and keeps the size of the largest on each channel."""
+    """A sink that keeps the size of the largest message of each channel."""
 
     n_bytes: dict[str, int] = field(default_factory=dict)
 
     def write(self, channel: str, _utime: int, data: bytes) -> None:
-        """Take one message."""
+        """Update the channel's maximum."""
         self.n_bytes[channel] = max(self.n_bytes.get(channel, 0), len(data))
 
 
 def message_sizes(graph: Graph) -> list[MessageSize]:
-    """Return the sizes of the messages that a graph receives and sends complete, the largest first.
+    """Return the sizes of the messages that a graph receives and sends unthinned, largest first.
 
-    In lockstep these are all channels, as ``--tap full`` sends them. Sizes are measured: the graph's sources and what
-    they fire run for three ticks, without log and network. Inputs are looked up in their logs.
+    In lockstep these are all channels, as sent by ``--tap full``. Sizes are measured: the graph runs for three ticks
+    without log and network. Sizes of inputs are read from their logs.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def message_sizes(graph: Graph) -> list[MessageSize]:
 
 
 def _measured(graph: Graph) -> dict[str, int]:
-    """Run a few ticks; return the largest message of each channel that was published."""
+    """Run a few ticks; return the largest published message of each channel."""
     if not graph.sources:
         return {}
     largest = _Largest()
@@ -76,7 +76,7 @@ def _measured(graph: Graph) -> dict[str, int]:
 
 
 def _of_input(given: InputChannel) -> MessageSize | None:
-    """Return what a log says of an input, an assumption for one with a grid of pixels, None for small ones."""
+    """Return the size in an input's log, an assumed size for a type with a pixel grid, None for small types."""
     if given.log is not None:
         with Recording(given.log) as recording:
             events = range(min(_FROM_LOG, recording.count(given.name)))

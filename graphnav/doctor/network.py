@@ -1,4 +1,4 @@
-"""Whether the network carries LCM's messages between programs."""
+"""Check that the network carries LCM messages between programs."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from urllib.parse import urlsplit
 
 from graphnav.bus import MAKE_ROUTE, RECEIVE_BUFFER_BYTES, Bus
 from graphnav.doctor.finding import Finding
-from graphnav.doctor.held_bytes import ReceiveBuffer, try_receive_buffer
 from graphnav.doctor.message_sizes import MessageSize, message_sizes
+from graphnav.doctor.receive_buffer import ReceiveBuffer, try_receive_buffer
 from graphnav.errors import BusError, GraphnavError, NoRouteError, UserError
 from graphnav.graph import Graph
 from graphnav.lcm_url import tap_url
@@ -23,7 +23,7 @@ _SUBJECT = "receive buffer"
 
 
 def multicast() -> Finding:
-    """Send a message to the group where runs are tapped, on a port of its own, and see whether it comes back."""
+    """Send a message to the tap's multicast group, on a separate port, and check that it comes back."""
     try:
         url = tap_url()
     except UserError as error:
@@ -32,43 +32,43 @@ def multicast() -> Finding:
         where = f"{problem.place}: " if problem.place else ""
         return Finding("multicast", fine=False, seen=where + problem.what, fix=fix)
     if not _comes_back(f"udpm://{urlsplit(url).hostname}:{_PROBE_PORT}?ttl=0"):
-        seen = f"there is a route to {url}, but what is sent does not come back"
+        seen = f"there is a route to {url}, but a test message did not come back"
         return Finding("multicast", fine=False, seen=seen, fix=MAKE_ROUTE)
-    return Finding("multicast", fine=True, seen="a message that was sent came back: runs can be watched")
+    return Finding("multicast", fine=True, seen="a test message came back: runs can be watched")
 
 
 def _comes_back(url: str) -> bool:
-    heard: list[bytes] = []
+    received: list[bytes] = []
     try:
         bus = Bus(url)
         try:
-            bus.subscribe("graphnav.doctor", lambda _, data: heard.append(data))
+            bus.subscribe("graphnav.doctor", lambda _, data: received.append(data))
             bus.publish("graphnav.doctor", b"")
             end_s = time.monotonic() + _WAIT_S
-            while not heard and (left_s := end_s - time.monotonic()) > 0:
+            while not received and (left_s := end_s - time.monotonic()) > 0:
                 bus.handle(left_s)
         finally:
             bus.close()
     except BusError:
         return False
-    return bool(heard)
+    return bool(received)
 
 
 def receive_buffer(graph: Graph | None) -> Iterator[Finding]:
-    """Try what the kernel holds of a message; compare it with what ``graph`` needs, else with what graphnav asks for.
+    """Measure the receive buffer; compare it with the messages of ``graph``, else with the size graphnav requests.
 
-    One that a lockstep graph exceeds is an extra: without ``--tap full`` every message fits one packet.
+    A buffer too small for a lockstep graph is an extra: without ``--tap full`` every message fits one packet.
     """
     try:
         limit = int(_RMEM_MAX.read_text())
         buffer = try_receive_buffer()
     except (OSError, ValueError) as error:
-        yield Finding(_SUBJECT, fine=False, seen=f"cannot be tried: {error}")
+        yield Finding(_SUBJECT, fine=False, seen=f"cannot be measured: {error}")
         return
-    holds = f"the kernel holds messages up to {size_text(buffer.held_bytes)} (net.core.rmem_max is {limit})"
+    holds = f"the kernel buffers messages up to {size_text(buffer.held_bytes)} (net.core.rmem_max is {limit})"
     if graph is None:
         fine = limit >= RECEIVE_BUFFER_BYTES
-        lost = "" if fine else "; larger ones, as --tap full sends, are lost"
+        lost = "" if fine else "; larger ones, as sent by --tap full, are lost"
         yield Finding(_SUBJECT, fine, holds + lost, "" if fine else _raise_to(RECEIVE_BUFFER_BYTES))
         return
     try:

@@ -1,4 +1,4 @@
-"""Logs in the formats of other programs: video, tables, Foxglove, Rerun."""
+"""Export logs to other formats: video, tables, Foxglove, Rerun."""
 
 from graphnav.export.export_log import Exported, export_log
 from graphnav.export.formats import FORMATS

@@ -1,4 +1,4 @@
-"""Export a log to a format of other programs."""
+"""Export a log to another format."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav.record import Recording
 
 
 class Exported(NamedTuple):
-    """What an export wrote: its size, what it holds in words, and what of the selection is missing, a sentence each."""
+    """The result of an export: its size, a description of its content, and a sentence per missing part."""
 
     n_bytes: int
     contents: str
@@ -31,17 +31,17 @@ def export_log(
     catalog: Catalog | None = None,
     on_time: Callable[[float], None] = lambda _: None,
 ) -> Exported:
-    """Write what is selected of a log into ``target``, in one of the `FORMATS`.
+    """Write the selected part of a log to ``target``, in one of the `FORMATS`.
 
-    ``target`` appears when it is complete; tables of several channels are a folder, everything else a file. A log that
-    is damaged gives what is complete. ``on_time`` is called with the seconds of the log that are done.
+    ``target`` is created when it is complete; tables of several channels are a folder, everything else a file. From a
+    damaged log the intact messages are exported. ``on_time`` is called with the progress, seconds of the log.
 
     Raises
     ------
     UserError
-        The selection, the target or a missing package.
+        The selection or the target is not usable, or a package is missing.
     GraphnavError
-        The disk refuses, or a plugin cannot draw.
+        Writing fails, or a plugin cannot draw.
     """
     selection, catalog = selection or Selection(), catalog or Catalog()
     reader = Reader(recording, selection, catalog, on_time)

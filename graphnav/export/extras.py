@@ -1,4 +1,4 @@
-"""Packages that only some formats need: imported when they are used, named by their extra where they are missing."""
+"""Import optional packages on demand; errors name the extra that installs them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from graphnav.errors import UserError
 from graphnav.machine.extras import install_command
 
 _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-sdk"), "pyarrow": ("parquet", "pyarrow")}
-"""Of the package that is imported: the extra of graphnav that brings it, and its name in package indexes."""
+"""By imported package: the extra of graphnav that installs it, and its distribution name."""
 
 
 def require(module: str, user: str = "this export") -> Any:
-    """Return a module of an optional package that ``user`` needs; raise UserError where it is not installed."""
+    """Return a module of an optional package needed by ``user``; raise UserError if it is not installed."""
     package = module.partition(".")[0]
     try:
         return importlib.import_module(module)

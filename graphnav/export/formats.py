@@ -1,4 +1,4 @@
-"""The formats that a log can be exported to."""
+"""The export formats."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from graphnav.pictures import Pictures
 
 
 class Written(NamedTuple):
-    """What an export holds, in words, what of the selection is missing in it, a sentence each, and its files."""
+    """The result of a format's writer: a description of the content, a sentence per missing part, the files."""
 
     contents: str
     losses: list[str]
@@ -34,7 +34,7 @@ class Written(NamedTuple):
 
 @dataclass(frozen=True)
 class Job:
-    """One export: what of a log goes where."""
+    """One export: source, selection and target."""
 
     reader: Reader
     selection: Selection
@@ -44,12 +44,12 @@ class Job:
 
     @property
     def channel(self) -> str | None:
-        """The channel that is selected by its name alone."""
+        """The channel, if exactly one is selected by name."""
         return self.selection.one_channel(self.reader.recording)
 
     @property
     def contents(self) -> str:
-        """What was read."""
+        """A description of the exported messages."""
         counts = self.reader.read
         return f"{counts.total()} messages of {len(counts)} channel{'s' if len(counts) != 1 else ''}"
 
@@ -58,7 +58,7 @@ def _mp4(job: Job) -> Written:
     if job.selection.patterns and job.channel is None:
         raise UserError.of(
             "a video shows one channel, or the panels",
-            "name one channel with --channel, or leave it out for the panels",
+            "select one channel with --channel, or omit --channel for the panels",
         )
     contents, losses = write_video(job.reader, job.selection, job.catalog, job.target, job.channel, force=job.force)
     return Written(contents, losses, [job.target])
@@ -75,7 +75,7 @@ def _parquet(job: Job) -> Written:
 
 def _tables(job: Job, suffix: str, open_table: OpenTable) -> Written:
     written = write_tables(job.reader, job.target, job.channel, suffix, open_table, force=job.force)
-    files = "" if job.channel is not None else ", a file each"
+    files = "" if job.channel is not None else ", one file per channel"
     return Written(job.contents + files, job.reader.losses(), written)
 
 
@@ -101,4 +101,4 @@ FORMATS: dict[str, Callable[[Job], Written]] = {
     "mcap": _mcap,
     "rrd": _rrd,
 }
-"""What writes each format."""
+"""The writer of each format."""

@@ -1,4 +1,4 @@
-"""One pass through a log in the file's order, which remembers what pictures need of the past."""
+"""One pass through a log in file order, which keeps the past messages that pictures need."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from graphnav.record import Event
 M = TypeVar("M", bound=Message)
 
 POSES: tuple[type[Message], ...] = (State, Odometry)
-"""What tells where the robot was: its states, else its odometry."""
+"""The types of pose messages, preferred first: states, odometry."""
 
 
-class Walk:
-    """Yields the selected messages, oldest first; ``find`` and ``path_m`` answer for the message that was yielded last.
+class LogPass:
+    """Yields the selected messages, oldest first; ``find`` and ``path_m`` refer to the last yielded message.
 
-    They see all channels, selected or not: a plane is drawn over its image also where only planes are exported. Of
-    several channels of one type, the first in the log counts.
+    They use all channels, selected or not: a plane is drawn over its image even if only planes are exported. Of
+    several channels of one type, the first in the log is used.
     """
 
     def __init__(self, reader: Reader) -> None:
@@ -54,9 +54,9 @@ class Walk:
                 yield sample
 
     def find(self, kind: type[M], /) -> M | None:
-        """Return the newest message of ``kind``, else the first if it has the same stamp; None where there is none.
+        """Return the newest message of ``kind``, else the first if it has the same timestamp; None if there is none.
 
-        Within one stamp, a map may come after the first state.
+        Within one timestamp, a map may follow the first state.
         """
         event = self._newest.get(kind) or self._first_event(kind)
         if event is None or event.utime > self._now:
@@ -66,7 +66,7 @@ class Walk:
         return cast("M | None", self._decoded[kind][1])
 
     def path_m(self) -> Doubles:
-        """Return where the robot was so far, (n, 2), x_m and y_m; poses that are not finite are left out."""
+        """Return the robot's path so far, (n, 2), x_m and y_m; non-finite poses are left out."""
         for event in self._waiting:
             pose = self._message(event)
             if isinstance(pose, State | Odometry) and np.isfinite((pose.x_m, pose.y_m)).all():
@@ -75,11 +75,11 @@ class Walk:
         return np.array(self._path, np.float64).reshape(-1, 2)
 
     def context(self, rows: int, cols: int, *, with_legend: bool) -> PictureContext:
-        """Return what a picture of the message that was yielded last is drawn with."""
+        """Return the context for a picture of the last yielded message."""
         return PictureContext(rows, cols, self.find, self.path_m, with_legend)
 
     def first(self, kind: type[M]) -> M | None:
-        """Return the first message of ``kind`` in the log, whatever is selected."""
+        """Return the first message of ``kind`` in the log, selected or not."""
         event = self._first_event(kind)
         return None if event is None else cast("M | None", self._message(event))
 

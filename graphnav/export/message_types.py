@@ -1,4 +1,4 @@
-"""The messages that LCM fields hold, with the help of the adapters that are installed."""
+"""Convert LCM fields to messages, with the installed adapters."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav.messages import Message
 
 
 class MessageTypes:
-    """What LCM types become in graphnav: by an adapter, else by the message class that wraps them."""
+    """Converts LCM types by an adapter, else by the message class that wraps them."""
 
     def __init__(self, catalog: Catalog) -> None:
         self._adapters: dict[str, Adapter] = {}
@@ -21,12 +21,12 @@ class MessageTypes:
             self._adapters = dict(catalog.adapters().readers)
 
     def message_type(self, lcm_class: type) -> type[Message] | None:
-        """Return the class of the messages that an LCM type becomes, None where there is none."""
+        """Return the message class for an LCM type, None if there is none."""
         adapter = self._adapters.get(lcm_name(lcm_class))
         return adapter.message if adapter is not None else message_class_of(lcm_class)
 
     def message(self, lcm_class: type, fields: dict[str, Any]) -> Message | None:
-        """Return the message that the fields of an LCM type hold, None where they hold none."""
+        """Return the message for the fields of an LCM type, None if they cannot be converted."""
         adapter = self._adapters.get(lcm_name(lcm_class))
         wrapper = message_class_of(lcm_class)
         try:

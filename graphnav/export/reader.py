@@ -1,4 +1,4 @@
-"""The decoded messages of a selection of a log, and a count of what could not be read."""
+"""Read the decoded messages of a selection of a log, and count undecodable ones."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class Sample(NamedTuple):
 
 
 class Reader:
-    """Reads a log once a pass; what cannot be decoded is left out and counted in ``undecodable``, by channel.
+    """Reads a log once per pass; undecodable messages are left out and counted in ``undecodable``, by channel.
 
-    ``channels``: the selected ones whose types are installed. ``on_time`` is called with the seconds since the log
-    begins, now and then.
+    ``channels``: the selected channels with installed types. ``on_time`` is called periodically with the seconds since
+    the beginning of the log.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Reader:
         self.channels = tuple(name for name in self._selected if recording.channels[name] is not None)
 
     def at_s(self, utime: int) -> float:
-        """Return the seconds since the log begins of an event's stamp."""
+        """Return the seconds from the beginning of the log to an event's timestamp."""
         return (utime - self.recording.begin_us) / 1e6
 
     def holds(self, event: Event) -> bool:
@@ -61,7 +61,7 @@ class Reader:
                 yield sample
 
     def decoded(self, event: Event) -> Sample | None:
-        """Return an event's message; None, counted, where it cannot be decoded."""
+        """Return an event's message; None, and counted, if it cannot be decoded."""
         self.on_time(self.at_s(event.utime))
         lcm_class = self.recording.channels[event.channel]
         assert lcm_class is not None
@@ -74,19 +74,19 @@ class Reader:
         return Sample(event.channel, event.utime, fields)
 
     def message_type(self, channel: str) -> type[Message] | None:
-        """Return the class of the messages that a channel's types become, None where there is none."""
+        """Return the message class of a channel, None if there is none."""
         lcm_class = self.recording.channels.get(channel)
         return None if lcm_class is None else self._types.message_type(lcm_class)
 
     def message(self, channel: str, fields: dict[str, Any]) -> Message | None:
-        """Return the message that fields hold, None where they hold none."""
+        """Return the message for LCM fields, None if they cannot be converted."""
         lcm_class = self.recording.channels[channel]
         assert lcm_class is not None
         return self._types.message(lcm_class, fields)
 
     def losses(self) -> list[str]:
         """Return what of the selection was not exported, one sentence each."""
-        damage = [*self.recording.damaged, *filter(None, [self.recording.torn])]
+        damage = [*self.recording.damaged, *filter(None, [self.recording.truncated])]
         texts = [f"{self.recording.path}: {part}; left out" for part in damage]
         for name in self._selected:
             if name not in self.channels:

@@ -1,4 +1,4 @@
-"""Which messages of a log are exported: channels by name or pattern, and a span of time."""
+"""Select messages of a log by channel and time."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from graphnav.record import ABOUT, Recording
 
 @dataclass(frozen=True)
 class Selection:
-    """Channels and a span of time; by default everything but the log's description of itself.
+    """Channels and a time span; by default all messages except the description of the run.
 
-    ``patterns``: names of channels, or shell patterns (``robot.*``). ``from_s``, ``until_s``: seconds since the log
-    begins, both included.
+    ``patterns``: channel names or shell patterns (``robot.*``). ``from_s``, ``until_s``: seconds since the beginning of
+    the log, both inclusive.
     """
 
     patterns: tuple[str, ...] = ()
@@ -43,7 +43,7 @@ class Selection:
         return tuple(name for name in known if any(_matches(name, pattern) for pattern in self.patterns))
 
     def one_channel(self, recording: Recording) -> str | None:
-        """Return the channel that is selected by its name alone, None where there may be several."""
+        """Return the channel if exactly one is selected by name, else None."""
         name = self.patterns[0] if len(self.patterns) == 1 else ""
         return name if name in recording.channels else None
 
@@ -52,20 +52,21 @@ class Selection:
         return self.from_s <= at_s <= self.until_s
 
     def check_span(self, recording: Recording) -> None:
-        """Raise UserError where the span is empty, or ends before or begins after the log."""
+        """Raise UserError if the span is empty, or outside of the log."""
         if self.from_s > self.until_s:
             raise UserError.of(
-                f"--from {self.from_s:g}s is after --until {self.until_s:g}s", "exchange the two, or leave one out"
+                f"--from {self.from_s:g}s is after --until {self.until_s:g}s", "swap the two, or omit one"
             )
         end_s = duration_s(recording)
         if self.from_s > end_s:
             raise UserError.of(
-                f"--from {self.from_s:g}s is after the end of the log", f"the log lasts {end_s:.3f} s: choose less"
+                f"--from {self.from_s:g}s is after the end of the log",
+                f"the log lasts {end_s:.3f} s: give a smaller value",
             )
 
 
 def duration_s(recording: Recording) -> float:
-    """Return the time from the first to the last event of a log, seconds."""
+    """Return the duration of a log from the first to the last event, seconds."""
     last_us = max((recording.event(name, -1).utime for name in recording.channels), default=recording.begin_us)
     return max(0.0, (last_us - recording.begin_us) / 1e6)
 

@@ -1,4 +1,4 @@
-"""A run as a video: its panels, or the pictures of one channel."""
+"""Export a run as a video of its panels, or of the pictures of one channel."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, UserError
 from graphnav.export.files.atomic_path import placed_file
-from graphnav.export.log_pass import Walk
+from graphnav.export.log_pass import LogPass
 from graphnav.export.reader import Reader
 from graphnav.export.selection import Selection
 from graphnav.messages import Image, Message
@@ -23,14 +23,14 @@ Frames = Iterator[tuple[int, Bytes]]
 
 _SUFFIX = ".mp4"
 _MIN_BOX, _MAX_BOX = (480, 640), (1080, 1920)
-"""Rows and columns that one channel's pictures fit: those of its images, but within these."""
+"""Limits of the rows and columns of a channel's pictures."""
 _RATE_HZ = 10.0
-"""Of a single picture, which has no rate."""
+"""The frame rate of a single picture."""
 
 
 @dataclass
 class _Notes:
-    """What is to be told of a channel's pictures: why some are missing, and their size if it was reduced."""
+    """Notes on a channel's pictures: drawing errors, and the size if it was reduced."""
 
     undrawn: list[str] = field(default_factory=list)
     reduced: str = ""
@@ -39,20 +39,20 @@ class _Notes:
 def write_video(
     reader: Reader, selection: Selection, catalog: Catalog, target: Path, channel: str | None, *, force: bool
 ) -> tuple[str, list[str]]:
-    """Write a video of ``channel``, None for the panels; return what it holds in words, and what is missing.
+    """Write a video of ``channel``, None for the panels; return a description of its content, and what is missing.
 
     Raises
     ------
     UserError
-        The log holds nothing to show, or nothing can be written there.
+        The log holds nothing to show, or the target is not writable.
     GraphnavError
-        The disk refuses.
+        Writing fails.
     """
     catalog.load(DRAWING_FAMILY)
     notes = _Notes()
     count = 0
 
-    def told(frames: Frames) -> Frames:
+    def with_progress(frames: Frames) -> Frames:
         nonlocal count
         for utime, frame in frames:
             reader.on_time(reader.at_s(utime))
@@ -65,9 +65,9 @@ def write_video(
         else:
             video = _pictures(reader, channel, _drawn(reader, Pictures(catalog), notes))
         with drawing():
-            video = video._replace(frames=told(video.frames))
+            video = video._replace(frames=with_progress(video.frames))
             if catalog.hook.graphnav_write_video(frames=video, file=file) is None:
-                raise UserError.of("no plugin that is installed writes videos", "install graphnav's own plugins")
+                raise UserError.of("no installed plugin writes videos", "install graphnav's own plugins")
     losses = reader.losses()
     if notes.undrawn:
         losses.append(f"channel {channel!r}: {len(notes.undrawn)} pictures are missing: {notes.undrawn[-1]}")
@@ -82,18 +82,18 @@ def _panels(reader: Reader, selection: Selection, catalog: Catalog) -> VideoFram
     if video is None:
         raise UserError.of(
             f"{reader.recording.path} holds no images to make a video of",
-            "record them: run: {record: all}; or name another channel with --channel",
+            "record them: run: {record: all}; or select another channel with --channel",
         )
     return video
 
 
 def _pictures(reader: Reader, channel: str, frames: Frames) -> VideoFrames:
-    """Return the pictures of a channel, all of the size of the first."""
+    """Return the pictures of a channel, all with the size of the first one."""
     first = next(frames, None)
     if first is None:
         raise UserError.of(
-            f"channel '{channel}' holds no messages that have a picture",
-            "name a channel of images, flow, planes or states, or leave --channel out for the panels",
+            f"channel '{channel}' holds no messages with pictures",
+            "select a channel of images, flow, planes or states, or omit --channel for the panels",
         )
     rows, cols = _even_size(first[1])
     stamps = reader.recording.utimes(channel)
@@ -103,8 +103,8 @@ def _pictures(reader: Reader, channel: str, frames: Frames) -> VideoFrames:
 
 
 def _drawn(reader: Reader, pictures: Pictures, notes: _Notes) -> Frames:
-    """Yield the pictures of the selected messages; ``notes`` gets what is to be told of them."""
-    walk = Walk(reader)
+    """Yield the pictures of the selected messages; collects ``notes``."""
+    walk = LogPass(reader)
     for sample in walk:
         message = reader.message(sample.channel, sample.fields)
         if message is None:
@@ -120,7 +120,7 @@ def _drawn(reader: Reader, pictures: Pictures, notes: _Notes) -> Frames:
 
 
 def _box(message: Message) -> tuple[int, int]:
-    """Return the rows and columns that the picture of a message has to fit."""
+    """Return the maximum rows and columns of the picture of a message."""
     if not isinstance(message, Image):
         return _MIN_BOX
     rows, cols = np.clip(message.pixels.shape[:2], _MIN_BOX, _MAX_BOX).tolist()
@@ -128,7 +128,7 @@ def _box(message: Message) -> tuple[int, int]:
 
 
 def _reduced(message: Message, picture: Bytes) -> str:
-    """Return the words that tell the size of a picture that is smaller than its image, empty if it is not."""
+    """Return a phrase with the size of a picture that is smaller than its image, else an empty string."""
     if not isinstance(message, Image) or picture.shape[0] >= message.pixels.shape[0]:
         return ""
     (rows, cols), (full_rows, full_cols) = _even_size(picture), message.pixels.shape[:2]
@@ -136,13 +136,13 @@ def _reduced(message: Message, picture: Bytes) -> str:
 
 
 def _even_size(picture: Bytes) -> tuple[int, int]:
-    """Return the rows and columns of the frame that holds a picture."""
+    """Return the even rows and columns of the frame for a picture."""
     rows, cols = picture.shape[:2]
     return rows + rows % 2, cols + cols % 2
 
 
 def _within(picture: Bytes, rows: int, cols: int) -> Bytes:
-    """Return a picture in the upper left of a black frame, cut to it."""
+    """Return a picture in the upper left of a black frame, cropped to it."""
     frame = np.zeros((rows, cols, 3), np.uint8)
     seen = picture[:rows, :cols]
     frame[: seen.shape[0], : seen.shape[1]] = seen

@@ -1,8 +1,8 @@
-"""What a log holds, who made it, and what of it is damaged."""
+"""Summarise a log: channels, rates, losses, origin, damage."""
 
-from graphnav.loginfo.as_json import as_json
-from graphnav.loginfo.as_text import as_text
-from graphnav.loginfo.made_by import MadeBy
+from graphnav.loginfo.info_json import as_json
+from graphnav.loginfo.info_text import as_text
+from graphnav.loginfo.log_origin import LogOrigin
 from graphnav.loginfo.survey import ChannelInfo, LogInfo, survey
 
-__all__ = ["ChannelInfo", "LogInfo", "MadeBy", "as_json", "as_text", "survey"]
+__all__ = ["ChannelInfo", "LogInfo", "LogOrigin", "as_json", "as_text", "survey"]

@@ -1,4 +1,4 @@
-"""Read a log once, from beginning to end, and say what is in it."""
+"""Read a log once, from beginning to end, and summarise it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graphnav.codec import Codec, DecodeError, codec_of, lcm_name, type_of
-from graphnav.loginfo.made_by import MadeBy, made_by
-from graphnav.record import Damaged, Recording, SequenceGaps, Torn
-from graphnav.record.sequence import numbered_fingerprints, seq_of
+from graphnav.loginfo.log_origin import LogOrigin, origin_of
+from graphnav.record import Damaged, Recording, SequenceGaps, TruncatedEvent
+from graphnav.record.sequence_gaps import numbered_fingerprints, seq_of
 
 _WALL_US = 1_000_000_000_000_000
-"""Stamps from September 2001 on are the time of day; simulated time begins at 0."""
+"""Stamps from September 2001 on are wall time; simulated time begins at 0."""
 _FINGERPRINT_BYTES = 8
 
 
@@ -19,11 +19,10 @@ _FINGERPRINT_BYTES = 8
 class ChannelInfo:
     """The messages of one channel.
 
-    ``type_name``: None where nothing tells it; ``is_known``: whether its definition is installed; ``fingerprint``: the
-    first 8 bytes of a message in hex, None where it is shorter. ``first_us``, ``last_us``: microseconds since the first
-    event of the log. ``lost``: messages whose numbers are missing; ``n_restarts``: how often the numbering began anew;
-    both None where messages have no numbers. ``undecodable``: messages that are not of the channel's type or are
-    damaged.
+    ``type_name``: None if unknown; ``is_known``: whether its definition is installed; ``fingerprint``: the first 8
+    bytes of a message in hex, None if it is shorter. ``first_us``, ``last_us``: microseconds since the first event.
+    ``lost``: missing sequence numbers; ``n_restarts``: how often the numbering restarted; both None if messages
+    have no numbers. ``undecodable``: messages that are damaged or not of the channel's type.
     """
 
     name: str
@@ -42,14 +41,14 @@ class ChannelInfo:
 
     @property
     def rate_hz(self) -> float | None:
-        """Messages per second between the first and the last; None where no time passed."""
+        """Messages per second between the first and the last; None for a zero duration."""
         length_us = self.last_us - self.first_us
         return (self.n_messages - 1) / length_us * 1e6 if length_us else None
 
 
 @dataclass(frozen=True)
 class LogInfo:
-    """What `survey` finds; ``n_jumps`` counts stamps that do not follow the one before."""
+    """The summary of a log; ``n_jumps`` counts timestamps that jump."""
 
     path: Path
     n_bytes: int
@@ -58,25 +57,25 @@ class LogInfo:
     duration_us: int
     n_jumps: int
     channels: list[ChannelInfo]
-    made_by: MadeBy | None
+    origin: LogOrigin | None
     damaged: list[Damaged]
-    torn: Torn | None
+    truncated: TruncatedEvent | None
 
     @property
     def is_wall_time(self) -> bool:
-        """Whether the stamps of the log are the time of day."""
+        """Whether the stamps of the log are wall time."""
         return self.begin_us >= _WALL_US
 
     @property
     def undecodable(self) -> int:
-        """The messages of all channels that cannot be decoded."""
+        """The number of undecodable messages on all channels."""
         return sum(channel.undecodable for channel in self.channels)
 
 
 def survey(path: Path) -> LogInfo:
-    """Return what a log holds; reads all of it, one message at a time.
+    """Return the summary of a log; reads the complete file, one message at a time.
 
-    Raises LogError where the file cannot be read or is not a log.
+    Raises LogError if the file cannot be read or is not a log.
     """
     with Recording(path) as recording:
         surveys: dict[str, _Survey] = {}
@@ -86,7 +85,7 @@ def survey(path: Path) -> LogInfo:
                 surveys[event.channel] = _Survey(event.channel, event.data, at_us, numbered)
             surveys[event.channel].take(event.data, at_us)
         about = recording.about
-        told = dict(zip(about.channels, about.types, strict=False)) if about is not None else {}
+        declared = dict(zip(about.channels, about.types, strict=False)) if about is not None else {}
         return LogInfo(
             path=path,
             n_bytes=recording.n_bytes,
@@ -94,15 +93,15 @@ def survey(path: Path) -> LogInfo:
             begin_us=recording.begin_us,
             duration_us=recording.timeline.duration_us,
             n_jumps=recording.timeline.n_jumps,
-            channels=[surveys[name].finished(told.get(name)) for name in sorted(surveys)],
-            made_by=made_by(recording),
+            channels=[surveys[name].finished(declared.get(name)) for name in sorted(surveys)],
+            origin=origin_of(recording),
             damaged=recording.damaged,
-            torn=recording.torn,
+            truncated=recording.truncated,
         )
 
 
 class _Survey:
-    """What is known of one channel while its messages go by."""
+    """The summary of one channel while its messages are read."""
 
     def __init__(self, name: str, data: bytes, at_us: int, numbered: frozenset[bytes]) -> None:
         self._info = ChannelInfo(name, None, None, at_us)
@@ -125,10 +124,10 @@ class _Survey:
         elif self._gaps is not None and (seq := seq_of(data)) is not None:
             self._gaps.see(seq)
 
-    def finished(self, told: str | None) -> ChannelInfo:
-        """Return what was found; ``told`` is the type that the log itself names."""
+    def finished(self, declared: str | None) -> ChannelInfo:
+        """Return the summary; ``declared`` is the type named by the log itself."""
         info = self._info
-        info.type_name = info.type_name or told
+        info.type_name = info.type_name or declared
         info.is_known = self._codec is not None
         if self._gaps is not None:
             info.lost, info.n_restarts = self._gaps.lost, max(0, self._gaps.n_restarts)

@@ -1,1 +1,1 @@
-"""The machine: its threads, sockets, terminal and Java, and the packages that are installed."""
+"""Properties of the machine: threads, sockets, terminal, Java, installed packages."""

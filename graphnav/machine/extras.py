@@ -1,4 +1,4 @@
-"""The optional parts of graphnav: what each brings, and the command that installs it."""
+"""The extras of graphnav: their packages, and the command that installs them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from packaging.requirements import Requirement
 
 
 def requirements_of(extra: str) -> list[Requirement]:
-    """Return the packages that an extra of graphnav brings."""
+    """Return the packages of an extra of graphnav."""
     needed = [Requirement(line) for line in requires("graphnav") or ()]
     return [one for one in needed if one.marker is not None and one.marker.evaluate({"extra": extra})]
 
 
 def install_command(extra: str) -> str:
-    """Return the shell command that installs what an extra brings, wherever graphnav itself came from."""
+    """Return the shell command that installs the packages of an extra, however graphnav was installed."""
     return f"pip install {shlex.join(f'{one.name}{one.specifier}' for one in requirements_of(extra))}"

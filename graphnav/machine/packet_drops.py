@@ -1,4 +1,4 @@
-"""Packets that the kernel dropped at sockets of this process, because they were not taken in time."""
+"""Count the packets that the kernel dropped at sockets of this process because their buffers were full."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def own_sockets() -> frozenset[str]:
     """Return the inodes of this process's open sockets."""
     links = []
     for file in _OWN_FILES.iterdir():
-        with suppress(OSError):  # closed meanwhile
+        with suppress(OSError):  # closed in the meantime
             links.append(os.readlink(file))
     return frozenset(link[len(_SOCKET) : -1] for link in links if link.startswith(_SOCKET))
 
 
 def dropped_packets(sockets: frozenset[str]) -> int:
-    """Return how many packets the kernel dropped at UDP sockets, because they were not taken in time."""
+    """Return how many packets the kernel dropped at UDP sockets because their buffers were full."""
     try:
         rows = [line.split() for line in _UDP.read_text().splitlines()[1:]]
     except OSError:

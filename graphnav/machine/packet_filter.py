@@ -1,7 +1,7 @@
 """A filter in the kernel that keeps from liblcm the packets on which it crashes.
 
-In a packet that holds a whole message liblcm 1.5 looks for the end of the channel's name also beyond the end of the
-packet. Where the packet has no such end the size of the message gets negative, which ends the process that listens.
+In an unfragmented message liblcm 1.5 searches for the end of the channel's name beyond the end of the packet. If the
+packet has no such end the size of the message becomes negative, which crashes the receiving process.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import struct
 from contextlib import suppress
 from typing import NamedTuple
 
-_WHOLE_MESSAGE = 0x4C433032
-"""How a packet begins that is no fragment: LC02."""
+_UNFRAGMENTED = 0x4C433032
+"""The magic number of an unfragmented message: LC02."""
 _UDP_HEADER_BYTES, _LCM_HEADER_BYTES, _NAME_BYTES = 8, 8, 64
 _SO_ATTACH_FILTER = 26
 _LOAD_WORD, _LOAD_BYTE, _LOAD_LENGTH, _IF_EQUAL, _IF_AT_LEAST, _RETURN = 0x20, 0x30, 0x80, 0x15, 0x35, 0x06
@@ -32,7 +32,7 @@ class _Step(NamedTuple):
 
 
 def filter_packets(port: int) -> int:
-    """Filter what the UDP sockets of this process receive that are bound to ``port``; return their number."""
+    """Attach the filter to the UDP sockets of this process that are bound to ``port``; return their number."""
     program = _program()
     packed = (struct.pack("HBBI", step.code, step.skip_if, step.skip_else, step.value) for step in program)
     steps = ctypes.create_string_buffer(b"".join(packed))
@@ -55,13 +55,13 @@ def _filter_socket(number: int, port: int, option: bytes) -> bool:
 
 
 def _program() -> list[_Step]:
-    """Return the filter: it accepts all but whole messages that end before a zero and before a name may be too long.
+    """Return the filter: it drops unfragmented messages whose channel name is neither terminated nor too long.
 
-    LCM itself refuses longer names, and what is shorter than its header; what the filter drops would count as lost.
+    LCM itself refuses longer names and packets shorter than its header; dropped packets would count as lost.
     """
     begin = _UDP_HEADER_BYTES + _LCM_HEADER_BYTES
     steps = [_Step(_LOAD_LENGTH, 0), _Step(_IF_AT_LEAST, begin, 1, 0), _Step(_RETURN, _ACCEPT)]
-    steps += [_Step(_LOAD_WORD, _UDP_HEADER_BYTES), _Step(_IF_EQUAL, _WHOLE_MESSAGE, 1, 0), _Step(_RETURN, _ACCEPT)]
+    steps += [_Step(_LOAD_WORD, _UDP_HEADER_BYTES), _Step(_IF_EQUAL, _UNFRAGMENTED, 1, 0), _Step(_RETURN, _ACCEPT)]
     for k in range(_NAME_BYTES):
         to_accept = 2 * (_NAME_BYTES - 1 - k)
         steps += [_Step(_LOAD_BYTE, begin + k), _Step(_IF_EQUAL, 0, to_accept, 0)]

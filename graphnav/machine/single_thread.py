@@ -1,4 +1,4 @@
-"""One thread a process: thread counts change results and times, parallel work is many processes."""
+"""One thread per process: thread counts change results and timings; parallel work uses processes."""
 
 from __future__ import annotations
 
@@ -8,4 +8,4 @@ ONE_THREAD = {
     "MKL_NUM_THREADS": "1",
     "OPENCV_FOR_THREADS_NUM": "1",
 }
-"""The environment of a process with one thread; it must stand before numpy and OpenCV load."""
+"""The environment of a single-threaded process; it must be set before numpy and OpenCV are loaded."""

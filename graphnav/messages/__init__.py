@@ -1,8 +1,8 @@
-"""The message types that ship."""
+"""The shipped message types."""
 
-from graphnav.messages.driving import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
 from graphnav.messages.message import Message, snake_case
-from graphnav.messages.running import About, Fired, Status
+from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
+from graphnav.messages.run import About, Fired, Status
 from graphnav.messages.vision import Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [

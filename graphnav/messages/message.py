@@ -15,7 +15,7 @@ from graphnav.errors import DeclarationError
 
 
 def snake_case(name: str) -> str:
-    """Return ``name`` as stages and ports are written: ``PlanarModel`` is ``planar_model``."""
+    """Return ``name`` in the style of stages and ports: ``PlanarModel`` becomes ``planar_model``."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
 
 
@@ -32,28 +32,28 @@ class Message:
 
         class Flow(Message, lcm=graphnav_lcm.flow_t): ...
 
-    The LCM type also has ``utime`` and ``seq``, which the runner fills, and the sizes of the arrays, which the codec
-    derives. Received arrays are read-only: copy before writing.
+    The LCM type also has ``utime`` and ``seq``, which the runner sets, and the array sizes, which the codec derives.
+    Received arrays are read-only: copy before writing.
     """
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
     lcm_class: ClassVar[type]
     grid: ClassVar[tuple[str, ...]] = ()
     many_writers: ClassVar[bool] = False
-    """Whether several programs may write one channel of it: then neither stamps nor numbers of messages are compared,
-    and each one counts from its arrival."""
+    """Whether several programs may write a channel of this type: then timestamps and sequence numbers are not compared,
+    and ages count from the arrival."""
     n_classes: ClassVar[int] = 0
-    """How many message classes were declared so far: what is derived from all of them is old where this has grown."""
+    """The number of message classes declared so far, by which caches notice new ones."""
     _names: ClassVar[tuple[str, ...]]
     _floats: ClassVar[tuple[str, ...]]
 
     def __init_subclass__(cls, lcm: type | None = None, grid: tuple[str, ...] = (), **kwargs: Any) -> None:
-        """Make ``cls`` a frozen dataclass; ``grid`` names the fields that have rows and columns first."""
+        """Make ``cls`` a frozen dataclass; ``grid`` names the fields whose first axes are rows and columns."""
         super().__init_subclass__(**kwargs)
         dataclass(frozen=True, eq=False)(cls)
         if lcm is None and not hasattr(cls, "lcm_class"):
             raise DeclarationError(
-                f"message {cls.__name__} names no LCM type: write class {cls.__name__}(Message, lcm=...)"
+                f"message {cls.__name__} does not name its LCM type: write class {cls.__name__}(Message, lcm=...)"
             )
         if lcm is not None:
             cls.lcm_class = lcm
@@ -63,21 +63,21 @@ class Message:
         Message.n_classes += 1
 
     def lcm_fields(self) -> Mapping[str, Any]:
-        """Return the fields of the LCM type, but for ``utime``, ``seq`` and what array shapes tell."""
+        """Return the fields of the LCM type, except ``utime``, ``seq`` and array sizes."""
         return self.__dict__
 
     @classmethod
     def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
-        """Return the message whose LCM type holds ``values`` (all of its fields)."""
+        """Return the message with the LCM fields ``values`` (all of them)."""
         return cls(**{name: values[name] for name in cls._names})
 
     def thin(self, step: int) -> Self:
-        """Return the message with every ``step``-th row and column of its grids, ``step_px`` saying so."""
+        """Return the message with every ``step``-th row and column of its grids, with ``step_px`` adjusted."""
         grids = {name: getattr(self, name)[::step, ::step] for name in self.grid}
         return replace(self, step_px=getattr(self, "step_px") * step, **grids)  # noqa: B009
 
     def not_finite(self) -> str | None:
-        """Return the name of the first field with a NaN or an infinity where none is allowed."""
+        """Return the name of the first field with a NaN or infinity that is not allowed, None without one."""
         for name in self._floats:
             value = getattr(self, name)
             if isinstance(value, np.ndarray):
@@ -89,5 +89,5 @@ class Message:
 
 
 def _is_finite(array: npt.NDArray[Any]) -> bool:
-    """Whether no element is a NaN or an infinity; the sum of squares tells it cheaply, unless it overflows."""
+    """Whether all elements are finite; checks the sum of squares first, which is cheap unless it overflows."""
     return math.isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())

@@ -1,7 +1,7 @@
-"""What cameras see and what is computed from it.
+"""Messages of cameras and of what is computed from their images.
 
-Arrays have rows (down) first and columns (right) second. In a grid of step ``step_px``, cell (r, c) stands for the
-block of pixels whose top left one is (r * step_px, c * step_px).
+Arrays have rows (down) first and columns (right) second. In a grid of step ``step_px``, cell (r, c) covers the
+block of pixels whose top left pixel is (r * step_px, c * step_px).
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ class Image(Message, lcm=graphnav_lcm.image_t, grid=("pixels",)):
 
 
 class Flow(Message, lcm=graphnav_lcm.flow_t, grid=("uv_px", "valid")):
-    """Optical flow: the displacement since the last frame of what is now at each place.
+    """Optical flow: the displacement since the last frame of the point now seen at each position.
 
     ``uv_px``: float32 (rows, cols, 2), right and down, pixels per frame, finite everywhere.
-    ``valid``: uint8 (rows, cols), 1 where the vector can be trusted.
+    ``valid``: uint8 (rows, cols), 1 where the vector is reliable.
     ``interval_us``: the time that the displacement covers.
     """
 
@@ -61,7 +61,7 @@ class Planar(Message, lcm=graphnav_lcm.planar_t, grid=("planar_uv_px", "planar_v
 
     ``planar_uv_px``: float32 (rows, cols, 2), right and down, pixels per frame.
     ``planar_valid``: uint8 (rows, cols), 1 where the model was taught.
-    ``residual_px``: float32 (rows, cols), what the model itself errs by there, root mean square.
+    ``residual_px``: float32 (rows, cols), root mean square error of the model.
     """
 
     planar_uv_px: Floats
@@ -72,10 +72,10 @@ class Planar(Message, lcm=graphnav_lcm.planar_t, grid=("planar_uv_px", "planar_v
 
 
 class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid")):
-    """The dominant plane: what is ground and what is not.
+    """The dominant plane: the segmentation into ground and obstacle.
 
     ``obstacle``: uint8 (rows, cols), the dominant map d of [OI]: 0 on the ground plane, 1 elsewhere.
-    ``score``: float32 (rows, cols), higher is more obstacle; ``threshold`` is where obstacle begins.
+    ``score``: float32 (rows, cols), higher is more obstacle; ``threshold``: cells above are obstacle.
     ``valid``: uint8 (rows, cols), 1 where the cell was judged; elsewhere ``obstacle`` is 0.
     ``obstacle_ratio``: share of obstacle among the valid cells.
     ``converged``: whether an iterative detector converged; true for the others.
@@ -103,11 +103,11 @@ class Potential(Message, lcm=graphnav_lcm.potential_t, grid=("potential", "gradi
 
 
 class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flow_px")):
-    """What the simulator knows of a frame; for scores and oracles only.
+    """Ground truth of a frame from the simulator; for scores and oracles only.
 
-    ``obstacle``: uint8 (rows, cols), 1 where an obstacle is seen; 0 on the ground plane and above the horizon.
+    ``obstacle``: uint8 (rows, cols), 1 where an obstacle is visible; 0 on the ground plane and above the horizon.
     ``depth_m``: float32 (rows, cols) along the optical axis, infinite above the horizon, finite elsewhere.
-    ``flow_px``: float32 (rows, cols, 2), as in `Flow`, also where the point was hidden or outside before.
+    ``flow_px``: float32 (rows, cols, 2), as in `Flow`, including points that were hidden or outside before.
     """
 
     obstacle: Bytes
@@ -118,12 +118,12 @@ class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flo
 
 
 class PlanarModel(Message, lcm=graphnav_lcm.planar_model_t):
-    """A taught planar flow: basis fields that the motion of a frame combines.
+    """A taught planar flow model: basis fields, combined by the motion of a frame.
 
-    ``terms``: what multiplies each field: "mean" (1), "v" (forward_m), "w" (turn_rad), "vw", "ww".
+    ``terms``: the factor of each field: "mean" (1), "v" (forward_m), "w" (turn_rad), "vw", "ww".
     ``basis``: float32 (terms, rows, cols, 2). ``valid``: uint8 (rows, cols). ``residual_px``: float32 (rows, cols),
-    root mean square of what the basis leaves of the taught flow.
-    ``forward_range_m``, ``turn_range_rad``: float64 (2,), least and greatest motion per frame that were taught.
+    root mean square residual of the taught flow.
+    ``forward_range_m``, ``turn_range_rad``: float64 (2,), minimum and maximum taught motion per frame.
     """
 
     terms: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""A picture of one message, drawn by the plugins that draw."""
+"""Pictures of single messages, drawn by plugins."""
 
 from graphnav.pictures.context import PictureContext, no_message, no_path
 from graphnav.pictures.pictures import DRAWING_FAMILY, Pictures, drawing

@@ -1,4 +1,4 @@
-"""What a picture of one message is drawn with: the size asked for, and other messages of the same moment."""
+"""The context of a picture of one message: its maximum size, and other messages of the same time."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ M = TypeVar("M", bound=Message)
 
 
 class Find(Protocol):
-    """Finds the message of another type that belongs to the one that is drawn."""
+    """Finds the message of another type that belongs to the drawn message."""
 
     def __call__(self, kind: type[M], /) -> M | None:
-        """Return the message of ``kind`` of the same stamp, else the newest before it; None where there is none."""
+        """Return the message of ``kind`` with the same timestamp, else the newest before it; None if there is none."""
 
 
 def no_message(_kind: type[M], /) -> M | None:
-    """Find nothing: only the message itself is known."""
+    """Return None: only the drawn message itself is available."""
     return None
 
 
@@ -33,12 +33,12 @@ def no_path() -> Doubles:
 
 @dataclass(frozen=True)
 class PictureContext:
-    """What the caller of ``graphnav_picture`` gives beside the message.
+    """The arguments of ``graphnav_picture`` in addition to the message.
 
-    ``rows``, ``cols``: the box, in pixels, that the picture has to fit into. ``find``: other messages of the moment, as
-    the image below a plane or the map around a state; it decodes only what is asked for. ``path_m``: returns where the
-    robot was so far, float64 (n, 2), x_m and y_m in W, oldest first. ``with_legend``: whether there is room for
-    letters, scale bars and colour wheels. ``with_colour``: whether colours are seen; where not, only brightness tells.
+    ``rows``, ``cols``: the maximum size of the picture, pixels. ``find``: returns other messages of the same time, such
+    as the image below a plane or the map around a state, decoded on demand. ``path_m``: returns the robot's path so
+    far, float64 (n, 2), x_m and y_m in W, oldest first. ``with_legend``: whether to draw text, scale bars and colour
+    wheels. ``with_colour``: whether colours can be displayed; otherwise only brightness is visible.
     """
 
     rows: int = 480

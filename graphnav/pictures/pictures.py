@@ -1,4 +1,4 @@
-"""Asks the drawing plugins for the picture of a message."""
+"""Draw the picture of a message by plugins."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from graphnav.pictures.context import PictureContext
 
 DRAWING_FAMILY = "view"
 _REFUSED = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO}
-"""A disk that takes nothing is no fault of whoever draws."""
+"""Disk errors, which are not the plugin's fault."""
 
 
 class Pictures:
-    """Pictures of messages by the plugins of the family ``view`` and by every plugin that ``catalog`` has loaded.
+    """Draws messages by the plugins of the family ``view`` and by every plugin that ``catalog`` has loaded.
 
     The family is imported with the first picture.
     """
@@ -29,12 +29,12 @@ class Pictures:
         self._catalog = catalog
 
     def draw(self, message: Message, context: PictureContext) -> Bytes | None:
-        """Return the picture of a message, (rows, cols, 3) red-green-blue; None where no plugin draws its type.
+        """Return the picture of a message, (rows, cols, 3) red-green-blue; None if no plugin draws its type.
 
         Raises
         ------
         DrawingError
-            A plugin cannot draw this message, or what it gives is not a picture that fits.
+            A plugin cannot draw this message, or its result is not a picture that fits.
         CatalogError
             The family cannot be imported.
         """
@@ -49,7 +49,7 @@ class Pictures:
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Let a plugin draw: whatever it raises becomes a DrawingError, but for a disk that refuses or a damaged log."""
+    """Convert the exceptions of a drawing plugin to DrawingError, except disk errors and LogError."""
     try:
         yield
     except GraphnavError:
@@ -61,7 +61,7 @@ def drawing() -> Iterator[None]:
 
 
 def _check(picture: Bytes, context: PictureContext) -> None:
-    """Raise DrawingError for what is not a picture, or is larger than the box."""
+    """Raise DrawingError unless the result is a picture that fits the box."""
     shape: tuple[int, ...] = getattr(picture, "shape", ())
     is_picture = isinstance(picture, np.ndarray) and picture.dtype == np.uint8 and len(shape) == 3 and shape[2] == 3
     if not is_picture or not 0 < shape[0] <= context.rows or not 0 < shape[1] <= context.cols:

@@ -1,4 +1,4 @@
-"""The frames of a video, drawn when they are asked for."""
+"""The frames of a video, drawn on demand."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from graphnav.arrays import Bytes
 
 
 class VideoFrames(NamedTuple):
-    """``n_frames`` frames for ``rate_hz``: the stamp (microseconds) of each, and uint8 (rows, cols, 3) RGB.
+    """``n_frames`` frames at ``rate_hz``: the timestamp (microseconds) of each, and uint8 (rows, cols, 3) RGB.
 
-    All have the same shape, whose rows and columns are even.
+    All frames have the same shape, with even numbers of rows and columns.
     """
 
     rate_hz: float

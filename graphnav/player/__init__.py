@@ -1,8 +1,8 @@
-"""Playing logs: their messages go out again when they came, or faster, or step by step."""
+"""Play logs: publish their messages in real time, faster, or step by step."""
 
-from graphnav.player.choose import Chosen, choose
 from graphnav.player.motor_channels import motor_channels
-from graphnav.player.pace import Pace
+from graphnav.player.playback_clock import PlaybackClock
 from graphnav.player.player import Player
+from graphnav.player.select_events import EventSelection, select_events
 
-__all__ = ["Chosen", "Pace", "Player", "choose", "motor_channels"]
+__all__ = ["EventSelection", "PlaybackClock", "Player", "motor_channels", "select_events"]

@@ -1,4 +1,4 @@
-"""What in a log would move a robot."""
+"""Find the channels of a log that would move a robot."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from graphnav.record import Recording
 
 
 def motor_channels(recording: Recording) -> dict[str, str]:
-    """Return the motor channels of the graph that made a log, each with the output that it carried.
+    """Return the motor channels of the graph that produced a log, each with its output.
 
-    Empty where the log does not tell its graph.
+    Empty if the log does not hold its graph.
     """
     try:
         outputs = recording.graph.get("outputs")

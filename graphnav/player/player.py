@@ -1,4 +1,4 @@
-"""Publish the messages of a log when they are due, as keys ask for."""
+"""Publish the messages of a log when they are due; keys pause, step, seek and change the speed."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Protocol
 
 from graphnav.errors import BusError
 from graphnav.keyboard import KeyDecoder
-from graphnav.player.choose import Chosen
-from graphnav.player.pace import Pace
+from graphnav.player.playback_clock import PlaybackClock
+from graphnav.player.select_events import EventSelection
 from graphnav.record import Event
 
 HELP = "keys: space pause, n next message, left/right 5 s, -/+ speed, q quit"
@@ -19,35 +19,35 @@ _SEEK_US = 5e6
 _FASTER_RATIO = 2.0
 _MAX_SPEED_RATIO = 1024.0
 _MAX_LATE_S = 0.5
-"""Behind by more than this, the time is given up instead of made up for: a burst would be lost on its way."""
+"""Beyond this delay the schedule is shifted instead of caught up: receivers would lose a burst."""
 _REFRESH_S = 0.2
 _BURST_BYTES = 65_536
 _BREATH_S, _BREATH_LATE_S = 0.002, 0.05
-"""The pause after so many bytes, unless so late: stock receive buffers hold three packets."""
+"""The pause after a burst, unless playback is late: default receive buffers hold three packets."""
 _MIN_ROUND_S = 0.1
-"""A log of a single moment must not flood the network when it is looped."""
+"""A log with a single timestamp must not flood the network when it is looped."""
 
 
 class Keyboard(Protocol):
-    """Where keys come from."""
+    """A source of keys."""
 
     def read(self, timeout_s: float) -> bytes | None:
-        """Return what was typed, empty if nothing was within the time, None at the end."""
+        """Return the typed keys, empty after a timeout, None at the end of the input."""
 
 
 class Player:
-    """Plays ``chosen`` events: reads each with ``read`` and publishes it with ``send``.
+    """Plays the events of ``selection``: reads each with ``read`` and publishes it with ``send``.
 
-    ``notice`` is called when it is behind by more than half a second, and again each time that has doubled. ``show`` is
-    called five times a second. ``loop`` begins anew at the end.
+    ``notice`` is called when playback is more than half a second late, and again each time the delay has doubled.
+    ``show`` is called five times a second. ``loop`` restarts at the end.
     """
 
     def __init__(
         self,
-        chosen: Chosen,
+        selection: EventSelection,
         read: Callable[[int], Event],
         send: Callable[[str, bytes], None],
-        pace: Pace,
+        pace: PlaybackClock,
         *,
         loop: bool = False,
         notice: Callable[[str], None] = lambda _: None,
@@ -56,12 +56,12 @@ class Player:
     ) -> None:
         self.pace = pace
         self.n_played = self.n_refused = 0
-        """Messages that were published, and that LCM refused."""
+        """Messages published, and refused by LCM."""
         self.refusal = ""
-        """Why the first one was refused."""
+        """Why the first one was refused by LCM."""
         self.behind_s = 0.0
-        """Seconds by which playing took longer than it should have."""
-        self._chosen, self._read, self._send, self._loop = chosen, read, send, loop
+        """Accumulated delay, seconds."""
+        self._chosen, self._read, self._send, self._loop = selection, read, send, loop
         self._notice, self._show, self._now_s = notice, show, now_s
         self._next = 0
         self._burst_bytes = 0
@@ -94,7 +94,7 @@ class Player:
         self.pace.seek(self._chosen.begin_us)
 
     def _wait_s(self) -> float:
-        """Return the seconds until there is something to do."""
+        """Return the seconds until the next event or refresh."""
         if self._next < len(self._chosen.numbers):
             return max(self.pace.wait_s(self._chosen.at_us[self._next]), self._breath_until_s - self._now_s())
         if not self._loop:
@@ -112,7 +112,7 @@ class Player:
             self._breath_until_s = self._now_s() + _BREATH_S
 
     def _give_up(self, at_us: int, late_s: float) -> None:
-        """Go on from here, and say so now and then."""
+        """Continue from here; call ``notice`` when the delay has doubled."""
         self.pace.seek(at_us)
         self.behind_s += late_s
         if self.behind_s >= 2 * self._noticed_s:
@@ -131,7 +131,7 @@ class Player:
             self.refusal = self.refusal or str(error)
 
     def _press(self, key: str) -> bool:
-        """Do what a key asks for; return whether to go on."""
+        """Handle a key; return whether to continue."""
         pace = self.pace
         if key == " ":
             (pace.resume if pace.is_paused else pace.pause)()
@@ -148,7 +148,7 @@ class Player:
         return key != "q"
 
     def _step(self) -> None:
-        """Publish the next message, and all that are stamped with the same time."""
+        """Publish the next message, and all others with the same timestamp."""
         if self._next == len(self._chosen.numbers):
             return
         at_us = self._chosen.at_us[self._next]

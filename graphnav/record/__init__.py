@@ -1,10 +1,10 @@
-"""LCM event logs: what a run leaves, readable by LCM's own tools, and theirs by us."""
+"""Read and write LCM event logs, compatible with LCM's own tools."""
 
 from graphnav.record.channel_filter import ChannelFilter
-from graphnav.record.event import Damaged, Event, Torn
-from graphnav.record.find import LOG, find_log
+from graphnav.record.event import Damaged, Event, TruncatedEvent
+from graphnav.record.find_log import LOG, find_log
 from graphnav.record.recording import ABOUT, Recording
-from graphnav.record.sequence import SequenceGaps
+from graphnav.record.sequence_gaps import SequenceGaps
 from graphnav.record.threaded_writer import ThreadedLogWriter
 from graphnav.record.timeline import Timeline
 from graphnav.record.writer import LogWriter
@@ -20,6 +20,6 @@ __all__ = [
     "SequenceGaps",
     "ThreadedLogWriter",
     "Timeline",
-    "Torn",
+    "TruncatedEvent",
     "find_log",
 ]

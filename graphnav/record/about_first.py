@@ -1,4 +1,4 @@
-"""A log that describes itself, also where the description is heard after other messages."""
+"""Write the description of a run before all other events of a log."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav.record.recording import ABOUT
 from graphnav.record.threaded_writer import Log
 
 WAIT_S = 1.2
-"""A run describes itself once a second."""
+"""A run publishes its description once a second."""
 _MAX_HELD_BYTES = 32 << 20
 _ABOUT = fingerprint(About.lcm_class)
 
@@ -23,10 +23,10 @@ def is_about(channel: str, data: bytes) -> bool:
 
 
 class AboutFirst:
-    """Writes the first description of a run before everything else, with the stamp of the first event.
+    """Writes the first description of a run before everything else, with the timestamp of the first event.
 
-    It waits for one for 1.2 s after the first event, or until 32 MB are held back. Without one the events are written
-    as they came: nothing is invented.
+    Waits for the description for 1.2 s after the first event, or until 32 MB are held back. Without a description the
+    events are written as they arrived.
     """
 
     def __init__(self, log: Log, now_s: Callable[[], float] = time.monotonic) -> None:
@@ -38,16 +38,16 @@ class AboutFirst:
 
     @property
     def n_events(self) -> int:
-        """The number of events, with those that are held back."""
+        """The number of events, including those held back."""
         return self._log.n_events + len(self._held)
 
     @property
     def n_bytes(self) -> int:
-        """The size of the log, without what is held back."""
+        """The size of the log, excluding events held back."""
         return self._log.n_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event, or hold it back; raises LogError where the disk refuses it."""
+        """Append an event, or hold it back; raises LogError if the disk refuses it."""
         if self._held and self._now_s() >= self._until_s:
             self._release()
         if not self._is_waiting:
@@ -64,13 +64,13 @@ class AboutFirst:
                 self._release()
 
     def flush(self) -> None:
-        """Hand all events to the kernel, but for what is held back."""
+        """Hand all events to the kernel, except those held back."""
         if self._held and self._now_s() >= self._until_s:
             self._release()
         self._log.flush()
 
     def close(self) -> None:
-        """Write what is held back, flush and close."""
+        """Write the events held back, flush and close."""
         try:
             self._release()
         finally:

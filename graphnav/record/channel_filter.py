@@ -1,4 +1,4 @@
-"""Which channels to take."""
+"""Select channels by name."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ _MAX_REMEMBERED = 4096
 
 
 class ChannelFilter:
-    """Takes a channel whose name matches any of some patterns; all channels if there are none.
+    """Accepts channels whose names match any of the patterns; all channels if there are no patterns.
 
-    ``globs``: as in a shell, ``robot.*``. ``regexes``: as LCM subscribes, matched against the entire name. ``invert``
-    takes what does not match instead.
+    ``globs``: shell patterns, ``robot.*``. ``regexes``: as in LCM subscriptions, matched against the entire name.
+    ``invert`` accepts the channels that do not match.
 
     Raises
     ------
     UserError
-        A pattern is not a regular expression.
+        A pattern is not a valid regular expression.
     """
 
     def __init__(self, globs: Iterable[str] = (), regexes: Iterable[str] = (), *, invert: bool = False) -> None:
         globs, regexes = list(globs), list(regexes)
         self.patterns = [*globs, *regexes]
-        """As they were given."""
+        """The patterns as given."""
         self._patterns = [re.compile(translate(glob), re.DOTALL) for glob in globs]
         self._patterns += [_compiled(regex) for regex in regexes]
         self._invert = invert
         self.takes = lru_cache(_MAX_REMEMBERED)(self._takes)
-        """Whether a channel is taken, by its name."""
+        """Whether a channel is accepted, by its name."""
 
     def _takes(self, channel: str) -> bool:
         if not self._patterns:

@@ -1,7 +1,7 @@
-"""The events of an LCM log and how they lie in the file.
+"""The events of an LCM log and their file format.
 
 Sync word 0xEDA1DA01, int64 number, int64 microseconds, int32 length of the channel, int32 length of the data, channel,
-data; big-endian, nothing before, between or behind them.
+data; big-endian, without header, padding or trailer.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ HEADER = struct.Struct(">Iqqii")
 
 
 class Event(NamedTuple):
-    """What was published when, on which channel."""
+    """A logged message: channel, timestamp (microseconds), data."""
 
     channel: str
     utime: int
@@ -26,7 +26,7 @@ class Event(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """Where an event's data lie in the file."""
+    """The position of an event's data in the file."""
 
     channel: str
     utime: int
@@ -34,18 +34,18 @@ class Entry(NamedTuple):
     stop: int
 
 
-class Torn(NamedTuple):
-    """The end of a log whose last event is not whole: where that begins and how many bytes there are."""
+class TruncatedEvent(NamedTuple):
+    """An incomplete last event: its position and number of bytes."""
 
     at: int
     n_bytes: int
 
     def __str__(self) -> str:
-        return f"the last event, {self.n_bytes} bytes from byte {self.at}, is not whole"
+        return f"the last event, {self.n_bytes} bytes from byte {self.at}, is truncated"
 
 
 class Damaged(NamedTuple):
-    """Bytes between the events of a log that are not an event: where they begin and how many there are."""
+    """Bytes between events that are not an event: their position and number."""
 
     at: int
     n_bytes: int
@@ -55,7 +55,7 @@ class Damaged(NamedTuple):
 
 
 class LogFile:
-    """The bytes of a log, read where they are asked for: a mapped file would count as memory of the process."""
+    """The bytes of a log, read on demand: a mapped file would count as memory of the process."""
 
     def __init__(self, path: Path) -> None:
         self._fd = -1
@@ -67,11 +67,11 @@ class LogFile:
             raise LogError(f"{path}: {error.strerror}") from error
 
     def read(self, start: int, stop: int) -> bytes:
-        """Return the bytes from ``start`` to before ``stop``, fewer where the file ends."""
+        """Return the bytes from ``start`` to before ``stop``, fewer at the end of the file."""
         return os.pread(self._fd, stop - start, start)
 
     def close(self) -> None:
-        """Let go of the file; does nothing the second time."""
+        """Close the file; idempotent."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1

@@ -1,4 +1,4 @@
-"""Where the events of a log are, 30 bytes an event."""
+"""The positions of a log's events, 30 bytes per event."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from graphnav.record.event import Entry
 
 
 class Index:
-    """All events in the order of the file, and those of each channel."""
+    """All events in file order, and by channel."""
 
     def __init__(self) -> None:
         self.channels: dict[str, array[int]] = {}
-        """The numbers of each channel's events."""
+        """Event numbers by channel."""
         self._channel: list[str] = []
         self._utime, self._start, self._stop = (array("q") for _ in range(3))
 

@@ -1,4 +1,4 @@
-"""A recording in one file, or in several that follow each other."""
+"""A log in one file, or split into numbered files."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from graphnav.record.writer import LogWriter
 
 _CHECK_S = 0.5
 _CHECK_BYTES = 1 << 18
-"""The free space is looked at again after so long, or so many bytes, whichever comes first."""
+"""Free disk space is checked after this time or number of bytes, whichever comes first."""
 
 
 class Split(NamedTuple):
-    """When a new file begins: before one would exceed ``n_bytes``, or ``us`` microseconds after its first event."""
+    """When to start a new file: before one exceeds ``n_bytes``, or ``us`` microseconds after its first event."""
 
     n_bytes: int | None = None
     us: int | None = None
@@ -39,12 +39,12 @@ def files_of(path: Path) -> list[Path]:
 
 
 class LogFiles:
-    """A log in one file, or where ``split`` is given in numbered ones, of which the newest ``rotate`` are kept.
+    """A log in one file, or, with ``split``, in numbered files of which the newest ``rotate`` are kept.
 
-    Each file after the first begins with the newest description of a run. ``free_quota_bytes``: ends the recording when
-    less is free on the disk. ``free_bytes`` tells how much that is.
+    Each file after the first begins with the newest description of a run. ``free_quota_bytes``: the recording ends when
+    less disk space is free. ``free_bytes`` returns the free disk space.
 
-    Raises OSError where the first file cannot be opened, LogError where less is free from the beginning.
+    Raises OSError if the first file cannot be opened, LogError if less is free at the start.
     """
 
     def __init__(
@@ -64,23 +64,23 @@ class LogFiles:
         self._n_events = self._n_bytes = self._n_copies = 0
         self._begin_us: int | None = None
         self.paths = [path if split is None else numbered(path, 0)]
-        """The files that there are, oldest first."""
+        """Existing files, oldest first."""
         if free_quota_bytes is not None:
             self._look_at_disk(free_quota_bytes)
         self._log = LogWriter(self.paths[0])
 
     @property
     def n_events(self) -> int:
-        """The number of events that were written, the removed ones included."""
+        """The number of events written, including removed files."""
         return self._n_events + max(0, self._log.n_events - self._n_copies)
 
     @property
     def n_bytes(self) -> int:
-        """The size of all files, the removed ones included."""
+        """The size of all files, including removed ones."""
         return self._n_bytes + self._log.n_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event, in a new file if it is due; raises LogError where the disk refuses it."""
+        """Append an event, in a new file if it is due; raises LogError if the disk refuses it."""
         if self._quota_bytes is not None:
             self._check_quota(self._quota_bytes)
         if self._begin_us is None:
@@ -98,7 +98,7 @@ class LogFiles:
         self._log.flush()
 
     def close(self) -> None:
-        """Flush and close; does nothing the second time."""
+        """Flush and close; idempotent."""
         self._log.close()
 
     def _is_full(self, split: Split, utime: int, n_bytes: int) -> bool:
@@ -144,4 +144,4 @@ class LogFiles:
         self._checked_s = time.monotonic()
         free_bytes = self._free_bytes(self._path.parent)
         if free_bytes < quota_bytes:
-            raise LogError(f"{self.paths[-1]}: {free_bytes} bytes are free on its disk, less than --quota asks for")
+            raise LogError(f"{self.paths[-1]}: {free_bytes} bytes are free on its disk, less than --quota requires")

@@ -1,4 +1,4 @@
-"""Reading LCM logs: every channel's messages, in any order, from one scan of the file."""
+"""Read LCM logs: random access to every channel's messages after one scan of the file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Self, TypeVar
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
 from graphnav.errors import LogError, UserError
 from graphnav.messages import About, Message
-from graphnav.record.event import Damaged, Entry, Event, LogFile, Torn
+from graphnav.record.event import Damaged, Entry, Event, LogFile, TruncatedEvent
 from graphnav.record.index import Index
 from graphnav.record.scan import scan
 from graphnav.record.timeline import Timeline
@@ -29,10 +29,10 @@ _HEAD = struct.Struct(">8sqq")
 
 
 class Head(NamedTuple):
-    """An event without its data: what it says of itself, and the fields with which every message type begins.
+    """An event without its data: its header, and the fields with which every message type begins.
 
-    ``place`` counts within the channel, ``logged_us`` is the stamp of the event, ``utime`` and ``seq`` are those of
-    the message; ``fingerprint`` is empty where the data are too short for them.
+    ``place`` counts within the channel, ``logged_us`` is the event's timestamp, ``utime`` and ``seq`` are those of the
+    message; ``fingerprint`` is empty if the data are too short for them.
     """
 
     channel: str
@@ -45,24 +45,23 @@ class Head(NamedTuple):
 
 
 class Recording:
-    """A log, of graphnav or of any other LCM program.
+    """A log of graphnav or of any other LCM program.
 
-    ``channels`` maps each channel to its lcm-gen class, or to None where the type is not installed. ``torn`` says
-    what was lost at the end of a log that was cut short, else it is None; ``damaged`` says which bytes between events
-    were skipped.
+    ``channels`` maps each channel to its lcm-gen class, or to None if the type is not installed. ``truncated``:
+    the incomplete last event, None if the log is complete; ``damaged``: the bytes between events that were skipped.
 
-    Raises LogError where the file cannot be read or is not a log.
+    Raises LogError if the file cannot be read or is not a log.
     """
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        self.torn: Torn | None = None
+        self.truncated: TruncatedEvent | None = None
         self.damaged: list[Damaged] = []
         self._file = LogFile(self.path)
         self._index = Index()
         for entry in scan(self.path, self._file):
-            if isinstance(entry, Torn):
-                self.torn = entry
+            if isinstance(entry, TruncatedEvent):
+                self.truncated = entry
             elif isinstance(entry, Damaged):
                 self.damaged.append(entry)
             else:
@@ -70,7 +69,7 @@ class Recording:
 
     @cached_property
     def about(self) -> About | None:
-        """What the log says of itself, or None: the first event of ``graphnav.about``, wherever a logger heard it."""
+        """The description of the run: the first event of ``graphnav.about`` at any position, None without one."""
         if not self.count(ABOUT):
             return None
         try:
@@ -80,9 +79,9 @@ class Recording:
 
     @cached_property
     def graph(self) -> dict[str, Any]:
-        """The resolved graph that made the log; raises LogError where the log does not say."""
+        """The resolved graph that produced the log; raises LogError if the log does not hold it."""
         if self.about is None:
-            raise LogError(f"{self.path} does not say which graph made it: no event on '{ABOUT}' can be read")
+            raise LogError(f"{self.path} does not hold the graph that produced it: no readable event on '{ABOUT}'")
         try:
             graph = parse_yaml(self.about.graph_yaml.encode(), str(self.path))[0].plain()
         except UserError:
@@ -94,15 +93,16 @@ class Recording:
     @cached_property
     def channels(self) -> Mapping[str, type | None]:
         """The type of each channel, in the order of their first events."""
-        told = dict(zip(self.about.channels, self.about.types, strict=False)) if self.about else {}
+        declared = dict(zip(self.about.channels, self.about.types, strict=False)) if self.about else {}
         return {
-            channel: (type_named(told[channel]) if channel in told else None) or type_of(self.event(channel, 0).data)
+            channel: (type_named(declared[channel]) if channel in declared else None)
+            or type_of(self.event(channel, 0).data)
             for channel in self._index.channels
         }
 
     @property
     def begin_us(self) -> int:
-        """The stamp of the first event, microseconds: 0 in lockstep, the time of day live; 0 for an empty log."""
+        """The timestamp of the first event, microseconds: 0 in lockstep, wall time live; 0 for an empty log."""
         return self._index[0].utime if len(self._index) else 0
 
     @property
@@ -117,28 +117,31 @@ class Recording:
 
     @cached_property
     def timeline(self) -> Timeline:
-        """When each event was published, from the first one on."""
+        """The time of each event since the first one."""
         return Timeline([entry.utime for entry in self.entries()])
 
     def damage_notice(self) -> str:
-        """Return what to tell of a log that is not complete; empty for one that is."""
-        lost: list[Damaged | Torn] = [*self.damaged, *([self.torn] if self.torn is not None else [])]
+        """Return a warning for a damaged log, an empty string for a complete one."""
+        lost: list[Damaged | TruncatedEvent] = [
+            *self.damaged,
+            *([self.truncated] if self.truncated is not None else []),
+        ]
         if not lost:
             return ""
         what = str(lost[0]) if len(lost) == 1 else f"{sum(one.n_bytes for one in lost)} bytes in {len(lost)} places"
         return f"{self.path} is damaged: {what}\n  'graphnav info' tells more"
 
     def entries(self) -> Iterator[Entry]:
-        """Yield where the data of each event are, in the order of the file; reads nothing."""
+        """Yield the position of each event's data in file order, without reading the data."""
         return (self._index[number] for number in range(len(self._index)))
 
     def at(self, number: int) -> Event:
-        """Return one event by its place in the file, counted from 0 over all channels."""
+        """Return one event by its index in the file, counted over all channels."""
         return self._event(self._index[number])
 
     @property
     def index(self) -> Index:
-        """Where each event is, in the order of the file and by channel."""
+        """The positions of all events, in file order and by channel."""
         return self._index
 
     def count(self, channel: str) -> int:
@@ -146,10 +149,10 @@ class Recording:
         return len(self._index.channels.get(channel, ()))
 
     def utimes(self, channel: str) -> list[int]:
-        """Return the stamps of a channel's messages, in microseconds.
+        """Return the timestamps of a channel's messages, microseconds.
 
-        In a log of graphnav they are those of its events. A logger stamps events with the time of day instead, and the
-        first field of every message type of graphnav tells the message's own.
+        In a log of graphnav they equal those of its events. A logger stamps events with wall time instead; the first
+        field of every graphnav message type is the message's own timestamp.
         """
         entries = [self._index[number] for number in self._index.channels.get(channel, ())]
         if not entries or (lcm_class := self.channels[channel]) is None or message_class_of(lcm_class) is None:
@@ -159,15 +162,15 @@ class Recording:
         return [self._stamp(entry) for entry in entries]
 
     def event_utimes(self, channel: str) -> list[int]:
-        """Return the stamps of a channel's events, microseconds: simulated time, or when they were logged."""
+        """Return the timestamps of a channel's events, microseconds: simulated time, or when they were logged."""
         return [self._index[number].utime for number in self._index.channels.get(channel, ())]
 
     def events(self) -> Iterator[Event]:
-        """Yield all events in the order of the file."""
+        """Yield all events in file order."""
         return map(self._event, self.entries())
 
     def heads(self) -> Iterator[Head]:
-        """Yield the heads of all events in the order of the file, without reading their data."""
+        """Yield the heads of all events in file order, without reading the rest of their data."""
         counts: Counter[str] = Counter()
         for number in range(len(self._index)):
             entry = self._index[number]
@@ -179,7 +182,7 @@ class Recording:
         return self._event(self._index.of(channel, index))
 
     def message(self, channel: str, index: int) -> tuple[int, int, Message]:
-        """Return ``(utime, seq, message)`` of one event; raises LogError where it cannot be decoded."""
+        """Return ``(utime, seq, message)`` of one event; raises LogError if it cannot be decoded."""
         lcm_class = self.channels[channel]
         wrapper = lcm_class and message_class_of(lcm_class)
         if wrapper is None:
@@ -191,7 +194,7 @@ class Recording:
         return (self.message(channel, index) for index in range(self.count(channel)))
 
     def fields(self, channel: str, index: int) -> dict[str, Any]:
-        """Return all LCM fields of one event, also of types that no message class wraps."""
+        """Return all LCM fields of one event, including types without a message class."""
         lcm_class = self.channels[channel]
         if lcm_class is None:
             raise LogError(f"{self.path}: the type of channel '{channel}' is not installed")
@@ -201,7 +204,7 @@ class Recording:
             raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self._file.close()
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-"""Find the events of a log, also behind bytes that are damaged."""
+"""Find the events of a log, including those after damaged bytes."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.errors import LogError
-from graphnav.record.event import HEADER, SYNC, Damaged, Entry, LogFile, Torn
+from graphnav.record.event import HEADER, SYNC, Damaged, Entry, LogFile, TruncatedEvent
 
 _SYNC_WORD = SYNC.to_bytes(4, "big")
 _MAX_CHANNEL_BYTES = 1000
 _HEAD_BYTES = HEADER.size + 63
 _BLOCK_BYTES = 1 << 16
 _NEAR_BYTES = 1 << 12
-"""Where events are smaller than this, a block of them is read at once."""
+"""Events smaller than this are read in blocks."""
 _SEARCH_BYTES = 1 << 20
 
 
 class _Found(NamedTuple):
-    """What looks like an event: where it begins, its number in the log, and what it holds."""
+    """A candidate event: its position, its number in the log, and its content."""
 
     begin: int
     number: int
     entry: Entry
 
 
-def scan(path: Path, file: LogFile) -> Iterator[Entry | Damaged | Torn]:
-    """Yield the events of a log in the order of the file, and what is between them.
+def scan(path: Path, file: LogFile) -> Iterator[Entry | Damaged | TruncatedEvent]:
+    """Yield the events of a log in file order, and the damage between them.
 
-    Damage is skipped up to the next event that is followed by another one, by the end, or that has a number to be
-    expected there. An event whose length is damaged does not end where another one begins: it is left out, as the
-    numbers of its neighbours tell. A log that ends within an event yields a `Torn` last.
+    Damage is skipped up to the next event that is followed by another event or by the end of the file, or that has a
+    plausible number. An event with a damaged length does not end where another one begins and is skipped. A log that
+    ends within an event yields a `TruncatedEvent` last.
 
-    Raises LogError where the file is not empty and no event begins in it.
+    Raises LogError if the file is not empty and no event begins in it.
     """
     reader = _Reader(file)
     at, last, n_events = 0, None, 0
@@ -59,9 +59,9 @@ def scan(path: Path, file: LogFile) -> Iterator[Entry | Damaged | Torn]:
 
 
 def _around(reader: _Reader, last: _Found | None, at: int) -> tuple[int, _Found | None]:
-    """Return where the damage at ``at`` begins and the first event behind it, None if there is none.
+    """Return where the damage at ``at`` begins and the first event after it, None if there is none.
 
-    It begins at the event ``last`` before it, if that one's length cannot be right.
+    It begins at the preceding event ``last`` if the length of that event is implausible.
     """
     if last is None:
         return at, reader.next_event(at + 1, reader.size, None)
@@ -73,17 +73,17 @@ def _around(reader: _Reader, last: _Found | None, at: int) -> tuple[int, _Found 
     return (last.begin if is_next else at), resumed
 
 
-def _rest(path: Path, reader: _Reader, begin: int, n_events: int) -> Damaged | Torn:
-    """Return what the last bytes of a log are."""
+def _rest(path: Path, reader: _Reader, begin: int, n_events: int) -> Damaged | TruncatedEvent:
+    """Return the damage or the truncated event at the end of a log."""
     if reader.begins_event(begin):
-        return Torn(begin, reader.size - begin)
+        return TruncatedEvent(begin, reader.size - begin)
     if not n_events and not begin:
         raise LogError(f"{path} is not an LCM log")
     return Damaged(begin, reader.size - begin)
 
 
 class _Reader:
-    """Reads what looks like events; small events that follow each other are read from one block."""
+    """Reads candidate events; consecutive small events are read from one block."""
 
     def __init__(self, file: LogFile) -> None:
         self.size = file.size
@@ -120,7 +120,7 @@ class _Reader:
         return next((found for found in self.candidates(start, stop) if self._is_event(found, last)), None)
 
     def candidates(self, start: int, stop: int) -> Iterator[_Found]:
-        """Yield what looks like an event and begins in a range."""
+        """Yield the candidate events that begin in a range."""
         while start < stop:
             block = self._file.read(start, min(start + _SEARCH_BYTES, stop + 3))
             at = block.find(_SYNC_WORD)
@@ -131,7 +131,7 @@ class _Reader:
             start += max(1, len(block) - 3)
 
     def _is_event(self, found: _Found, last: _Found | None) -> bool:
-        """Whether another event or the end follows, or the number is one to be expected this far behind ``last``."""
+        """Whether another event or the end follows, or the number is plausible at this distance after ``last``."""
         stop = found.entry.stop
         follows = self._read(stop, 4)
         if follows == _SYNC_WORD[: len(follows)] and (len(follows) == 4 or stop + len(follows) == self.size):
@@ -141,7 +141,7 @@ class _Reader:
         return 0 < found.number - last.number <= 1 + (found.begin - last.begin) // HEADER.size
 
     def _read(self, start: int, n_bytes: int) -> bytes:
-        """Return bytes, fewer where the file ends."""
+        """Return bytes, fewer at the end of the file."""
         offset = start - self._begin
         if offset >= 0 and offset + n_bytes <= len(self._block):
             return self._block[offset : offset + n_bytes]

@@ -1,4 +1,4 @@
-"""Writing a log from a thread of its own: a slow or full disk never holds up the caller."""
+"""Write a log in a separate thread: a slow or full disk never blocks the caller."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from graphnav.record.writer import LogWriter
 
 _MAX_QUEUED_BYTES = 64 << 20
 _EVENT_BYTES = 200
-"""What a queued event takes beside its data, about."""
+"""Approximate memory overhead of a queued event."""
 _IDLE_S = 0.5
 _GATHER_S = 0.01
-"""Events that come within this time wake the thread once: the caller gets the processor back sooner."""
+"""Events within this time wake the thread once, which saves context switches."""
 _CLOSE_S = 5.0
 
 
 class Log(Protocol):
-    """What the thread writes; ``n_events`` and ``n_bytes`` count what was written, with what is not flushed yet."""
+    """The log that the thread writes; ``n_events`` and ``n_bytes`` include unflushed events."""
 
     @property
     def n_events(self) -> int:
@@ -32,10 +32,10 @@ class Log(Protocol):
         """Their size."""
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event; raises LogError where the disk refuses it."""
+        """Append an event; raises LogError if the disk refuses it."""
 
     def flush(self) -> None:
-        """Hand all events to the kernel; called now and then while there are none."""
+        """Hand all events to the kernel; called periodically while the queue is empty."""
 
     def close(self) -> None:
         """Flush and close."""
@@ -44,11 +44,11 @@ class Log(Protocol):
 class ThreadedLogWriter:
     """A log behind a bounded queue.
 
-    An event that does not fit into ``max_bytes`` of queue is dropped and counted. A disk that refuses ends the
-    recording: ``failure`` is set, ``notice`` is called once with it, from another thread, and every later event is
-    dropped; the log up to there is complete. ``open_log`` makes the log that the thread writes.
+    An event that does not fit into the queue of ``max_bytes`` is dropped and counted. A write error ends the recording:
+    ``failure`` is set, ``notice`` is called once with it from another thread, and every later event is dropped; the log
+    up to the error is complete. ``open_log`` opens the log.
 
-    Raises OSError where the file cannot be opened at all.
+    Raises OSError if the file cannot be opened at all.
     """
 
     def __init__(
@@ -60,9 +60,9 @@ class ThreadedLogWriter:
     ) -> None:
         self.path = Path(path)
         self.dropped = 0
-        """Events that are not in the log."""
+        """The number of events that are not in the log."""
         self.failure = ""
-        """Why the recording ended before its time, empty if it did not."""
+        """Why the recording ended early, empty if it did not."""
         self._log = open_log(self.path)
         self._max_bytes, self._notice = max_bytes, notice
         self._offered = 0
@@ -76,12 +76,12 @@ class ThreadedLogWriter:
 
     @property
     def n_events(self) -> int:
-        """The number of events in the log, with what is not flushed yet."""
+        """The number of events in the log, including unflushed ones."""
         return self._log.n_events
 
     @property
     def n_bytes(self) -> int:
-        """The size of the log, with what is not flushed yet."""
+        """The size of the log, including unflushed events."""
         return self._log.n_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
@@ -99,14 +99,14 @@ class ThreadedLogWriter:
                 self._changed.notify()
 
     def close(self, timeout_s: float = _CLOSE_S) -> None:
-        """Write what is queued and close; a disk that takes longer than ``timeout_s`` loses the rest, counted."""
+        """Write the queued events and close; after ``timeout_s`` the remaining events are dropped and counted."""
         with self._changed:
             self._is_closing = True
             self._closing.set()
             self._changed.notify()
         self._thread.join(timeout_s)
         if self._thread.is_alive():
-            self._fail(f"{self.path}: the disk did not take the last events within {timeout_s:g} s")
+            self._fail(f"{self.path}: the last events were not written within {timeout_s:g} s")
 
     def _work(self) -> None:
         try:
@@ -119,7 +119,7 @@ class ThreadedLogWriter:
             self._fail(str(error))
 
     def _next(self) -> list[tuple[str, int, bytes]] | None:
-        """Wait for events and take them all; none after a while without any, None once the log is closing."""
+        """Wait for events and return them all; none after a timeout, None when the log is closing."""
         with self._changed:
             if not self._queue and not self._is_closing:
                 self._is_waiting = True
@@ -134,7 +134,7 @@ class ThreadedLogWriter:
         return events
 
     def _write_all(self, events: list[tuple[str, int, bytes]]) -> None:
-        """Write events; where there are none, flush what was written."""
+        """Write events, or flush if there are none."""
         if not events:
             self._log.flush()
         for channel, utime, data in events:

@@ -1,4 +1,4 @@
-"""When the events of a log happened, however its stamps jump."""
+"""The times of a log's events, corrected for jumps of their timestamps."""
 
 from __future__ import annotations
 
@@ -6,15 +6,14 @@ from array import array
 from collections.abc import Sequence
 
 _MAX_GAP_US = 86_400_000_000
-"""Between two events; what is longer is a clock that was set, or a damaged stamp."""
+"""A longer gap between two events is a clock that was set, or a damaged timestamp."""
 
 
 class Timeline:
-    """The times of events in microseconds since the first one, which never decrease.
+    """The non-decreasing times of events, microseconds since the first one.
 
-    ``utimes``: the stamps of the events, in the order of the file. A stamp that fits neither the one before nor the one
-    behind it counts as that of the event before; where a clock was set, time goes on without a step. ``n_jumps`` counts
-    both.
+    ``utimes``: the timestamps of the events in file order. A timestamp that fits neither the previous nor the next one
+    is replaced by the previous one; if a clock was set, time continues without a step. ``n_jumps`` counts both.
     """
 
     def __init__(self, utimes: Sequence[int]) -> None:

@@ -1,4 +1,4 @@
-"""Writing LCM logs that stay readable whatever happens."""
+"""Write LCM logs that stay readable after crashes and full disks."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from graphnav.record.event import HEADER, SYNC
 
 _FLUSH_BYTES = 1 << 18
 _FLUSH_EVENTS = 400
-"""Two buffers an event; the kernel takes 1024 at once."""
+"""Two buffers per event; the kernel accepts 1024 at once."""
 _FLUSH_S = 0.5
 
 
 class LogWriter:
-    """An LCM event log with the stamps that the events are given.
+    """An LCM event log whose events have the given timestamps.
 
-    Events are written through in one call once 256 kB or half a second have gathered, so that a killed process loses
-    no more than that. If the disk refuses (it is full, or gone), the event that did not fit is cut away again,
-    LogError says so, and the log up to there is whole.
+    Events are written in one call per 256 kB or half a second, so that a killed process loses at most that much. After
+    a write error (disk full or removed) the incomplete event is removed and LogError is raised; the log up to there
+    stays complete.
 
-    Raises OSError where the file cannot be opened at all.
+    Raises OSError if the file cannot be opened at all.
     """
 
     def __init__(self, path: Path | str) -> None:
@@ -33,17 +33,17 @@ class LogWriter:
         self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
-        self._whole_bytes = 0
+        self._complete_bytes = 0
         self._flushed_s = time.monotonic()
         self._failure: LogError | None = None
 
     @property
     def n_bytes(self) -> int:
-        """The size of the log, with what is not flushed yet."""
-        return self._whole_bytes + self._waiting_bytes
+        """The size of the log, including unflushed events."""
+        return self._complete_bytes + self._waiting_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event; raises LogError, once and for all, where the disk refuses it."""
+        """Append an event; raises LogError, once and for all, if the disk refuses it."""
         name = channel.encode()
         header = HEADER.pack(SYNC, self.n_events, utime, len(name), len(data)) + name
         self._waiting += (header, data)
@@ -69,7 +69,7 @@ class LogWriter:
             raise self._failure from error
 
     def close(self) -> None:
-        """Flush and close; does nothing the second time."""
+        """Flush and close; idempotent."""
         if self._fd < 0:
             return
         try:
@@ -96,18 +96,18 @@ class LogWriter:
             rest = memoryview(b"".join(buffers))[written:]
             while rest:
                 rest = rest[os.write(self._fd, rest) :]
-        self._whole_bytes += total
+        self._complete_bytes += total
 
     def _cut(self, buffers: list[bytes], error: OSError) -> LogError:
-        """Cut the file behind the last whole event and return what is to be said."""
-        end, kept = self._whole_bytes, self.n_events - len(buffers) // 2
+        """Cut the file after the last complete event and return the error message."""
+        end, kept = self._complete_bytes, self.n_events - len(buffers) // 2
         size = os.fstat(self._fd).st_size
         for header, data in zip(buffers[::2], buffers[1::2], strict=True):
             if end + len(header) + len(data) > size:
                 break
             end += len(header) + len(data)
             kept += 1
-        self.n_events, self._whole_bytes = kept, end
+        self.n_events, self._complete_bytes = kept, end
         if size > end:
             os.ftruncate(self._fd, end)
-        return LogError(f"{self.path}: {error.strerror}; the log ends whole after {kept} events")
+        return LogError(f"{self.path}: {error.strerror}; the log holds {kept} complete events")

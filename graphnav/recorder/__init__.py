@@ -1,7 +1,7 @@
-"""Recording: what is heard on a multicast group goes into a log, and what is lost is counted."""
+"""Record the messages of a multicast group to a log, and count losses."""
 
+from graphnav.recorder.channel_statistics import ChannelStatistics, ReceiveStatistics
 from graphnav.recorder.receive_buffer import buffer_notice
 from graphnav.recorder.recorder import Recorder
-from graphnav.recorder.tally import ChannelTally, Tally
 
-__all__ = ["ChannelTally", "Recorder", "Tally", "buffer_notice"]
+__all__ = ["ChannelStatistics", "ReceiveStatistics", "Recorder", "buffer_notice"]

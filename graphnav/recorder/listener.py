@@ -1,4 +1,4 @@
-"""Listening in a thread of its own, which waits for nothing but the network."""
+"""A receive thread that waits only for the network."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from graphnav.errors import BusError
 
 _POLL_S = 0.05
 _MAX_WAITING = 50_000
-"""Messages that LCM keeps for this thread: its memory must be bounded, whatever is sent."""
+"""Messages that LCM queues for this thread: bounds memory, whatever is sent."""
 
 
 class Listener:
-    """Hands over every message of a group: ``take(channel, data)`` is called in the listening thread.
+    """Receives every message of a group: ``take(channel, data)`` is called in the receive thread.
 
-    Raises BusError where LCM cannot be opened.
+    Raises BusError if LCM cannot be opened.
     """
 
     def __init__(self, url: str, take: Handler) -> None:
@@ -25,7 +25,7 @@ class Listener:
         self._thread = threading.Thread(target=self._serve, name="graphnav-listener", daemon=True)
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Start the receive thread."""
         self._thread.start()
 
     def dropped_packets(self) -> int:
@@ -33,21 +33,21 @@ class Listener:
         return self._bus.dropped_packets()
 
     def close(self) -> None:
-        """Stop listening; what had arrived is handed over first."""
+        """Stop after all messages that had arrived were handed over."""
         self._ending.set()
         if self._thread.is_alive():
             self._thread.join()
 
     def _serve(self) -> None:
         while not self._ending.is_set():
-            self._hear(_POLL_S)
+            self._receive(_POLL_S)
         for _ in range(_MAX_WAITING):
-            if not self._hear(0.0):
+            if not self._receive(0.0):
                 break
         self._bus.close()
 
-    def _hear(self, timeout_s: float) -> bool:
-        """Wait for a message and hand it over; return whether one came."""
+    def _receive(self, timeout_s: float) -> bool:
+        """Wait for a message and hand it over; return whether one arrived."""
         try:
             return self._bus.handle(timeout_s)
         except (BusError, OSError, RuntimeError):

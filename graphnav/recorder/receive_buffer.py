@@ -1,4 +1,4 @@
-"""The kernel's receive buffer of a multicast group: what it grants."""
+"""The size of the receive buffer that the kernel grants."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
 
 
 def buffer_notice(url: str) -> str:
-    """Return what to tell where the kernel grants less than the URL asks for, else nothing."""
+    """Return a warning if the kernel grants less than the URL requests, else an empty string."""
     wanted = parse_qs(urlsplit(url).query).get("recv_buf_size", ["0"])[-1]
     try:
         wanted_bytes, granted_bytes = int(wanted), int(_RMEM_MAX.read_text())
@@ -18,6 +18,6 @@ def buffer_notice(url: str) -> str:
     if granted_bytes >= wanted_bytes:
         return ""
     return (
-        f"the kernel grants {granted_bytes} bytes of receive buffer, {wanted_bytes} are asked for: large messages will "
+        f"the kernel grants {granted_bytes} bytes of receive buffer, {wanted_bytes} are requested: large messages will "
         f"be lost\n  run as root: sysctl -w net.core.rmem_max={wanted_bytes}"
     )

@@ -1,4 +1,4 @@
-"""From a multicast group into a log."""
+"""Record a multicast group to a log."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from graphnav.record import ABOUT, ThreadedLogWriter
 from graphnav.record.about_first import AboutFirst
 from graphnav.record.channel_filter import ChannelFilter
 from graphnav.record.log_files import LogFiles
+from graphnav.recorder.channel_statistics import ReceiveStatistics
 from graphnav.recorder.listener import Listener
-from graphnav.recorder.tally import Tally
 
 
 class Recorder:
-    """Records what is heard on ``url``, from `start` to `close`.
+    """Records the messages received on ``url``, from `start` to `close`.
 
-    Events are in the order of their arrival and stamped with the time of day. ``filter`` chooses the channels; what
-    describes a run is recorded anyway. ``open_files`` opens the log. ``notice`` is told, from another thread, if the
-    disk refuses; ``failure`` then says why.
+    Events are in order of arrival, stamped with wall time. ``filter`` selects the channels; descriptions of runs are
+    always recorded. ``open_files`` opens the log. ``notice`` is called from another thread if the disk fails;
+    ``failure`` then holds the reason.
 
-    Raises BusError where LCM cannot be opened, OSError where the log cannot, LogError where the
+    Raises BusError if LCM cannot be opened, OSError if the log cannot, LogError if the
     disk has less than its quota from the beginning.
     """
 
@@ -34,7 +34,7 @@ class Recorder:
         open_files: Callable[[Path], LogFiles] = LogFiles,
         notice: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self.tally = Tally()
+        self.statistics = ReceiveStatistics()
         self._takes = channels.takes
         self._listener = Listener(url, self._take)
         try:
@@ -44,19 +44,19 @@ class Recorder:
             raise
         self._log = ThreadedLogWriter(path, notice=notice, open_log=lambda _: AboutFirst(self.files))
         self.unnamed = 0
-        """Messages on a channel without a name, which no log can hold."""
+        """Messages with an empty channel name, which cannot be logged."""
         self._is_closed = False
         self.dropped_packets = 0
-        """Packets that the kernel dropped before they could be heard."""
+        """Packets dropped by the kernel."""
 
     @property
     def failure(self) -> str:
-        """Why the recording ended before its time, empty if it did not."""
+        """Why the recording ended early, empty if it did not."""
         return self._log.failure
 
     @property
     def dropped(self) -> int:
-        """Messages that were heard and are not in the log, because the disk did not take them in time."""
+        """Messages that were received but not logged, because the disk was too slow."""
         return self._log.dropped
 
     @property
@@ -69,11 +69,11 @@ class Recorder:
         self._listener.start()
 
     def look(self) -> None:
-        """Ask the kernel what it has dropped."""
+        """Update the number of packets dropped by the kernel."""
         self.dropped_packets = self._listener.dropped_packets()
 
     def close(self) -> None:
-        """Stop listening and complete the log; does nothing the second time."""
+        """Stop receiving and complete the log; idempotent."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -85,5 +85,5 @@ class Recorder:
         if not channel:
             self.unnamed += 1
         elif channel == ABOUT or self._takes(channel):
-            self.tally.hear(channel, data)
+            self.statistics.receive(channel, data)
             self._log.write(channel, time.time_ns() // 1000, data)

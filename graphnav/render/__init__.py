@@ -1,4 +1,4 @@
-"""Pictures of graphs: boxes in the terminal, SVG, Mermaid, dot."""
+"""Drawings of graphs: terminal, SVG, Mermaid, Graphviz."""
 
 from graphnav.render.dot import dot_of
 from graphnav.render.mermaid import mermaid_of

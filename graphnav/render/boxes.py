@@ -1,4 +1,4 @@
-"""The boxes of a drawing: stages, what comes in from other programs, what leaves for them."""
+"""The boxes of a drawing: stages, inputs and outputs."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ Kind = Literal["source", "stage", "input", "output"]
 
 @dataclass(frozen=True)
 class InPort:
-    """An input port as drawings show it."""
+    """An input port in a drawing."""
 
     name: str
     channel: Channel | None
     is_sampled: bool = False
     reading: str = ""
-    """How it is read where that is not plain: "latest" or "since"."""
+    """How a port that is not plain is read: "latest" or "since"."""
 
 
 @dataclass(frozen=True)
 class OutPort:
-    """An output port as drawings show it."""
+    """An output port in a drawing."""
 
     name: str
     channel: Channel
     alias: str = ""
-    """Its LCM channel, or the log that it is read from, where that is not its own name."""
+    """The LCM channel or log of the port, if its name differs."""
 
 
 @dataclass(frozen=True)
 class Box:
-    """One box: ``key`` is its own among all of a drawing, ``use`` says below its name what it is."""
+    """One box: ``key`` is unique within the drawing, ``use`` is the subtitle below its name."""
 
     key: str
     name: str
@@ -44,19 +44,19 @@ class Box:
 
     @property
     def group(self) -> str:
-        """The family of a stage, or what other boxes have in common: they share a colour."""
+        """The family of a stage, or the kind of another box: boxes of a group share a colour."""
         return self.use.partition(".")[0] if self.kind in ("source", "stage") else "LCM"
 
 
 def boxes_of(graph: Graph) -> list[Box]:
-    """Return inputs, stages in the file's order, and outputs."""
+    """Return inputs, stages in file order, and outputs."""
     stems = dict.fromkeys(given.channel.stage for given in graph.inputs.values())
     inputs = [_input(stem, [i for i in graph.inputs.values() if i.channel.stage == stem]) for stem in stems]
     return [*inputs, *map(_stage, graph.nodes), *map(_output, graph.outputs.values())]
 
 
 def as_fired(graph: Graph, boxes: list[Box]) -> list[Box]:
-    """Return boxes with writers before plain readers: inputs, sources, the other stages as they fire, outputs."""
+    """Return boxes with writers before plain readers: inputs, sources, other stages in firing order, outputs."""
     by_key = {box.key: box for box in boxes}
     stages = [by_key[node.name] for node in (*graph.sources, *graph.order)]
     inputs, outputs = ([box for box in boxes if box.kind == kind] for kind in ("input", "output"))

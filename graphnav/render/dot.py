@@ -1,4 +1,4 @@
-"""Draw a graph in Graphviz' language."""
+"""Draw a graph in Graphviz's dot language."""
 
 from __future__ import annotations
 
@@ -44,5 +44,5 @@ def _alias(box: Box, port: OutPort) -> str:
 
 
 def _text(text: str) -> str:
-    """Return a text for a record's label, in which some characters have a meaning."""
+    """Escape a string for the label of a record."""
     return "".join(f"\\{char}" if char in '\\"{}|<> ' else char for char in text)

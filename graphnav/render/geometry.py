@@ -1,4 +1,4 @@
-"""Where the boxes and wires of a drawing are: stages from left to right, wires as SVG paths."""
+"""Lay out the boxes and wires of a drawing: stages from left to right, wires as SVG paths."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _PALETTE = ("#2563a8", "#b4501e", "#2e7d4f", "#7a4b9e", "#a3324b", "#0f7b83", "#
 
 @dataclass(frozen=True)
 class Sizes:
-    """What a drawing leaves room for, in SVG units: a character, a port's row, between columns, below a box's ports.
+    """Sizes in SVG units: of a character, a port's row, the gap between columns, the space below a box's ports.
 
-    ``min_chars``: how many characters every box is wide.
+    ``min_chars``: minimum width of a box, characters.
     """
 
     char: float = 8.0
@@ -34,7 +34,7 @@ class Sizes:
 
 @dataclass(frozen=True)
 class PlacedBox:
-    """A box and where it is."""
+    """A box and its position."""
 
     box: Box
     x: float
@@ -45,14 +45,14 @@ class PlacedBox:
     colour: str
 
     def port_y(self, port: str, *, is_input: bool) -> float:
-        """Return the height of a port's row."""
+        """Return the y coordinate of a port's row."""
         names = [p.name for p in (self.box.inputs if is_input else self.box.outputs)]
         return self.y + HEAD + (names.index(port) + 0.5) * self.row
 
 
 @dataclass(frozen=True)
 class PlacedWire:
-    """A wire: its path, in SVG's words, from ``start`` to ``end`` (x, y), in the colour of its writer."""
+    """A wire: its SVG path from ``start`` to ``end`` (x, y), in the colour of its writer."""
 
     wire: Wire
     path: str
@@ -63,7 +63,7 @@ class PlacedWire:
 
 @dataclass(frozen=True)
 class Geometry:
-    """A whole drawing; boxes by key."""
+    """A complete drawing; boxes by key."""
 
     width: float
     height: float
@@ -72,7 +72,7 @@ class Geometry:
 
 
 def geometry_of(drawn: Sequence[Box], sizes: Sizes | None = None) -> Geometry:
-    """Return where the boxes are, in columns by how many others their data has passed, and the wires between them."""
+    """Return the positions of boxes, in columns by data flow depth, and the wires between them."""
     sizes = sizes or Sizes()
     heights = {box.key: HEAD + sizes.row * max(len(box.inputs), len(box.outputs), 1) + sizes.foot for box in drawn}
     layers = layers_of(drawn, heights, _GAP_Y)
@@ -104,7 +104,7 @@ def _boxes(drawn: Sequence[Box], layers: Layers, sizes: Sizes) -> dict[str, Plac
 
 
 def _characters(box: Box) -> int:
-    """Return how many characters a box has to be wide."""
+    """Return the required width of a box, characters."""
     rows = max(len(box.inputs), len(box.outputs))
     inputs = [len(port.name) for port in box.inputs] + [0] * rows
     outputs = [len(port.name) + (len(port.alias) + 1) * bool(port.alias) for port in box.outputs] + [0] * rows
@@ -148,7 +148,7 @@ def _path_on(x: float, y: float, passes: list[tuple[float, float, float]]) -> st
 
 
 def _path_back(x: float, y: float, to_x: float, to_y: float, lane_y: float) -> str:
-    """Return a line with round corners that runs back below everything."""
+    """Return a path with rounded corners that runs back below all boxes."""
     r, out, back = 8.0, x + 18.0, to_x - 22.0
     return (
         f"M{x:.1f},{y:.1f}H{out - r:.1f}Q{out:.1f},{y:.1f} {out:.1f},{y + r:.1f}V{lane_y - r:.1f}"

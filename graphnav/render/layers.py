@@ -1,4 +1,4 @@
-"""Put the boxes of a graph into columns, so that wires run to the right and cross little."""
+"""Arrange the boxes of a graph in columns, so that wires run to the right with few crossings."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ class Spot:
 
     @property
     def middle(self) -> float:
-        """Half way down."""
+        """The y coordinate of the centre."""
         return self.top + self.height / 2
 
 
 @dataclass
 class Route:
-    """The spots that a wire passes on its way to the right; empty for one that runs back."""
+    """The spots that a wire passes on its way to the right; empty for a wire that runs back."""
 
     wire: Wire
     passes: list[Spot]
@@ -40,7 +40,7 @@ class Route:
 
 @dataclass
 class Layers:
-    """Columns of spots, from the sources to the sinks, and the ways of the wires."""
+    """Columns of spots, from the sources to the sinks, and the routes of the wires."""
 
     columns: list[list[Spot]]
     spots: dict[str, Spot]
@@ -48,7 +48,7 @@ class Layers:
 
 
 def layers_of(boxes: Sequence[Box], heights: dict[str, float], gap: float) -> Layers:
-    """Return boxes in columns by how many others their data has passed, each column stacked from the top.
+    """Return boxes in columns by data flow depth, each column stacked from the top.
 
     ``heights``: of each of the ``boxes``; ``gap``: between two in a column.
     """
@@ -74,7 +74,7 @@ def layers_of(boxes: Sequence[Box], heights: dict[str, float], gap: float) -> La
 
 
 def _depths(boxes: Sequence[Box], wires: Sequence[Wire]) -> dict[str, int]:
-    """Return the column of each box; a cycle of plain wires, which no checked graph has, is cut where it closes."""
+    """Return the column of each box; a cycle of plain wires, which no checked graph has, is cut at its closing wire."""
     by_key = {box.key: box for box in boxes}
     writers: dict[str, list[str]] = {box.key: [] for box in boxes}
     for wire in wires:

@@ -32,5 +32,5 @@ def _label(box: Box) -> str:
 
 
 def _id(key: str) -> str:
-    """Return an identifier that is no word of Mermaid's, such as ``end``."""
+    """Return an identifier that is not a Mermaid keyword, such as ``end``."""
     return "s_" + key.replace(" ", "_").replace(".", "_")

@@ -13,7 +13,7 @@ from graphnav.render.geometry import HEAD, geometry_of
 
 
 def svg_of(graph: Graph, notes: Mapping[str, str] | None = None) -> Markup:
-    """Return an SVG picture; stages that ``notes`` names are marked, with their note above them."""
+    """Return an SVG document; stages in ``notes`` are marked, with the note above them."""
     drawing = geometry_of(boxes_of(graph))
     picture = rendered(
         "graphnav.render",

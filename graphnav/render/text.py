@@ -1,4 +1,4 @@
-"""Draw a graph for the terminal: stages below each other, channels as rails beside them."""
+"""Draw a graph for the terminal: stages in one column, channels as rails on the right."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class _Rail:
 
     writer: int
     readers: dict[int, bool]
-    """Row of each reader, and whether it samples."""
+    """The row of each reader, and whether it samples."""
     column: int = 0
 
     @property
@@ -45,9 +45,9 @@ class _Rail:
 
 
 def text_of(graph: Graph) -> TextDrawing:
-    """Return the drawing; inputs and sources first, then the other stages as they fire, then outputs.
+    """Return the drawing: inputs and sources, other stages in firing order, outputs.
 
-    A rail leaves its box at the port that writes it and enters others at an arrow head; a broken line is sampled.
+    A rail leaves the box of its writer at the port and enters readers at an arrow head; a dashed line is sampled.
     """
     boxes = boxes_of(graph)
     lines: list[str] = []
@@ -86,7 +86,7 @@ def _rails(wires: list[Wire], rows: dict[str, int]) -> list[_Rail]:
 
 
 def _place(rails: list[_Rail]) -> None:
-    """Give each rail the innermost column where no other is in its way, short ones first."""
+    """Assign each rail the innermost free column, short rails first."""
     taken: list[set[int]] = []
     for rail in sorted(rails, key=lambda r: (r.bottom - r.top, r.top)):
         rows = set(range(rail.top, rail.bottom + 1))

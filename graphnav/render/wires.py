@@ -1,4 +1,4 @@
-"""The wires of a graph, as drawings need them."""
+"""The wires of a drawing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Replaying: a log's sources are played, the stages of its graph step again, and what they publish is compared."""
+"""Replay a log: play its sources, step the stages of its graph again, compare their messages with the recorded ones."""
 
 from graphnav.replay.comparison.field_differences import Tolerance
 from graphnav.replay.comparison.result import ChannelResult, FieldResult, FirstDifference, ReplayResult

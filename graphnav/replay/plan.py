@@ -1,4 +1,4 @@
-"""Which channels a replay plays from the log and which stages step again."""
+"""Plan a replay: the channels played from the log, and the stages that step."""
 
 from __future__ import annotations
 
@@ -13,40 +13,40 @@ from graphnav.graph.wiring.settings import SET
 
 @dataclass(frozen=True)
 class Plan:
-    """What is played and what steps."""
+    """The played channels and the stepping stages."""
 
     graph: Graph
-    """All of it."""
+    """The complete graph."""
     stepped: Graph
-    """The stages that step, in their firing order; its channels are those of the entire graph."""
+    """The stepping stages, in firing order; its channels are those of the complete graph."""
     played: tuple[Channel, ...]
-    """What comes from the log, in the order of the graph."""
+    """Channels played from the log, in graph order."""
     needed: tuple[Channel, ...]
-    """What of it a stage reads that steps."""
+    """Played channels that a stepping stage reads."""
     compared: tuple[Channel, ...]
-    """What the stages publish that step, in firing order, without what is played."""
+    """Channels published by stepping stages, in firing order, except played ones."""
     copied: tuple[Channel, ...]
-    """What is neither played nor compared, because its stage is not needed: a log of the replay holds it as it was."""
+    """Channels of stages that are not needed, copied to the replay's log."""
     not_needed: tuple[str, ...]
-    """Stages that neither step nor are played: only stages read them that do not step either."""
+    """Stages that neither step nor are played: no stepping stage depends on them."""
 
     @property
     def stepped_names(self) -> frozenset[str]:
-        """The names of the stages that step."""
+        """The names of the stepping stages."""
         return frozenset(node.name for node in self.stepped.nodes)
 
     def readers_of(self, channel: Channel) -> list[str]:
-        """Return the stages that step and read a channel."""
+        """Return the stepping stages that read a channel."""
         return [node.name for node in self.stepped.nodes if any(i.channel == channel for i in node.inputs)]
 
 
 def make_plan(graph: Graph, play: Sequence[str] = ()) -> Plan:
-    """Return the plan that plays what sources and inputs published, and the channels ``play`` (``stage.port``) too.
+    """Return the plan that plays sources, inputs, and the channels ``play`` (``stage.port``).
 
     Raises
     ------
     UserError
-        ``play`` names a channel that the graph does not have, or nothing is left to step.
+        ``play`` names an unknown channel, or no stage is left to step.
     """
     played = {channel.ref for node in graph.sources for channel in node.outputs.values()} | set(graph.inputs)
     for word in play:
@@ -57,7 +57,7 @@ def make_plan(graph: Graph, play: Sequence[str] = ()) -> Plan:
         stepping.discard(idle)
         not_needed.append(idle)
     if not stepping:
-        raise UserError.of("no stage is left that steps: every channel is played", "leave out some of --play")
+        raise UserError.of("no stage is left to step: every channel is played", "leave out some of --play")
     nodes, order = (tuple(n for n in given if n.name in stepping) for given in (graph.nodes, graph.order))
     read = {i.channel.ref for node in nodes for i in node.inputs if i.channel is not None}
     channels = [channel for ref, channel in graph.channels.items() if ref in played]
@@ -75,14 +75,14 @@ def make_plan(graph: Graph, play: Sequence[str] = ()) -> Plan:
 
 
 def notices_of(plan: Plan) -> Iterator[str]:
-    """Yield what ``--set`` says of stages that do not step."""
+    """Yield a notice for each stage that is changed by ``--set`` but does not step."""
     for node in plan.graph.nodes:
         if node.name not in plan.stepped_names and _is_set(node):
-            yield f"{node.name}: what --set says of it changes nothing, because it does not step in this replay"
+            yield f"{node.name}: --set has no effect on this stage, because it does not step in this replay"
 
 
 def _refs(graph: Graph, word: str) -> set[str]:
-    """Return the channels that ``stage.port`` or ``stage`` means."""
+    """Return the channels that match ``stage.port`` or ``stage``."""
     if word in graph.channels:
         return {word}
     of_stage = {ref for ref, channel in graph.channels.items() if channel.stage == word}
@@ -94,7 +94,7 @@ def _refs(graph: Graph, word: str) -> set[str]:
 
 
 def _idle(graph: Graph, stepping: Collection[str]) -> str | None:
-    """Return a stage that steps only for stages that do not."""
+    """Return a stage whose readers all do not step."""
     sources = {node.name for node in graph.sources}
     readers: dict[str, set[str]] = defaultdict(set)
     for node in graph.nodes:

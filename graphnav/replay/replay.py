@@ -1,4 +1,4 @@
-"""Replay a log: play what sources published, step the other stages again, compare."""
+"""Replay a log: play its sources, step the other stages again, compare."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from graphnav.runner.unit import Unit
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """What a replay does other than the run did.
+    """Options of a replay.
 
-    ``play``: channels that are played beside those of sources (``stage.port``, or ``stage`` for all of its ports).
-    ``from_s``: compare from here on; ``is_cold``: also begin here, with fresh state, instead of warming up from the
-    start.
+    ``play``: channels to play in addition to those of sources (``stage.port``, or ``stage`` for all of its ports).
+    ``from_s``: start of the comparison; ``is_cold``: also start the stages here, with fresh state, instead of warming
+    them up from the beginning.
     """
 
     play: Sequence[str] = ()
@@ -44,7 +44,7 @@ class ReplayOptions:
 
 
 class Replayer(Protocol):
-    """What steps the stages by what a log says."""
+    """A runner that steps the stages by a log."""
 
     ticks: int
     utime: int
@@ -52,16 +52,16 @@ class Replayer(Protocol):
 
     @property
     def units(self) -> Mapping[str, Unit]:
-        """The stages at work, by name."""
+        """The stepping stages, by name."""
 
     def reset(self, seed: int) -> None:
-        """Make every stage's state anew."""
+        """Reset every stage."""
 
     def replay(self) -> Iterator[int]:
-        """Go through the log; yield the run's clock after each part of it, microseconds."""
+        """Process the log; yield the run's clock after each part, microseconds."""
 
     def close(self) -> None:
-        """Release what the stages hold."""
+        """Close the stages."""
 
 
 def replay(
@@ -73,15 +73,15 @@ def replay(
     on_tick: Callable[[int], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
 ) -> ReplayResult:
-    """Step the stages of a graph by what a log says, and compare what they publish with what the log holds.
+    """Step the stages of a graph by a log, and compare their messages with the recorded ones.
 
-    ``out``: the file that gets the replay's own log. ``on_tick`` gets the time of the run that is replayed,
-    microseconds, ``on_failure`` the error of a stage that ends the replay.
+    ``out``: the file for the replay's own log. ``on_tick`` is called with the time of the replayed run, microseconds,
+    ``on_failure`` with the error of a stage that ends the replay.
 
     Raises
     ------
     UserError
-        The log lacks what is needed, an option does not fit it, or a stage cannot be made.
+        Required messages are missing, an option does not fit the log, or a stage cannot be created.
     LogError
         ``out`` cannot be written.
     """
@@ -117,12 +117,12 @@ class _Replay:
         """Raise UserError where nothing is left to compare."""
         path = self._recording.path
         if not self._contents.order:
-            hint = "name the graph that made it with --graph FILE, or another log"
+            hint = "name the graph that produced it with --graph FILE, or another log"
             raise UserError.of(f"{path} holds no messages of its graph", hint)
         end_us = max(message.at_us for message in self._contents.order)
         if self._from_us > end_us:
             what = f"{path} ends at {(end_us - self.begin_us) / 1e6:.2f} s"
-            raise UserError.of(what, f"--from {self._options.from_s:g} is behind that")
+            raise UserError.of(what, f"--from {self._options.from_s:g} is after the end")
 
     def begin(self, log: LogWriter | None) -> Replayer:
         """Wire the stages to what compares their messages; return what steps them."""
@@ -190,7 +190,7 @@ def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> 
 
 def _log_writer(path: Path, made: LogGraph, begin_us: int) -> LogWriter:
     if path.exists():
-        raise UserError.of(f"{path} exists already", "choose another file with -o")
+        raise UserError.of(f"{path} already exists", "choose another file with -o")
     try:
         writer = LogWriter(path)
     except OSError as error:
@@ -201,7 +201,7 @@ def _log_writer(path: Path, made: LogGraph, begin_us: int) -> LogWriter:
 
 
 def _not_replayed(recording: Recording, made: LogGraph, replayed: set[str]) -> Iterator[str]:
-    """Yield the channels that the log says of itself and that the replay does not have."""
+    """Yield the recorded channels that the replay does not have."""
     for name in made.about.channels if made.about is not None else ():
         if name not in replayed and not name.startswith(RESERVED) and recording.count(name):
             yield name

@@ -1,4 +1,4 @@
-"""What a log says of how its stages are to be stepped: by the ticks of lockstep, or by the firings of a live run."""
+"""Choose how to step the stages: by the ticks of a lockstep run, or by the firings of a live run."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ Make = Callable[[Mapping[str, Stage], Sequence[Sink], Sink | None], ReplayRunner
 
 @dataclass(frozen=True)
 class Session:
-    """What makes the runner of a replay: from stages, what takes their messages, and the log of the replay.
+    """A factory of the replay's runner: from stages, sinks for their messages, and the log of the replay.
 
-    ``last_us``: the run's clock at the last tick or firing of the log, within which the log may have ended.
+    ``last_us``: the run's clock at the last tick or firing of the log, which may be incomplete.
     """
 
     make: Make
     last_us: int
     lost: tuple[str, ...] = ()
-    """What damage of the log costs."""
+    """Consequences of damage of the log."""
 
 
 def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents: Contents, start_us: int) -> Session:
-    """Return how the log of a lockstep run is replayed from a stamp on.
+    """Return the session that replays a lockstep run from a timestamp on.
 
     Raises
     ------
     UserError
-        The log lacks what is needed, or the graph does not run in lockstep.
+        Required messages are missing, or the graph does not run in lockstep.
     """
     if plan.graph.inputs:
-        what = f"the graph has inputs ({', '.join(plan.graph.inputs)}), but the log is that of a lockstep run"
+        what = f"the graph has inputs ({', '.join(plan.graph.inputs)}), but the log was recorded in lockstep"
         raise UserError.of(what, "replay it with a graph that runs in lockstep")
     refuse_unreadable(plan, contents, recording, made.about)
     reach = reach_of(plan, contents, recording, start_us, is_small=made.is_small)
@@ -62,12 +62,12 @@ def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents:
 
 
 def live_session(recording: Recording, made: LogGraph, plan: Plan, contents: Contents, start_us: int) -> Session:
-    """Return how the log of a live run is replayed from a time of the run's clock on.
+    """Return the session that replays a live run from a time of the run's clock on.
 
     Raises
     ------
     UserError
-        The log lacks what is needed.
+        Required messages are missing.
     """
     refuse_unreadable(plan, contents, recording, made.about)
     logged = read_firings(plan, contents, recording, made.wires)

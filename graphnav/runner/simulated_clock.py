@@ -1,4 +1,4 @@
-"""How fast simulated time passes; what time it is, the stamps say."""
+"""The pace of simulated time; the time itself is that of the messages' timestamps."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable
 
 MAX_LATE_S = 0.5
-"""Behind by more than this, a paced clock gives the time up instead of making up for it, and says so."""
+"""A paced clock that is later than this shifts its schedule instead of catching up, with a notice."""
 
 
 class SimulatedClock:
-    """Jumps from stamp to stamp, as fast as the machine allows or at a pace that people can watch.
+    """A clock that advances from timestamp to timestamp, unpaced or at a multiple of wall time.
 
-    ``pace_ratio``: simulated seconds per wall second; None does not wait at all. ``notice`` is called when the clock is
-    behind by more than half a second, and again each time that has doubled.
+    ``pace_ratio``: simulated seconds per wall second; None never waits. ``notice`` is called when the clock is more
+    than half a second late, and again each time the delay has doubled.
     """
 
     def __init__(
@@ -24,7 +24,7 @@ class SimulatedClock:
         notice: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.behind_s = 0.0
-        """Wall seconds by which the newest stamp came later than the pace asks for, since the first one; 0 unpaced."""
+        """Wall seconds by which the newest timestamp is behind the pace; 0 without a pace."""
         self._pace_ratio = pace_ratio
         self._wall_s, self._sleep, self._notice = wall_s, sleep, notice
         self._offset_s: float | None = None
@@ -33,7 +33,7 @@ class SimulatedClock:
         self._ticks = Ticks()
 
     def advance(self, utime: int) -> None:
-        """Let it be ``utime``, after the wait that the pace asks for; the first stamp comes at once."""
+        """Advance to ``utime`` after the wait required by the pace; the first timestamp needs no wait."""
         if self._pace_ratio is None:
             return
         due_s = utime / 1e6 / self._pace_ratio
@@ -56,7 +56,7 @@ class SimulatedClock:
 
 
 class Ticks:
-    """What ticks take and what the pace gives them, on average."""
+    """Average duration of ticks, and the average available time."""
 
     def __init__(self) -> None:
         self._count = 0
@@ -64,11 +64,11 @@ class Ticks:
         self._began: tuple[float, float] | None = None
 
     def begin(self, wall_s: float, due_s: float) -> None:
-        """Note when a tick begins and when it was due."""
+        """Record when a tick begins and when it was due."""
         self._began = wall_s, due_s
 
     def end(self, wall_s: float, due_s: float) -> None:
-        """Note when the tick that began has ended and when the next one is due."""
+        """Record when the tick ended and when the next one is due."""
         if self._began is not None:
             self._count += 1
             self._took_s += wall_s - self._began[0]
@@ -76,11 +76,11 @@ class Ticks:
 
     def __str__(self) -> str:
         count = max(1, self._count)
-        took = f"a tick takes {_ms(self._took_s / count)} ms, the pace asks for {_ms(self._due_s / count)} ms"
+        took = f"a tick takes {_ms(self._took_s / count)} ms, the pace allows {_ms(self._due_s / count)} ms"
         return took if self._took_s > self._due_s else f"the process was held up ({took})"
 
 
 def _ms(duration_s: float) -> str:
-    """Return milliseconds with two digits at least: 0.25, 9.5, 19."""
+    """Format milliseconds with at least two digits: 0.25, 9.5, 19."""
     duration_ms = duration_s * 1e3
     return f"{duration_ms:.0f}" if duration_ms >= 10 else f"{duration_ms:.2g}"

@@ -1,6 +1,6 @@
-"""Watching: which channels there are, what goes over them and how fast, live or in a log."""
+"""Show the channels of a multicast group or a log: types, rates, sizes, contents."""
 
-from graphnav.spy.feed import Feed, Heard, drops_of
+from graphnav.spy.feed import Feed, Received, drops_of
 from graphnav.spy.feed_listener import FeedListener
 from graphnav.spy.fields.field_columns import all_columns, columns_of
 from graphnav.spy.fields.field_path import MISSING, FieldPath, parse_field
@@ -10,7 +10,9 @@ from graphnav.spy.fields.selection import Selection
 from graphnav.spy.health.health import Health
 from graphnav.spy.health.health_json import health_as_json
 from graphnav.spy.health.health_text import health_as_text
-from graphnav.spy.report import (
+from graphnav.spy.message_window import Periods
+from graphnav.spy.traffic import ChannelTraffic, Traffic
+from graphnav.spy.traffic_report import (
     as_json,
     as_text,
     rates_as_json,
@@ -19,8 +21,6 @@ from graphnav.spy.report import (
     sizes_as_json,
     volume,
 )
-from graphnav.spy.traffic import ChannelTraffic, Traffic
-from graphnav.spy.window import Periods
 
 __all__ = [
     "MISSING",
@@ -29,8 +29,8 @@ __all__ = [
     "FeedListener",
     "FieldPath",
     "Health",
-    "Heard",
     "Periods",
+    "Received",
     "Selection",
     "Traffic",
     "all_columns",

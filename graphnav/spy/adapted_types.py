@@ -1,4 +1,4 @@
-"""Types of other packages that installed adapters explain."""
+"""Load the LCM types of installed adapters."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ from graphnav.errors import CatalogError
 
 
 def load_adapted_types() -> None:
-    """Import the installed adapters, which makes their types known; one that cannot be used adds none."""
+    """Import the installed adapters, which registers their types; broken adapters are skipped."""
     with suppress(CatalogError):
         Catalog().adapters()

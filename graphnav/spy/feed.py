@@ -1,4 +1,4 @@
-"""Where messages are heard: live on a multicast group, or in a log."""
+"""A source of messages: a live multicast group, or a log."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from graphnav.record import Recording, find_log
 
 _PATIENCE_S = 0.1
 _AT_ONCE = 1000
-"""So many messages are yielded at the latest, however fast they come: whoever listens may end, or show something."""
+"""The maximum number of messages before control is yielded, so that a busy feed can be interrupted."""
 _MAX_WAITING = 50_000
-"""Messages that LCM keeps for whoever listens too slowly: memory must be bounded, whatever is sent."""
+"""Messages that LCM queues for a slow listener: bounds memory, whatever is sent."""
 
 
-class Heard(NamedTuple):
-    """A message; ``at_s`` is when it arrived, or was recorded, on a clock of any origin."""
+class Received(NamedTuple):
+    """A received message; ``at_s``: time of arrival or recording, on a clock of any origin."""
 
     channel: str
     data: bytes
@@ -29,15 +29,15 @@ class Heard(NamedTuple):
 
 
 class Feed:
-    """A multicast group (``udpm://...``), a log, or a run folder; without a name the group where runs are tapped.
+    """A multicast group (``udpm://...``), a log, or a run folder; without a name the group of the tap.
 
-    Raises UserError where there is nothing of that name, or ``LCM_DEFAULT_URL`` leads nowhere.
+    Raises UserError if the name does not exist, or ``LCM_DEFAULT_URL`` is not usable.
     """
 
     def __init__(self, name: str | None) -> None:
         self.name = name or tap_url()
         self.is_live = self.name.startswith("udpm:")
-        self.torn = ""
+        self.truncated = ""
         self._bus: Bus | None = None
         self._dropped_packets = 0
         if not self.is_live:
@@ -45,42 +45,42 @@ class Feed:
 
     @property
     def clock(self) -> Callable[[], float] | None:
-        """The clock of the arrivals; None in a log, where it is always later."""
+        """The arrival clock; None for a log."""
         return time.monotonic if self.is_live else None
 
     @property
     def epoch_s(self) -> float:
-        """The time of day, in seconds since 1970, at which the clock of the arrivals was 0; 0 in a log."""
+        """The wall time, seconds since 1970, at which the arrival clock was 0; 0 for a log."""
         return time.time() - time.monotonic() if self.is_live else 0.0
 
     def check(self) -> None:
-        """Raise BusError where a live feed cannot be listened to, before anything waits for it."""
+        """Raise BusError early if a live feed cannot be opened."""
         require_route(with_defaults(self.name))
 
-    def listen(self, for_s: float | None) -> Generator[Heard | None]:
-        """Yield messages, for ``for_s`` seconds if live; None now and then where nothing comes."""
+    def listen(self, for_s: float | None) -> Generator[Received | None]:
+        """Yield messages, for ``for_s`` seconds if live; yields None periodically while no messages arrive."""
         return self._live(for_s) if self.is_live else self._recorded()
 
     def dropped_packets(self) -> int:
-        """Return how many packets the kernel dropped before they could be heard; 0 in a log."""
+        """Return the number of packets dropped by the kernel; 0 for a log."""
         if self._bus is not None:
             self._dropped_packets = max(self._dropped_packets, self._bus.dropped_packets())
         return self._dropped_packets
 
     def silence(self, for_s: float | None, channel: str | None = None) -> GraphnavError:
-        """Return the error to raise where nothing was heard, or nothing on a channel."""
+        """Return the error for a feed, or a channel, without messages."""
         what = f"no message on channel '{shown_name(channel or '')}'"
         if not self.is_live:
             return GraphnavError(f"{what} in {self.name}" if channel else f"{self.name} is empty")
         what = f"{what} of {self.name}" if channel else f"no message on {self.name}"
         within = f" within {for_s:g} s" if for_s is not None else ""
-        hint = "" if channel else "\n  start a run that can be watched: graphnav run GRAPH --pace 1"
+        hint = "" if channel else "\n  start a run: graphnav run GRAPH --pace 1"
         return GraphnavError(what + within + hint)
 
-    def _live(self, for_s: float | None) -> Generator[Heard | None]:
-        waiting: deque[Heard] = deque()
+    def _live(self, for_s: float | None) -> Generator[Received | None]:
+        waiting: deque[Received] = deque()
         bus = Bus(self.name)
-        bus.subscribe_all(lambda channel, data: waiting.append(Heard(channel, data, time.monotonic())), _MAX_WAITING)
+        bus.subscribe_all(lambda channel, data: waiting.append(Received(channel, data, time.monotonic())), _MAX_WAITING)
         self._bus = bus
         end_s = time.monotonic() + for_s if for_s is not None else None
         try:
@@ -96,15 +96,15 @@ class Feed:
             self._bus = None
             bus.close()
 
-    def _recorded(self) -> Generator[Heard | None]:
+    def _recorded(self) -> Generator[Received | None]:
         with Recording(self.path) as recording:
-            self.torn = str(recording.torn or "")
+            self.truncated = str(recording.truncated or "")
             for event in recording.events():
-                yield Heard(event.channel, event.data, event.utime / 1e6)
+                yield Received(event.channel, event.data, event.utime / 1e6)
 
 
 def drops_of(feed: Feed) -> str:
-    """Return what the kernel dropped of a feed, in words; empty where it dropped nothing."""
+    """Return a phrase about packets dropped by the kernel, empty if there are none."""
     dropped = feed.dropped_packets()
     if not dropped:
         return ""

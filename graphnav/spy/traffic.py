@@ -1,4 +1,4 @@
-"""What goes over each channel: type, rate, size, losses."""
+"""Measure the traffic of each channel: type, rate, size, losses."""
 
 from __future__ import annotations
 
@@ -11,57 +11,56 @@ from graphnav.errors import Hint, UserError, did_you_mean, shown_name
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy.adapted_types import load_adapted_types
-from graphnav.spy.feed import Feed, Heard, drops_of
+from graphnav.spy.feed import Feed, Received, drops_of
+from graphnav.spy.message_window import RECENT_S, Periods, Sizes, Window
 from graphnav.spy.rate_history import RateHistory
-from graphnav.spy.window import RECENT_S, Periods, Sizes, Window
 
 _SILENT_S = 1.0
 _SILENT_PERIODS = 3
-"""A channel is silent after so many of its periods without a message, and after a second at the earliest."""
+"""A channel is silent after this number of its periods without a message, and after at least a second."""
 
 MAX_CHANNELS = 512
-"""Messages of further channels are counted and not kept: anybody may invent names."""
+"""Messages of further channels are only counted, to bound memory when a program sends random names."""
 _MAX_EARLY_S, _MAX_LATE_S = 1.0, 60.0
-"""A stamp so far from the time of day is of another clock."""
+"""A timestamp this far from wall time belongs to another clock."""
 _MAX_RUNS = 32
 _MAX_GAP = 1_000_000
-"""A larger step of the numbers is a new numbering, not a loss."""
+"""A larger step of the sequence numbers is a new numbering, not a loss."""
 RUN_SILENT_S = 3.0
-"""A run that announces itself every second has ended after this time without."""
+"""A run, which announces itself every second, has ended after this time without an announcement."""
 
 Clock = Callable[[], float]
 
 
 class Traffic:
-    """All channels, by name, and the runs that said that they publish there, with the time at which each said so last.
+    """All channels, by name, and the announced runs with the time of their last announcement.
 
-    ``told`` says whether any run did; ``channels`` then holds what it promised, heard or not. There are at most 512;
-    ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` are of all messages, those included.
-    ``clock`` returns the time now in seconds, on the clock of the
-    arrivals; without one, as for a log, no channel is silent and rates are those of the newest 10,000 messages, else
-    those of the last 10 s.
+    ``has_announcement``: whether a run was announced; ``channels`` then includes the announced ones. There are at most
+    512 channels; ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` include these messages.
+    ``clock`` returns the current time, seconds, on the arrival clock; with a clock rates are those of the last 10 s.
+    Without a clock, as for a log, no channel is silent and rates are those of the newest 10,000 messages.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
         self._clock = clock
         self.channels: dict[str, ChannelTraffic] = {}
         self.runs: dict[str, float] = {}
-        self.told = False
+        self.has_announcement = False
         self.overflow = self.count = self.undecodable = 0
         load_adapted_types()
 
     def current_runs(self, now_s: float) -> list[str]:
-        """Return the runs that still say that they publish there, of ended ones the last; in the order of their begin.
+        """Return the runs that still announce themselves, else the last ended one; in order of their start.
 
-        ``now_s``: on the clock of the arrivals.
+        ``now_s``: on the arrival clock.
         """
-        current = [run_id for run_id, heard_s in self.runs.items() if now_s - heard_s < RUN_SILENT_S]
+        current = [run_id for run_id, received_s in self.runs.items() if now_s - received_s < RUN_SILENT_S]
         return current or sorted(self.runs, key=self.runs.__getitem__)[-1:]
 
     def find(self, name: str, feed: Feed, for_s: float | None) -> ChannelTraffic:
-        """Return a channel that was heard.
+        """Return a channel of which a message was received.
 
-        Raises UserError where there is no such channel, GraphnavError where nothing came.
+        Raises UserError if there is no such channel, GraphnavError if no message was received.
         """
         if name in self.channels and self.channels[name].count:
             return self.channels[name]
@@ -72,8 +71,8 @@ class Traffic:
         raise feed.silence(for_s, name)
 
     def check(self, name: str, feed: Feed) -> None:
-        """Raise UserError where the runs that were heard have no such channel: waiting for it would be in vain."""
-        if self.told and name not in self.channels:
+        """Raise UserError if the announced runs have no such channel: waiting would be futile."""
+        if self.has_announcement and name not in self.channels:
             raise self._unknown(name, feed)
 
     def _unknown(self, name: str, feed: Feed) -> UserError:
@@ -83,38 +82,38 @@ class Traffic:
             hint = f"{hint}\n{dropped}, perhaps of this channel: run 'graphnav doctor'"
         return UserError.of(f"{feed.name} has no channel '{name}'", hint)
 
-    def hear(self, heard: Heard) -> ChannelTraffic:
-        """Count a message; return its channel, one that is not kept where there are too many."""
-        if heard.channel == ABOUT:
-            self._learn(heard)
-        channel = self._channel(heard.channel)
+    def receive(self, received: Received) -> ChannelTraffic:
+        """Count a message; return its channel, a temporary one beyond the maximum."""
+        if received.channel == ABOUT:
+            self._learn(received)
+        channel = self._channel(received.channel)
         if channel is None:
             self.overflow += 1
-            channel = ChannelTraffic(heard.channel, clock=self._clock)
-        channel.hear(heard)
+            channel = ChannelTraffic(received.channel, clock=self._clock)
+        channel.receive(received)
         self.count += 1
         self.undecodable += not channel.decodes
         return channel
 
-    def _channel(self, name: str, told: str | None = None) -> ChannelTraffic | None:
-        """Return the channel of a name, made where it is new; None where there are too many."""
+    def _channel(self, name: str, announced_type: str | None = None) -> ChannelTraffic | None:
+        """Return the channel of a name, created if new; None beyond the maximum."""
         channel = self.channels.get(name)
         if channel is None and len(self.channels) < MAX_CHANNELS:
-            channel = self.channels[name] = ChannelTraffic(name, told, self._clock)
+            channel = self.channels[name] = ChannelTraffic(name, announced_type, self._clock)
         return channel
 
-    def _learn(self, heard: Heard) -> None:
+    def _learn(self, received: Received) -> None:
         try:
-            about = decode(About, heard.data)[2]
+            about = decode(About, received.data)[2]
         except DecodeError:
             return
-        self.told = True
+        self.has_announcement = True
         for name, type_name in zip(about.channels[:MAX_CHANNELS], about.types, strict=False):
             channel = self._channel(name, type_name)
             if channel is not None:
                 channel.type_name = channel.type_name or type_name
         if about.run_id:
-            self.runs[about.run_id] = heard.at_s
+            self.runs[about.run_id] = received.at_s
         if len(self.runs) > _MAX_RUNS:
             del self.runs[min(self.runs, key=self.runs.__getitem__)]
 
@@ -122,19 +121,19 @@ class Traffic:
 class ChannelTraffic:
     """The messages of one channel.
 
-    Every message is measured; decoded is only the newest one, when its ``values`` are asked for. ``decodes`` says
-    whether the newest message is complete and of a known type; ``is_unknown``, that no installed type has its
-    ``fingerprint``. ``heard_s``: when it arrived.
+    Every message is measured; only the newest one is decoded, on access to ``values``. ``decodes``: whether the newest
+    message is complete and of a known type; ``is_unknown``: whether no installed type has its ``fingerprint``.
+    ``received_s``: its time of arrival.
     """
 
-    def __init__(self, name: str, told: str | None = None, clock: Clock | None = None) -> None:
+    def __init__(self, name: str, announced_type: str | None = None, clock: Clock | None = None) -> None:
         self.name = name
-        self.type_name = told
-        self.lcm_class = type_named(told) if told else None
+        self.type_name = announced_type
+        self.lcm_class = type_named(announced_type) if announced_type else None
         self.count = self.undecodable = self.last_bytes = 0
         self.decodes = self.is_unknown = False
         self.fingerprint = b""
-        self.heard_s = 0.0
+        self.received_s = 0.0
         self.history = RateHistory()
         self._clock = clock
         self._newest: bytes | None = None
@@ -143,14 +142,14 @@ class ChannelTraffic:
         self._arrivals, self._stamps = Window(self._recent_s), Window(self._recent_s)
         self._last_seq = self._last_utime = self._published = self._numbered = 0
 
-    def hear(self, heard: Heard) -> None:
+    def receive(self, received: Received) -> None:
         """Count a message."""
-        data = heard.data
+        data = received.data
         self.count += 1
         self.last_bytes = len(data)
-        self.heard_s = heard.at_s
-        self._arrivals.add(heard.at_s, heard.at_s, self.count, len(data))
-        self.history.add(heard.at_s)
+        self.received_s = received.at_s
+        self._arrivals.add(received.at_s, received.at_s, self.count, len(data))
+        self.history.add(received.at_s)
         lcm_class = type_of(data)
         self.is_unknown, self.fingerprint = lcm_class is None, data[:8]
         codec = None if lcm_class is None else codec_of(lcm_class)
@@ -163,10 +162,10 @@ class ChannelTraffic:
         self._newest, self._values = data, None
         utime, seq = codec.peek(data, "utime"), codec.peek(data, "seq")
         if utime is not None and seq is not None:
-            self._number(heard, utime, seq)
+            self._number(received, utime, seq)
 
-    def _number(self, heard: Heard, utime: int, seq: int) -> None:
-        """Count what was published, the lost ones included; one by one where stamps advance and numbers do not."""
+    def _number(self, received: Received, utime: int, seq: int) -> None:
+        """Count published messages, including lost ones; one by one if timestamps advance without sequence numbers."""
         step = seq - self._last_seq
         if step == 0 and utime > self._last_utime:
             step = 1
@@ -175,26 +174,25 @@ class ChannelTraffic:
         self._published += step
         self._numbered += 1
         self._last_seq, self._last_utime = seq, utime
-        self._stamps.add(heard.at_s, utime / 1e6, self._published, len(heard.data))
+        self._stamps.add(received.at_s, utime / 1e6, self._published, len(received.data))
 
     def _take_type(self, lcm_class: type) -> None:
-        """Let the channel be of a type; what came of another one is forgotten."""
+        """Set the type of the channel; forget messages of another type."""
         self.lcm_class, self.type_name = lcm_class, lcm_name(lcm_class)
         self._newest = self._values = None
 
     @property
     def values(self) -> dict[str, Any] | None:
-        """The fields of the newest message that could be decoded, None before the first."""
+        """The fields of the newest decodable message, None before the first."""
         if self._values is None and self._newest is not None and self.lcm_class is not None:
             with suppress(DecodeError):  # sizes beyond what numpy can shape
                 self._values = codec_of(self.lcm_class).decode(self._newest)
         return self._values
 
     def latency_s(self, clock_offset_s: float) -> float | None:
-        """Return the median time from a message's own stamp to its arrival.
+        """Return the median time from a message's timestamp to its arrival.
 
-        ``clock_offset_s`` is added to the clock of the arrivals to give the time of day. None where the stamps are not
-        on that clock, as those of simulated time.
+        ``clock_offset_s`` is added to the arrival clock to give wall time. None if the timestamps are not wall time.
         """
         behind_s = self._stamps.behind_s()
         if behind_s is None:
@@ -204,49 +202,49 @@ class ChannelTraffic:
 
     @property
     def lost(self) -> int:
-        """How many messages are missing between the first and the last since numbering began anew."""
+        """The number of missing messages between the first and the last since the numbering restarted."""
         return self._published - self._numbered
 
     @property
     def silent_s(self) -> float | None:
-        """How long ago the newest message arrived; None in a log and before the first."""
-        return None if self._clock is None or not self.count else max(0.0, self._clock() - self.heard_s)
+        """The time since the newest message arrived; None for a log and before the first message."""
+        return None if self._clock is None or not self.count else max(0.0, self._clock() - self.received_s)
 
     @property
     def is_silent(self) -> bool:
-        """Whether messages have stopped to come: none for 3 of its periods, and for a second at least."""
+        """Whether messages have stopped: none for 3 periods, and for at least a second."""
         silent_s, rate_hz = self.silent_s, self._arrivals.rate_hz()
         period_s = 1 / rate_hz if rate_hz else 0.0
         return silent_s is not None and silent_s > max(_SILENT_S, _SILENT_PERIODS * period_s)
 
     @property
     def published(self) -> Periods | None:
-        """Periods of the messages' own stamps, of the arrivals where a type has none; None of a silent channel."""
+        """Periods of the messages' timestamps, of the arrivals if a type has none; None for a silent channel."""
         if self.is_silent:
             return None
         return self._arrivals.periods() if self._stamps.is_empty else self._stamps.periods()
 
     @property
     def arriving(self) -> Periods | None:
-        """Periods of the arrivals; None of a silent channel."""
+        """Periods of the arrivals; None for a silent channel."""
         return None if self.is_silent else self._arrivals.periods()
 
     @property
     def sizes(self) -> Sizes:
-        """Sizes of the newest messages, as many as rates are taken of; raises ValueError before the first."""
+        """Sizes of the messages in the rate window; raises ValueError before the first message."""
         return self._arrivals.sizes()
 
     @property
     def bytes_per_s(self) -> float | None:
-        """Bytes per second as they arrived; None below two messages and of a silent channel."""
+        """Bytes per second by arrival; None for fewer than two messages and for a silent channel."""
         return None if self.is_silent else self._arrivals.bytes_per_s()
 
     @property
     def rate_hz(self) -> float | None:
-        """Messages published per second of their own stamps, the lost ones included."""
+        """Messages per second by timestamp, including lost ones."""
         return self.published.rate_hz if self.published else None
 
     @property
     def wall_rate_hz(self) -> float | None:
-        """Messages per second as they arrived."""
+        """Messages per second by arrival."""
         return self.arriving.rate_hz if self.arriving else None

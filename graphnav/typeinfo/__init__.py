@@ -1,4 +1,4 @@
-"""Look LCM types up: fields with units and comments, definitions, Java for lcm-spy."""
+"""Look up LCM types: fields with units and comments, definitions, Java code for lcm-spy."""
 
 from graphnav.typeinfo.definitions import definition_files, definition_text
 from graphnav.typeinfo.describe_type import describe_type, nested_types, summary_of_type

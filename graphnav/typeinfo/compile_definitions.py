@@ -1,4 +1,4 @@
-"""LCM types from ``.lcm`` files: compiled by lcm-gen and imported under a package name that no other package has."""
+"""Compile ``.lcm`` files by lcm-gen and import them under a unique package name."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from graphnav.typeinfo.lcm_gen import generate_python
 
 
 def compile_definitions(paths: Sequence[Path]) -> dict[str, type]:
-    """Return the lcm-gen classes of all types that ``.lcm`` files define, by the name that each has in LCM.
+    """Return the lcm-gen classes of all types that ``.lcm`` files define, by LCM name.
 
-    Types that they use but do not define are taken from what ships or is installed. The Python is written to a
+    Types that they use but do not define are taken from shipped or installed packages. The Python code is written to a
     temporary folder and imported as part of a package named like that folder, so that an installed package of the
     same name is neither used nor hidden.
 
     Raises
     ------
     UserError
-        A file cannot be read, lcm-gen or Python refuses it, or it uses a type that is not known.
+        A file cannot be read, lcm-gen or Python rejects it, or it uses an unknown type.
     GraphnavError
         lcm-gen is not installed.
     """
@@ -52,7 +52,7 @@ def compile_definitions(paths: Sequence[Path]) -> dict[str, type]:
 
 
 def _generate(sources: Sequence[DefinitionSource], folder: Path, prefix: str) -> dict[str, GeneratedModule]:
-    """Return the modules that lcm-gen writes into a new folder, by the name of the type in LCM."""
+    """Return the modules that lcm-gen writes into a new folder, by LCM name."""
     folder.mkdir()
     generate_python(sources, folder, prefix)
     root = folder / prefix
@@ -63,7 +63,7 @@ def _generate(sources: Sequence[DefinitionSource], folder: Path, prefix: str) ->
 def _used_elsewhere(
     modules: Mapping[str, GeneratedModule], prefix: str, sources: Sequence[DefinitionSource]
 ) -> Iterator[type]:
-    """Yield the types of members that the files do not define; UserError names all that are not known at all."""
+    """Yield the member types that the files do not define; UserError lists all unknown ones."""
     problems: list[Problem] = []
     for module in modules.values():
         for field, typename in zip(module.slots, module.typenames, strict=True):
@@ -83,7 +83,7 @@ def _used_elsewhere(
 
 
 def _import_all(modules: Mapping[str, GeneratedModule], folder: Path, prefix: str) -> dict[str, type]:
-    """Import the packages in ``folder``; return the classes by name in LCM."""
+    """Import the packages in ``folder``; return the classes by LCM name."""
     found: dict[str, type] = {}
     if not modules:
         return found
@@ -96,14 +96,14 @@ def _import_all(modules: Mapping[str, GeneratedModule], folder: Path, prefix: st
             found[name] = lcm_class = getattr(module, name.rpartition(".")[2])
             codec_of(lcm_class)
             fingerprint(lcm_class)
-    except Exception as error:  # names that people chose, such as those of the class's own members
+    except Exception as error:  # names of fields may clash with members of the class
         what = f"Python cannot hold the type {name}: {one_line(error)}"
         raise UserError.of(what, "rename the field, the type or the package", Place("--types")) from error
     return found
 
 
 def _import_package(folder: Path, name: str) -> None:
-    """Import the package that holds all others, without a search of Python's path."""
+    """Import the outermost package without a search of Python's path."""
     spec = importlib.util.spec_from_file_location(
         name, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )

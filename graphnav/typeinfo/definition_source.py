@@ -1,4 +1,4 @@
-"""The text of a ``.lcm`` file: comments removed, places found."""
+"""The source text of a ``.lcm`` file: strip comments, locate fields."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 @dataclass(frozen=True)
 class DefinitionSource:
-    """A ``.lcm`` file and its text without comments; every line keeps its number.
+    """A ``.lcm`` file and its text without comments; line numbers are preserved.
 
-    lcm-gen copies comments into the Python that it writes, where quotes end the docstring and what follows is code.
+    lcm-gen copies comments into docstrings of the generated Python, where quotes in a comment would end the docstring
+    and turn the rest of the comment into code.
     """
 
     path: Path
@@ -24,11 +25,11 @@ class DefinitionSource:
 
     @classmethod
     def of(cls, path: Path, text: str) -> Self:
-        """Return the source of a text with comments."""
+        """Return the source with comments stripped."""
         return cls(path, _COMMENT.sub(_blank, text.replace("\0", " ")))
 
     def place_of_field(self, typename: str, name: str) -> Place | None:
-        """Return where a field is declared, None where it is not in this file."""
+        """Return where a field is declared, None if not in this file."""
         short = re.escape(typename.rpartition(".")[2])
         found = re.search(rf"(?<!\w)(?:[\w.]+\.)?{short}\s+{re.escape(name)}\b", self.text)
         if found is None:

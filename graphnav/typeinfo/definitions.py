@@ -1,4 +1,4 @@
-"""The definitions of LCM types in LCM's own language."""
+"""Definitions of LCM types in LCM's definition language."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from graphnav.typeinfo.describe_type import nested_types
 def definition_files(lcm_classes: Iterable[type]) -> dict[str, str]:
     """Return the ``.lcm`` files of types and of all that are nested in them: file name and text, sorted by name.
 
-    The text is that of the ``.lcm`` file beside the Python that lcm-gen made, as graphnav ships it; where there is none
-    it is written from the fields, without comments and constants, which change no message.
+    The text is that of the ``.lcm`` file next to the generated Python, as shipped by graphnav; without such a file it
+    is generated from the fields, without comments and constants, which do not affect messages.
     """
     found: dict[str, type] = {}
     for lcm_class in lcm_classes:
@@ -23,7 +23,7 @@ def definition_files(lcm_classes: Iterable[type]) -> dict[str, str]:
 
 
 def definition_text(lcm_classes: Iterable[type]) -> str:
-    """Return the definitions of types and of all that are nested in them, as one file that lcm-gen takes."""
+    """Return the definitions of types and of all that are nested in them, as one file for lcm-gen."""
     return "\n".join(definition_files(lcm_classes).values())
 
 

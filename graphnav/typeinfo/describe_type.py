@@ -1,4 +1,4 @@
-"""Tell all about an LCM type: what its definition, its names and its message say."""
+"""Describe an LCM type from its definition, its field names and its message class."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from graphnav.codec import comments_of, constants_of, fields_of, fingerprint, lc
 from graphnav.stage import unit_of
 
 _OTHER_UNITS = {"ms": "milliseconds", "mb": "megabytes"}
-"""Of messages about time that has passed and memory; parameters do not have them."""
+"""Units of durations and memory, which occur in messages but not in parameters."""
 
 
 def describe_type(lcm_class: type, name: str = "") -> dict[str, Any]:
-    """Return everything that is known of a type, as JSON can hold it.
+    """Return the description of a type as JSON-compatible values.
 
-    ``name``: the name in LCM where the class is defined in a package of another name. The unit of a field is what its
-    suffix says; ``doc`` is the comment above it.
+    ``name``: the LCM name if the Python package has another name. The unit of a field is given by its suffix; ``doc``
+    is the comment above it.
     """
     message = message_class_of(lcm_class)
     comments = comments_of(lcm_class)
@@ -47,7 +47,7 @@ def _unit_of(name: str) -> str:
 
 
 def nested_types(lcm_class: type) -> list[type]:
-    """Return the types of the fields of a type, and of theirs, each once."""
+    """Return the types of a type's fields, recursively, each once."""
     found: list[type] = []
     waiting = [field.struct for field in fields_of(lcm_class) if field.struct is not None]
     while waiting:
@@ -59,5 +59,5 @@ def nested_types(lcm_class: type) -> list[type]:
 
 
 def summary_of_type(lcm_class: type) -> str:
-    """Return the first line of what a type says of itself."""
+    """Return the first line of a type's description."""
     return (inspect.getdoc(message_class_of(lcm_class) or lcm_class) or "").partition("\n")[0]

@@ -1,4 +1,4 @@
-"""What a Python module that lcm-gen wrote holds, read without importing it."""
+"""Read a Python module written by lcm-gen without importing it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _STRING = ast.Constant
 
 @dataclass(frozen=True)
 class GeneratedModule:
-    """The type that a module defines: its name in LCM, and its fields' names and types as the class lists them."""
+    """The type defined by a module: its LCM name, and the names and types of its fields in class order."""
 
     name: str
     slots: tuple[str, ...]
@@ -23,27 +23,27 @@ class GeneratedModule:
 
 
 def read_generated(path: Path, name: str) -> GeneratedModule:
-    """Read a module that lcm-gen wrote for the type ``name``.
+    """Read the module that lcm-gen wrote for the type ``name``.
 
     Raises
     ------
     UserError
-        Python does not take it, or it holds something else than an LCM type.
+        The module is not valid Python, or does not define an LCM type.
     """
     try:
         tree = ast.parse(path.read_bytes())
     except (SyntaxError, ValueError) as error:
         raise UserError.of(
-            f"Python cannot hold the type {name}: one of its names is a word of Python",
+            f"Python cannot hold the type {name}: one of its names is a Python keyword",
             "rename the field, the type or the package",
         ) from error
     top = [node for node in tree.body if not _is_docstring(node)]
     classes = [node for node in top if isinstance(node, ast.ClassDef)]
     if len(classes) != 1 or not all(isinstance(node, _TOP) for node in top):
-        raise UserError.of(f"lcm-gen wrote something else than a type for {name}")
+        raise UserError.of(f"the code that lcm-gen wrote for {name} does not define a type")
     body = [node for node in classes[0].body if not _is_docstring(node)]
     if not all(isinstance(node, _BODY) for node in body):
-        raise UserError.of(f"lcm-gen wrote something else than fields for {name}")
+        raise UserError.of(f"the code that lcm-gen wrote for {name} does not define fields")
     lists = {
         target.id: ast.literal_eval(node.value)
         for node in body

@@ -1,4 +1,4 @@
-"""LCM types in Java, for lcm-spy and other Java programs."""
+"""Generate LCM types in Java for lcm-spy and other Java programs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DEFAULT_PACKAGE = "lcmtypes"
 
 
 class JavaTypes(NamedTuple):
-    """What was written: the sources, and the jar where there is a compiler; ``commands`` build it elsewhere."""
+    """The written sources, and the jar if a compiler is installed; ``commands`` build it elsewhere."""
 
     sources: tuple[Path, ...]
     jar: Path
@@ -28,12 +28,12 @@ class JavaTypes(NamedTuple):
 
 
 def write_java(lcm_classes: Iterable[type], folder: Path) -> JavaTypes:
-    """Write types and all that are nested in them as Java into ``folder``, and a jar of them if there is a ``javac``.
+    """Write types and all nested types as Java into ``folder``, and a jar of them if ``javac`` is installed.
 
     Raises
     ------
     GraphnavError
-        lcm-gen or lcm.jar of the package ``lcm`` is not there, or a tool fails.
+        lcm-gen or lcm.jar of the package ``lcm`` is missing, or a tool fails.
     OSError
         The folder cannot be written.
     """
@@ -58,7 +58,7 @@ def write_java(lcm_classes: Iterable[type], folder: Path) -> JavaTypes:
 
 
 def _source(folder: Path, lcm_type: str) -> Path:
-    """Return where lcm-gen writes a type; Java has no types outside packages."""
+    """Return the path to which lcm-gen writes a type; Java has no types outside packages."""
     package, _, name = lcm_type.rpartition(".")
     return folder.joinpath(*(package or _DEFAULT_PACKAGE).split("."), f"{name}.java")
 
@@ -66,7 +66,7 @@ def _source(folder: Path, lcm_type: str) -> Path:
 def _build(
     javac: str, jar_tool: str, lcm_jar: Path, classes: Path, sources: Sequence[Path], jar: Path
 ) -> tuple[list[str], list[str]]:
-    """Return the commands that compile the sources and that pack the classes."""
+    """Return the commands that compile the sources and pack the classes."""
     compiling = [javac, "-cp", str(lcm_jar), "-d", str(classes), *map(str, sources)]
     return compiling, [jar_tool, "cf", str(jar), "-C", str(classes), "."]
 
@@ -74,5 +74,5 @@ def _build(
 def _run(command: Sequence[str]) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603, paths of our own
     if done.returncode:
-        said = (done.stderr or done.stdout).strip().splitlines()
-        raise GraphnavError(f"{Path(command[0]).name} failed: {said[0] if said else f'status {done.returncode}'}")
+        output = (done.stderr or done.stdout).strip().splitlines()
+        raise GraphnavError(f"{Path(command[0]).name} failed: {output[0] if output else f'status {done.returncode}'}")

@@ -1,4 +1,4 @@
-"""The files that LCM's wheel installs: tools, jars."""
+"""Find the files installed by LCM's wheel: tools, jars."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from graphnav.errors import GraphnavError
 
 
 def file_of_lcm(name: str) -> Path:
-    """Return a file that the package ``lcm`` installed; of a tool the program itself, not the script that starts it.
+    """Return the path of a file of the package ``lcm``; for a tool the binary itself, not its wrapper script.
 
     Raises
     ------
     GraphnavError
-        There is none.
+        There is no such file.
     """
     try:
         found = [file for file in files("lcm") or [] if file.name == name]

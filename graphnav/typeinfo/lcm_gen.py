@@ -1,4 +1,4 @@
-"""Run lcm-gen for Python; what it does not take becomes a user's error with file, line and column."""
+"""Run lcm-gen for Python; its errors become UserErrors with file, line and column."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _TIMEOUT_S = 60.0
 
 
 def generate_python(sources: Sequence[DefinitionSource], folder: Path, prefix: str) -> None:
-    """Write the Python of all definitions into ``folder``, inside the package ``prefix``.
+    """Generate Python for all definitions in ``folder``, inside the package ``prefix``.
 
     Raises
     ------
     UserError
-        lcm-gen refuses a definition.
+        lcm-gen rejects a definition.
     GraphnavError
         lcm-gen is not installed.
     """
@@ -33,28 +33,28 @@ def generate_python(sources: Sequence[DefinitionSource], folder: Path, prefix: s
             [*command, *map(str, inputs)], capture_output=True, timeout=_TIMEOUT_S, check=False
         )
     except subprocess.TimeoutExpired as error:
-        what = f"lcm-gen has not finished after {_TIMEOUT_S:g} s"
+        what = f"lcm-gen did not finish within {_TIMEOUT_S:g} s"
         raise UserError.of(what, "give fewer definitions", Place("--types")) from error
-    said = (done.stdout + done.stderr).decode("utf-8", "replace").strip("\n")
-    if done.returncode or said:
-        raise _refusal(said, done.returncode, dict(zip(inputs, sources, strict=True)), prefix)
+    output = (done.stdout + done.stderr).decode("utf-8", "replace").strip("\n")
+    if done.returncode or output:
+        raise _error_of(output, done.returncode, dict(zip(inputs, sources, strict=True)), prefix)
 
 
-def _refusal(said: str, status: int, sources: dict[Path, DefinitionSource], prefix: str) -> UserError:
-    """Return what lcm-gen printed: what is wrong, ``FILE : LINE``, that line, a caret below the column."""
-    lines = said.splitlines()
+def _error_of(output: str, status: int, sources: dict[Path, DefinitionSource], prefix: str) -> UserError:
+    """Parse lcm-gen's error output: message, ``FILE : LINE``, that line, a caret below the column."""
+    lines = output.splitlines()
     for number, line in enumerate(lines):
         for path, source in sources.items():
             if found := re.fullmatch(rf"{re.escape(str(path))} : (\d+)", line.strip()):
                 caret = next((below for below in lines[number + 1 :] if below.strip() == "^"), "")
                 place = Place(str(source.path), int(found[1]), caret.find("^") + 1)
-                return UserError.of(f"lcm-gen: {_told(lines[:number], sources, prefix)}", place=place)
-    told = _told(lines, sources, prefix) or f"it ended with status {status}"
-    return UserError.of(f"lcm-gen: {told}", place=Place("--types"))
+                return UserError.of(f"lcm-gen: {_in_one_line(lines[:number], sources, prefix)}", place=place)
+    output_text = _in_one_line(lines, sources, prefix) or f"exit status {status}"
+    return UserError.of(f"lcm-gen: {output_text}", place=Place("--types"))
 
 
-def _told(lines: Sequence[str], sources: dict[Path, DefinitionSource], prefix: str) -> str:
-    """Return lines of lcm-gen as one, with the names of files and types as the user knows them."""
+def _in_one_line(lines: Sequence[str], sources: dict[Path, DefinitionSource], prefix: str) -> str:
+    """Return lcm-gen's output on one line, with the user's names of files and types."""
     text = " ".join(" ".join(lines).split())
     for path, source in sources.items():
         text = text.replace(str(path), str(source.path))

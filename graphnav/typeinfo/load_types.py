@@ -1,4 +1,4 @@
-"""Make LCM types of other packages known to everything that decodes: ``--types``."""
+"""Register LCM types of other packages for decoding: ``--types``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav.typeinfo.package_types import types_of_package
 
 
 def load_types(names: Iterable[str]) -> dict[str, type]:
-    """Make types known and return their classes by the name that each has in LCM.
+    """Register types and return their classes by LCM name.
 
     A name is a ``.lcm`` file, a folder that holds such files (at any depth), or an installed package that lcm-gen
     generated. All files are compiled together, so that they may use each other's types.
@@ -20,9 +20,9 @@ def load_types(names: Iterable[str]) -> dict[str, type]:
     Raises
     ------
     UserError
-        A name is none of these, or its types cannot be used; with file and line where a definition is wrong.
+        A name is none of these, or its types cannot be used; with file and line if a definition is wrong.
     GraphnavError
-        The tools of LCM are not installed.
+        LCM's tools are not installed.
     """
     packages: list[str] = []
     files: dict[Path, Path] = {}
@@ -41,7 +41,7 @@ def load_types(names: Iterable[str]) -> dict[str, type]:
     if files:
         compiled = compile_definitions(list(files.values()))
         if not compiled:
-            raise UserError.of(f"no type is defined in {', '.join(map(str, files.values()))}", place=Place("--types"))
+            raise UserError.of(f"no types are defined in {', '.join(map(str, files.values()))}", place=Place("--types"))
         loaded |= _add(compiled)
     return loaded
 
@@ -62,7 +62,7 @@ def _nothing(name: str) -> UserError:
         if _is((Path(name) / "__init__.py").is_file):
             package = Path(name).resolve()
             hint = f"for its Python set PYTHONPATH={package.parent} and write --types {package.name}"
-        return UserError.of(f"the folder '{name}' holds no .lcm file", hint, Place("--types"))
+        return UserError.of(f"the folder '{name}' holds no .lcm files", hint, Place("--types"))
     if _is(Path(name).is_file):
         return UserError.of(f"'{name}' is not a .lcm file", "name a .lcm file or a folder of them", Place("--types"))
     return UserError.of(
@@ -73,5 +73,5 @@ def _nothing(name: str) -> UserError:
 def _is(question: Callable[[], bool]) -> bool:
     try:
         return question()
-    except (OSError, ValueError):  # a name too long, or with a null character
+    except (OSError, ValueError):  # the name is too long, or has a null character
         return False

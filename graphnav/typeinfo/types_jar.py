@@ -1,4 +1,4 @@
-"""The jar with which LCM's Java tools decode types: built once, kept in the user's cache."""
+"""Build the jar by which LCM's Java tools decode types, once, in the user's cache."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _CACHE = "XDG_CACHE_HOME"
 
 
 def types_jar(lcm_classes: Iterable[type]) -> Path:
-    """Return the jar of types and of all that are nested in them; build it where the cache has none of this content.
+    """Return the jar of types and all nested types; build it unless the cache has one of the same content.
 
     Raises
     ------
     UserError
-        There is no JDK, or the cache cannot be written.
+        No JDK is installed, or the cache cannot be written.
     GraphnavError
-        A tool fails, or the package ``lcm`` lacks one.
+        A tool fails, or is missing in the package ``lcm``.
     """
     classes = list(lcm_classes)
     jdk = require_jdk()
@@ -42,7 +42,7 @@ def types_jar(lcm_classes: Iterable[type]) -> Path:
             write_java(classes, Path(scratch)).jar.replace(jar)
     except OSError as error:
         what = f"cannot write {folder}: {error.strerror}"
-        raise UserError.of(what, f"set {_CACHE} to a folder that you may write") from error
+        raise UserError.of(what, f"set {_CACHE} to a writable folder") from error
     return jar
 
 

@@ -1,4 +1,4 @@
-"""A page that shows a running graph, or a log: who is fast, who is late, and what is in every message."""
+"""Serve a live view of a running graph, or of a log: rates, latencies and messages."""
 
 from graphnav.view.live_source import LiveSource
 from graphnav.view.log_source import LogSource

@@ -1,4 +1,4 @@
-"""A multicast group, listened to by a thread."""
+"""Receive a multicast group in a thread."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import threading
 import time
 
 from graphnav.errors import GraphnavError, one_line
-from graphnav.spy import Feed, FeedListener, Heard
+from graphnav.spy import Feed, FeedListener, Received
 from graphnav.view.watch import Watch
 
 
 class LiveSource:
-    """Listens on a group; it may start before anything is published there, and outlives those who publish."""
+    """Receives a group; it may start before any publisher, and outlives publishers."""
 
     def __init__(self, feed: Feed) -> None:
         self.lock = threading.Lock()
@@ -22,20 +22,20 @@ class LiveSource:
         self._listener = FeedListener(feed, self._take, self._fail, "graphnav-view")
 
     def dropped_packets(self) -> int:
-        """Return how many packets the kernel dropped before they could be heard."""
+        """Return the number of packets dropped by the kernel."""
         return self._feed.dropped_packets()
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Start receiving."""
         self._listener.start()
 
     def close(self) -> None:
-        """Stop listening."""
+        """Stop receiving."""
         self._listener.close()
 
-    def _take(self, heard: Heard) -> None:
+    def _take(self, received: Received) -> None:
         with self.lock:
-            self.watch.hear(heard)
+            self.watch.receive(received)
 
     def _fail(self, error: GraphnavError | OSError) -> None:
         self.failure = one_line(error)

@@ -1,4 +1,4 @@
-"""A log, played by a thread: pause, step, seek, speed."""
+"""Play a log in a thread: pause, step, seek, speed."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from bisect import bisect_left, bisect_right
 from pathlib import Path
 
 from graphnav.record import Recording
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.watch import Watch
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
 _POLL_S = 0.02
 _BEFORE_S = 10.0
-"""A jump plays so much of the log before its target at once, so that there are rates."""
+"""The part of the log before the target of a jump that is played at once, to compute rates."""
 _MAX_BEFORE = 20_000
 _MAX_POSES = 4000
 _MAX_TOLD = 3
 
 
 class LogSource:
-    """Plays a log from its beginning; times count from there, in seconds.
+    """Plays a log from its beginning; times are seconds from there.
 
-    Stamps that jump count as `Timeline` says. ``torn``: what is lost of a damaged log. Raises LogError where the file
-    cannot be read.
+    Timestamps that jump are corrected by `Timeline`. ``damage``: a description of the log's damage. Raises LogError if
+    the file cannot be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -34,8 +34,11 @@ class LogSource:
         self._recording = Recording(path)
         self._index = self._recording.index
         self._times_us = self._recording.timeline.at_us
-        lost = [*map(str, self._recording.damaged), *([str(self._recording.torn)] if self._recording.torn else [])]
-        self.torn = "; ".join(lost[:_MAX_TOLD]) + (f"; and {len(lost) - _MAX_TOLD} more" if lost[_MAX_TOLD:] else "")
+        lost = [
+            *map(str, self._recording.damaged),
+            *([str(self._recording.truncated)] if self._recording.truncated else []),
+        ]
+        self.damage = "; ".join(lost[:_MAX_TOLD]) + (f"; and {len(lost) - _MAX_TOLD} more" if lost[_MAX_TOLD:] else "")
         self.speed_ratio = 1.0
         self.is_playing = True
         self._at_s = 0.0
@@ -45,7 +48,7 @@ class LogSource:
         self._thread = threading.Thread(target=self._play, name="graphnav-view", daemon=True)
 
     def dropped_packets(self) -> int:
-        """Return 0: who recorded a log lost what it lacks."""
+        """Return 0: playing a log drops no packets."""
         return 0
 
     @property
@@ -55,49 +58,49 @@ class LogSource:
 
     @property
     def length_s(self) -> float:
-        """From the first event to the last."""
+        """The time from the first event to the last."""
         return self._times_us[-1] / 1e6 if self._times_us else 0.0
 
     @property
     def at_s(self) -> float:
-        """Where the log is being played."""
+        """The playback time."""
         return self._at_s
 
     def start(self) -> None:
-        """Begin to play."""
+        """Start playing."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop, and let go of the file."""
+        """Stop, and close the file."""
         self._closing.set()
         self._thread.join()
         self._recording.close()
 
     def play(self) -> None:
-        """Go on; from the beginning if the end is reached. The caller holds the lock, here and below."""
+        """Continue; from the beginning if at the end. The caller holds the lock, here and below."""
         if self._next >= len(self._times_us):
             self.seek(0.0)
         self.is_playing = True
 
     def pause(self) -> None:
-        """Stand still."""
+        """Pause."""
         self.is_playing = False
 
     def seek(self, at_s: float) -> None:
-        """Jump to a time; what was before it is played at once, as much as the rates look back."""
+        """Jump to a time; the preceding messages in the rate window are played at once."""
         at_s = min(max(at_s, 0.0), self.length_s)
         self._at_s = at_s
         self.watch = Watch(self._now)
         end = bisect_right(self._times_us, self._us(at_s))
         first = max(bisect_left(self._times_us, self._us(at_s - _BEFORE_S)), end - _MAX_BEFORE)
         for number in self._wanted_before(first):
-            self._hear(number)
+            self._receive(number)
         for number in range(first, end):
-            self._hear(number)
+            self._receive(number)
         self._next = end
 
     def step(self, direction: int, channel: str | None) -> None:
-        """Pause, and go to the next or the previous message, of ``channel`` if that is one of the log."""
+        """Pause, and step to the next or previous message, of ``channel`` if the log has it."""
         self.is_playing = False
         numbers = self._index.channels.get(channel or "") or range(len(self._times_us))
         if direction > 0:
@@ -126,11 +129,11 @@ class LogSource:
         end = bisect_right(self._times_us, to_us)
         self._at_s = min(to_us / 1e6, self.length_s)
         for number in range(self._next, end):
-            self._hear(number)
+            self._receive(number)
         self._next = end
 
     def _wanted_before(self, first: int) -> list[int]:
-        """Return the last event of each channel before ``first``, and the poses that make the path until there."""
+        """Return the last event of each channel before ``first``, and the poses of the path up to there."""
         wanted: set[int] = set()
         for channel, numbers in self._index.channels.items():
             place = bisect_left(numbers, first)
@@ -141,9 +144,9 @@ class LogSource:
                 wanted.update(numbers[0 : place : max(1, place // _MAX_POSES)])
         return sorted(wanted)
 
-    def _hear(self, number: int) -> None:
+    def _receive(self, number: int) -> None:
         event = self._recording.at(number)
-        self.watch.hear(Heard(event.channel, event.data, self._times_us[number] / 1e6))
+        self.watch.receive(Received(event.channel, event.data, self._times_us[number] / 1e6))
 
     def _us(self, at_s: float) -> int:
         return round(at_s * 1e6)

@@ -1,4 +1,4 @@
-"""The types of messages, told by their first bytes without decoding them."""
+"""Identify the types of messages by their fingerprints, without decoding."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ class Kind:
     is_stamped: bool
 
     def stamp(self, data: bytes) -> tuple[int, int] | None:
-        """Return stamp (microseconds) and number of a message that is long enough, None for a type without."""
+        """Return the timestamp (microseconds) and sequence number of a message, None for a type without them."""
         return _STAMP.unpack_from(data, _FINGERPRINT_BYTES) if self.is_stamped else None
 
 
 class Kinds:
-    """Finds the type of a message; remembers what it found."""
+    """Finds the type of a message, with a cache."""
 
     def __init__(self) -> None:
         self._known: dict[bytes, Kind] = {}
 
     def of(self, data: bytes) -> Kind | None:
-        """Return the type that the first bytes name, None for one that is not installed."""
+        """Return the type of a message by its fingerprint, None if it is not installed."""
         prefix = data[:_FINGERPRINT_BYTES]
         kind = self._known.get(prefix)
         if kind is None and (lcm_class := type_of(data)) is not None:
@@ -44,5 +44,5 @@ def _kind(lcm_class: type) -> Kind:
     first = [(field.name, field.primitive, field.dims) for field in fields_of(lcm_class)[:2]]
     is_stamped = first == [("utime", "int64_t", ()), ("seq", "int64_t", ())]
     return Kind(
-        lcm_class, lcm_name(lcm_class), _FINGERPRINT_BYTES + codec_of(lcm_class).least_bytes, is_stamped=is_stamped
+        lcm_class, lcm_name(lcm_class), _FINGERPRINT_BYTES + codec_of(lcm_class).min_bytes, is_stamped=is_stamped
     )

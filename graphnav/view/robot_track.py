@@ -1,4 +1,4 @@
-"""Where the robot was: the poses that it publishes, thinned so that they stay few."""
+"""The robot's path: its published poses, thinned to a bounded number."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import math
 import graphnav_lcm
 
 from graphnav.codec import DecodeError, codec_of
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.message_types import Kind
 
 _RANKS: dict[type, int] = {graphnav_lcm.odometry_t: 1, graphnav_lcm.state_t: 2}
-"""What is believed more where both are published."""
+"""The preference of pose types if several are published."""
 _MAX_POINTS = 4000
 _MAX_MOVING = 500
 _MIN_STEP_M = 0.002
@@ -20,9 +20,9 @@ Pose = tuple[float, float, float]
 
 
 class RobotTrack:
-    """The path of one channel of poses: true states where there are any, else odometry.
+    """The path from one channel of poses: true states if available, else odometry.
 
-    ``points_m``: x and y, oldest first. ``generation`` grows whenever they are not what they were with more behind.
+    ``points_m``: x and y, oldest first. ``generation`` changes whenever points are not only appended.
     """
 
     def __init__(self) -> None:
@@ -40,27 +40,27 @@ class RobotTrack:
         """Whether messages of a type are poses."""
         return kind.lcm_class in _RANKS
 
-    def hear(self, heard: Heard, kind: Kind) -> None:
-        """Take a message if it is a pose of the channel that is followed, or of one that is believed more."""
+    def receive(self, received: Received, kind: Kind) -> None:
+        """Process a message if it is a pose of the current channel, or of a preferred one."""
         rank = _RANKS.get(kind.lcm_class, 0)
-        if not rank or rank < self._rank or (rank == self._rank and heard.channel != self.channel):
+        if not rank or rank < self._rank or (rank == self._rank and received.channel != self.channel):
             return
         try:
-            fields = codec_of(kind.lcm_class).decode(heard.data)
+            fields = codec_of(kind.lcm_class).decode(received.data)
         except DecodeError:
             return
         pose = (fields["x_m"], fields["y_m"], fields["yaw_rad"])
         if not all(map(math.isfinite, pose)):
             return
         if rank > self._rank or fields["utime"] < self._utime:
-            self._restart(heard.channel, rank)
+            self._restart(received.channel, rank)
         self._utime = fields["utime"]
         self.pose = pose
         self.moving = [tuple(one) for one in fields.get("moving", ())[:_MAX_MOVING].tolist()] if rank == 2 else []
         self._append(pose[0], pose[1])
 
     def _restart(self, channel: str, rank: int) -> None:
-        """Begin a new path: another channel, or another run, whose stamps begin anew."""
+        """Start a new path, for another channel or another run, whose timestamps restart."""
         self.channel, self._rank = channel, rank
         self.points_m = []
         self.generation += 1

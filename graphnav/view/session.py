@@ -1,4 +1,4 @@
-"""What one page is sent: only what it shows, only the newest, and only what has changed."""
+"""Compose the updates of one page: only visible data, only the newest, only changes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from graphnav.view.content.details import details_of, picture_of
 from graphnav.view.content.floor_map import floor_map
 from graphnav.view.content.layout import layout_of
 from graphnav.view.content.moment import Moment, moment_of
-from graphnav.view.content.state import state_of
+from graphnav.view.content.page_state import state_of
 from graphnav.view.log_source import LogSource
 from graphnav.view.source import Source
 from graphnav.view.watch import Watch
@@ -31,7 +31,7 @@ Update = dict[str, Any]
 
 @dataclass
 class _Sent:
-    """What a page has been sent of one watch: counts, names and bytes by which what is new is told."""
+    """The data already sent to a page, to detect changes."""
 
     state_due_s: float = 0.0
     details: tuple[int, View] | None = None
@@ -53,13 +53,13 @@ class Session:
         self._sent_graph: tuple[str, tuple[str, ...]] | None = None
 
     def greeting(self) -> str:
-        """Return the first message: what is watched."""
+        """Return the first message: a description of the source."""
         log = self._source if isinstance(self._source, LogSource) else None
         hello = {"kind": "hello", "name": self._source.name, "log": log is not None}
         return json.dumps(hello | ({"length_s": log.length_s} if log else {}), allow_nan=False)
 
     def update(self, number: int) -> tuple[str, bytes | None] | None:
-        """Return the update called ``number`` and the picture that belongs to it, None where nothing has changed."""
+        """Return update ``number`` and its picture, None if nothing has changed."""
         update: Update = {}
         view, about, moment, world, picture = self.view, None, None, None, None
         with self._source.lock:
@@ -101,10 +101,10 @@ class Session:
             return {"failure": str(error)}
 
     def _head(self, name: str, channel: WatchedChannel | None) -> Update:
-        """Return what a page needs to know of the open channel first, and why there is no more of it, in a word."""
+        """Return the header of the open channel, and a keyword for the reason if it has no details."""
         missing = ""
         if channel is None or not channel.count:
-            missing = "unheard"
+            missing = "not_received"
         elif channel.is_too_large:
             missing = "too large"
         elif channel.kind is None:
@@ -115,7 +115,7 @@ class Session:
         return {"channel": name, "missing": missing, "reset": is_new}
 
     def _moment(self, watch: Watch, channel: WatchedChannel | None) -> Moment | None:
-        """Return what is to be shown of the open channel, as it is now."""
+        """Return the current messages of the open channel."""
         if channel is None:
             return None
         after, self._sent.point = self._sent.point, channel.count
@@ -138,7 +138,7 @@ class Session:
             return None
 
     def _track(self, watch: Watch) -> Update:
-        """Return the robot's pose and what its path has got since the last update, nothing where nothing has."""
+        """Return the robot's pose and the new points of its path, empty if unchanged."""
         track, sent = watch.track, self._sent
         n_sent = sent.track[1] if sent.track[0] == track.generation else 0
         now = (track.generation, len(track.points_m))

@@ -1,4 +1,4 @@
-"""What a page watches: the messages of a feed, gathered by a thread that no browser can hold up."""
+"""The interface of sources: the messages of a feed, collected by a thread that browsers cannot block."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from graphnav.view.watch import Watch
 
 
 class Source(Protocol):
-    """A feed that is being watched; whoever looks at ``watch`` holds ``lock``.
+    """A watched feed; readers of ``watch`` must hold ``lock``.
 
-    ``watch`` is another object after a jump in a log. ``failure`` says what ended it, empty while it goes on.
+    ``watch`` is replaced after a jump in a log. ``failure``: the error that ended the source, empty while it runs.
     """
 
     lock: threading.Lock
@@ -20,10 +20,10 @@ class Source(Protocol):
     failure: str
 
     def dropped_packets(self) -> int:
-        """Return how many packets the kernel dropped before they could be heard; 0 in a log."""
+        """Return the number of packets dropped by the kernel; 0 for a log."""
 
     def start(self) -> None:
-        """Begin to gather."""
+        """Start the thread."""
 
     def close(self) -> None:
         """Stop; return when the thread has ended."""

@@ -1,4 +1,4 @@
-"""Everything that is known of what is watched: channels, runs, health, the robot's path; all of it bounded."""
+"""The state of a watched source: channels, runs, health, the robot's path, with bounded memory."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.codec import type_named
 from graphnav.graph.wiring.channels import RESERVED
 from graphnav.messages import About
 from graphnav.record import ABOUT
-from graphnav.spy import Health, Heard
+from graphnav.spy import Health, Received
 from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.view.announcements import Announcements
 from graphnav.view.channel import WatchedChannel
@@ -31,11 +31,11 @@ _HEALTH = (graphnav_lcm.status_t, graphnav_lcm.guard_state_t)
 
 
 class Watch:
-    """What was heard so far; the owner's lock guards it.
+    """The messages received so far; guarded by the owner's lock.
 
-    ``clock`` returns the time now in seconds on the clock of the arrivals. ``count`` and ``undecodable`` are of all
-    messages, of channels that were forgotten, too. ``untracked`` counts the messages of
-    channels beyond the first 256; channels that a run announced are always among them, up to 1024.
+    ``clock`` returns the current time, seconds, on the arrival clock. ``count`` and ``undecodable`` include the
+    messages of forgotten channels. ``untracked`` counts the messages of channels beyond the first 256; announced
+    channels are always tracked, up to 1024.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
@@ -53,83 +53,85 @@ class Watch:
         self._forgot_s = 0.0
         load_adapted_types()
 
-    def hear(self, heard: Heard) -> None:
-        """Take a message; whatever it holds, nothing is raised."""
+    def receive(self, received: Received) -> None:
+        """Process a message; invalid messages never raise."""
         self.count += 1
-        kind = self._kinds.of(heard.data)
-        is_decodable = kind is not None and len(heard.data) >= kind.min_bytes
+        kind = self._kinds.of(received.data)
+        is_decodable = kind is not None and len(received.data) >= kind.min_bytes
         self.undecodable += not is_decodable
-        if heard.channel == ABOUT and (about := self.announcements.hear(heard)) is not None:
+        if received.channel == ABOUT and (about := self.announcements.receive(received)) is not None:
             self._expect(about)
-        channel = self.channels.get(heard.channel) or self._admit(heard)
+        channel = self.channels.get(received.channel) or self._admit(received)
         if channel is None:
             self.untracked += 1
             return
-        utime = channel.hear(heard, kind)
+        utime = channel.receive(received, kind)
         if kind is None or not is_decodable:
             return
-        self._keep_newest(channel, heard)
-        if utime is not None and not heard.channel.startswith(RESERVED):
-            channel.add_latency(self._latency_s(utime, heard.at_s))
-        self._use(heard, kind)
+        self._keep_newest(channel, received)
+        if utime is not None and not received.channel.startswith(RESERVED):
+            channel.add_latency(self._latency_s(utime, received.at_s))
+        self._use(received, kind)
 
     def has_poses(self, data: bytes) -> bool:
-        """Whether a message is one of those that make the robot's path."""
+        """Whether a message is a pose of the robot's path."""
         kind = self._kinds.of(data)
         return kind is not None and self.track.follows(kind)
 
-    def _use(self, heard: Heard, kind: Kind) -> None:
-        """Read what is always shown: the health of runs and guards, the robot's pose, where the map is."""
-        if kind.lcm_class in _HEALTH and len(heard.data) <= _MAX_STATUS_BYTES:
-            self.health.hear(heard)
+    def _use(self, received: Received, kind: Kind) -> None:
+        """Process messages that are always shown: health of runs and guards, the robot's pose, the map."""
+        if kind.lcm_class in _HEALTH and len(received.data) <= _MAX_STATUS_BYTES:
+            self.health.receive(received)
             runs = self.health.runs
             while len(runs) > _MAX_RUNS:
-                del runs[min(runs, key=lambda run_id: runs[run_id].heard_s)]
+                del runs[min(runs, key=lambda run_id: runs[run_id].received_s)]
         elif kind.lcm_class is graphnav_lcm.map_t:
-            self.map_channel = heard.channel
+            self.map_channel = received.channel
         else:
-            self.track.hear(heard, kind)
+            self.track.receive(received, kind)
 
     def _expect(self, about: About) -> None:
-        """Make room for the channels that a run announces, and find their types."""
+        """Register the channels announced by a run, with their types."""
         if len(self._announced) > _MAX_ANNOUNCED:
             self._announced.clear()
         for name, type_name in list(zip(about.channels, about.types, strict=False))[:_MAX_ANNOUNCED]:
             if type_name.count(".") == 1:  # of a deeper name the search alone would import the package
-                type_named(type_name)  # imports a package that lcm-gen made, so that its fingerprint is known
+                type_named(type_name)  # imports a package generated by lcm-gen, so that its fingerprint is known
             self._announced.add(name)
             if name not in self.channels and len(self.channels) < _MAX_ANNOUNCED:
                 self.channels[name] = WatchedChannel(name, type_name)
 
-    def _admit(self, heard: Heard) -> WatchedChannel | None:
+    def _admit(self, received: Received) -> WatchedChannel | None:
         """Return a new channel, None when full."""
-        if heard.channel in self._announced:
+        if received.channel in self._announced:
             room = _MAX_ANNOUNCED
         else:
             room = _MAX_CHANNELS
-            if len(self.channels) >= room and heard.at_s - self._forgot_s > _FORGET_EVERY_S:
-                self._forget_silent(heard.at_s)
+            if len(self.channels) >= room and received.at_s - self._forgot_s > _FORGET_EVERY_S:
+                self._forget_silent(received.at_s)
         if len(self.channels) >= room:
             return None
-        channel = self.channels[heard.channel] = WatchedChannel(heard.channel)
+        channel = self.channels[received.channel] = WatchedChannel(received.channel)
         return channel
 
     def _forget_silent(self, now_s: float) -> None:
         self._forgot_s = now_s
-        for name in [n for n, c in self.channels.items() if now_s - c.heard_s > _FORGET_S and n not in self._announced]:
+        for name in [
+            n for n, c in self.channels.items() if now_s - c.received_s > _FORGET_S and n not in self._announced
+        ]:
             newest = self.channels.pop(name).newest
             self._kept_bytes -= len(newest.data) if newest else 0
 
-    def _keep_newest(self, channel: WatchedChannel, heard: Heard) -> None:
-        """Keep a message as its channel's newest, unless it is too large to keep beside the others."""
+    def _keep_newest(self, channel: WatchedChannel, received: Received) -> None:
+        """Store a message as its channel's newest, unless the memory limit is reached."""
         self._kept_bytes -= len(channel.newest.data) if channel.newest else 0
-        n_bytes = len(heard.data)
+        n_bytes = len(received.data)
         channel.is_too_large = n_bytes > _MAX_MESSAGE_BYTES or self._kept_bytes + n_bytes > _MAX_KEPT_BYTES
-        channel.newest = None if channel.is_too_large else heard
+        channel.newest = None if channel.is_too_large else received
         self._kept_bytes += 0 if channel.is_too_large else n_bytes
 
     def _latency_s(self, utime: int, at_s: float) -> float:
-        """Return how long after the first message of its stamp a message came."""
+        """Return the delay of a message after the first message of its timestamp."""
         first_s = self._first_s.setdefault(utime, at_s)
         if len(self._first_s) > _MAX_STAMPS:
             self._first_s.popitem(last=False)

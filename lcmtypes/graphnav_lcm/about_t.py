@@ -28,7 +28,7 @@ class about_t(object):
 
         self.lcm_text = ""
         """
-        The text of the type definitions that the channels use.
+        The definitions of the types that the channels use.
         LCM Type: string
         """
 

@@ -18,7 +18,7 @@ class fired_t(object):
     def __init__(self):
         self.utime = 0
         """
-        The stamp that the step was given.
+        The timestamp of the step.
         LCM Type: int64_t
         """
 
@@ -26,7 +26,7 @@ class fired_t(object):
         """ LCM Type: int64_t """
         self.fired_us = 0
         """
-        When it fired, by the run's clock: the log has it a little later.
+        The time of the firing by the run's clock, slightly before the time of this message in the log.
         LCM Type: int64_t
         """
 
@@ -34,13 +34,13 @@ class fired_t(object):
         """ LCM Type: string """
         self.age_s = 0.0
         """
-        How old the plain inputs were, seconds; infinite before the first ones.
+        Age of the plain inputs, seconds; infinite before the first messages.
         LCM Type: double
         """
 
         self.n_messages = 0
         """
-        The messages that the stage stepped with, and every sampled input. All arrays have one entry a message.
+        The messages of the step, and every sampled input. All arrays have one entry per message.
         LCM Type: int32_t
         """
 
@@ -52,19 +52,19 @@ class fired_t(object):
 
         self.numbers = []
         """
-        Which message of its channel it was, counted from 0; -1 for a sampled input before its first message.
+        Index of the message on its channel, from 0; -1 for a sampled input before its first message.
         LCM Type: int64_t[n_messages]
         """
 
         self.stamps_us = []
         """
-        The stamp of the message.
+        Timestamp of the message.
         LCM Type: int64_t[n_messages]
         """
 
         self.ages_s = []
         """
-        Of a sampled input its age, seconds, and what was wrong with it; 0 and empty for other inputs.
+        Age, seconds, and fault of a sampled input; 0 and empty for other inputs.
         LCM Type: double[n_messages]
         """
 

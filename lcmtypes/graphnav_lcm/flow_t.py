@@ -28,7 +28,7 @@ class flow_t(object):
 
         self.step_px = 0
         """
-        Side of the pixel block that one vector stands for.
+        Side of the pixel block of one vector.
         LCM Type: int32_t
         """
 
@@ -38,13 +38,13 @@ class flow_t(object):
         """ LCM Type: int32_t """
         self.uv_px = []
         """
-        Displacement since the last frame of what is now here: right, down; pixels per frame.
+        Displacement since the last frame of the point that is now here: right, down; pixels per frame.
         LCM Type: float[rows][cols][2]
         """
 
         self.valid = []
         """
-        1 where the vector can be trusted.
+        1 where the vector is reliable.
         LCM Type: byte[rows][cols]
         """
 

@@ -22,31 +22,31 @@ class guard_state_t(object):
         """ LCM Type: int64_t """
         self.may_move = False
         """
-        Whether any motion is let through.
+        Whether any motion is allowed.
         LCM Type: boolean
         """
 
         self.may_advance = False
         """
-        Whether motion forward is let through.
+        Whether forward motion is allowed.
         LCM Type: boolean
         """
 
         self.overridden = False
         """
-        Whether an override (teleoperation) drives.
+        Whether an override (teleoperation) is active.
         LCM Type: boolean
         """
 
         self.stopped = False
         """
-        Whether a stop was asked for and the guard was not armed again since.
+        Whether a stop was requested and the guard was not armed again since.
         LCM Type: boolean
         """
 
         self.n_causes = 0
         """
-        What forbids motion, or motion forward, now. All arrays have one entry a cause.
+        The causes that forbid motion, or forward motion, now. All arrays have one entry per cause.
         LCM Type: int32_t
         """
 
@@ -58,13 +58,13 @@ class guard_state_t(object):
 
         self.ports = []
         """
-        The guard's input that it is about.
+        The input of the guard.
         LCM Type: string[n_causes]
         """
 
         self.values = []
         """
-        What was found and what is allowed: seconds for waiting and stale; for blind a ratio (of a plane) or gray levels
+        The measured value and its limit: seconds for waiting and stale; for blind a ratio (of a plane) or gray levels
         (of an image), for obstacle a ratio, else 0.
         LCM Type: double[n_causes]
         """

@@ -22,7 +22,7 @@ class image_t(object):
         """ LCM Type: int64_t """
         self.step_px = 0
         """
-        Pixels between neighbouring samples: 1 as it was taken, more where it was thinned.
+        Pixels between adjacent samples: 1 for the original image, more for a thinned one.
         LCM Type: int32_t
         """
 

@@ -18,13 +18,13 @@ class input_status_t(object):
     def __init__(self):
         self.name = ""
         """
-        As the graph refers to it: camera.image
+        Name in the graph: camera.image
         LCM Type: string
         """
 
         self.channel = ""
         """
-        The LCM channel, or the log that is played.
+        The LCM channel, or the played log.
         LCM Type: string
         """
 
@@ -38,7 +38,7 @@ class input_status_t(object):
         """ LCM Type: double """
         self.lost = 0
         """
-        Messages whose sequence numbers are missing: they never arrived, or were damaged; 0 for types without numbers.
+        Missing sequence numbers: lost or damaged messages; 0 for types without sequence numbers.
         LCM Type: int64_t
         """
 
@@ -52,19 +52,19 @@ class input_status_t(object):
         """ LCM Type: double """
         self.offset_s = 0.0
         """
-        The sender's clock less ours, estimated; 0 before the first message.
+        Estimated offset of the sender's clock from the run's clock; 0 before the first message.
         LCM Type: double
         """
 
         self.fault = ""
         """
-        What is wrong now, empty if nothing is.
+        The current fault, empty if there is none.
         LCM Type: string
         """
 
         self.n_reasons = 0
         """
-        Messages that were not used, by reason: the names and how many of each.
+        Rejected messages by reason: names and counts.
         LCM Type: int32_t
         """
 

@@ -34,7 +34,7 @@ class map_t(object):
         """ LCM Type: int32_t """
         self.vertices_m = []
         """
-        Outlines of the bodies from above, in the world (moving ones: in their own frame).
+        Outlines of the bodies in top view, in the world frame (moving ones: in their own frame).
         LCM Type: double[n_vertices][2]
         """
 
@@ -54,7 +54,7 @@ class map_t(object):
         """ LCM Type: int32_t """
         self.goal_m = []
         """
-        Outline of the goal region in the world; empty where the map has none.
+        Outline of the goal region in the world frame; empty if the map has none.
         LCM Type: double[n_goal][2]
         """
 
@@ -62,7 +62,7 @@ class map_t(object):
         """ LCM Type: double """
         self.shortest_m = 0.0
         """
-        Length of the shortest path from start to goal for this robot; 0 where there is no goal.
+        Length of the shortest path from start to goal for this robot; 0 without a goal.
         LCM Type: double
         """
 
@@ -70,7 +70,7 @@ class map_t(object):
         """ LCM Type: int32_t """
         self.footprint_m = []
         """
-        Outline on the floor of what the camera sees, in the robot's frame.
+        Outline of the camera's view on the floor, in the robot frame.
         LCM Type: double[n_footprint][2]
         """
 

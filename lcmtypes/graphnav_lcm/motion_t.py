@@ -28,7 +28,7 @@ class motion_t(object):
 
         self.forward_m = 0.0
         """
-        Displacement since the last frame, in the robot's frame of then, as odometry sees it.
+        Displacement since the last frame, in the robot frame at that time, measured by odometry.
         LCM Type: double
         """
 

@@ -22,7 +22,7 @@ class odometry_t(object):
         """ LCM Type: int64_t """
         self.x_m = 0.0
         """
-        Pose in the odometry's own frame, whose origin is where it began to count: x and y right-handed, yaw
+        Pose in the odometry frame, whose origin is the pose at its start: x and y right-handed, yaw
         counterclockwise.
         LCM Type: double
         """

@@ -18,7 +18,7 @@ class output_status_t(object):
     def __init__(self):
         self.name = ""
         """
-        As the graph refers to it: guard.twist
+        Name in the graph: guard.twist
         LCM Type: string
         """
 
@@ -34,7 +34,7 @@ class output_status_t(object):
         """ LCM Type: int64_t """
         self.latency_p50_ms = 0.0
         """
-        From the stamp of the input that it was made from to its publication.
+        Time from the arrival of the input to the publication of the output made from it.
         LCM Type: double
         """
 

@@ -28,19 +28,19 @@ class planar_model_t(object):
 
         self.step_px = 0
         """
-        Side of the pixel block that one vector stands for.
+        Side of the pixel block of one vector.
         LCM Type: int32_t
         """
 
         self.frames = 0
         """
-        Frames that it was taught from.
+        Number of taught frames.
         LCM Type: int64_t
         """
 
         self.forward_range_m = [ 0.0 for dim0 in range(2) ]
         """
-        Least and greatest forward displacement and turn per frame that were taught.
+        Minimum and maximum taught forward displacement and turn per frame.
         LCM Type: double[2]
         """
 
@@ -54,7 +54,7 @@ class planar_model_t(object):
         """ LCM Type: int32_t """
         self.terms = []
         """
-        What multiplies each basis field: "mean", "v", "w", "vw", "ww" (v forward_m, w turn_rad per frame).
+        The factor of each basis field: "mean", "v", "w", "vw", "ww" (v forward_m, w turn_rad per frame).
         LCM Type: string[n_terms]
         """
 
@@ -72,7 +72,7 @@ class planar_model_t(object):
 
         self.residual_px = []
         """
-        Root mean square of what the basis leaves of the taught flow.
+        Root mean square residual of the taught flow.
         LCM Type: float[rows][cols]
         """
 

@@ -28,7 +28,7 @@ class planar_t(object):
 
         self.step_px = 0
         """
-        Side of the pixel block that one vector stands for.
+        Side of the pixel block of one vector.
         LCM Type: int32_t
         """
 
@@ -50,7 +50,7 @@ class planar_t(object):
 
         self.residual_px = []
         """
-        What the model itself errs by at this place on obstacle-free ground; pixels, root mean square.
+        Root mean square error of the model at this place on obstacle-free ground; pixels.
         LCM Type: float[rows][cols]
         """
 

@@ -22,7 +22,7 @@ class plane_t(object):
         """ LCM Type: int64_t """
         self.step_px = 0
         """
-        Side of the pixel block that one cell stands for.
+        Side of the pixel block of one cell.
         LCM Type: int32_t
         """
 
@@ -34,7 +34,7 @@ class plane_t(object):
 
         self.threshold = 0.0
         """
-        Score above which a cell is called obstacle.
+        Score above which a cell is obstacle.
         LCM Type: double
         """
 

@@ -22,7 +22,7 @@ class potential_t(object):
         """ LCM Type: int64_t """
         self.step_px = 0
         """
-        Side of the pixel block that one cell stands for.
+        Side of the pixel block of one cell.
         LCM Type: int32_t
         """
 

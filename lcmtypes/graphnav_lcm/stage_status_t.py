@@ -42,7 +42,7 @@ class stage_status_t(object):
         """ LCM Type: double """
         self.deadline_ms = 0.0
         """
-        0 where the graph gives no deadline.
+        0 if the graph sets no deadline.
         LCM Type: double
         """
 
@@ -54,7 +54,7 @@ class stage_status_t(object):
 
         self.overtaken = 0
         """
-        Sets of inputs that were dropped because a newer one was complete, or because they never became complete.
+        Sets of inputs dropped because a newer one was complete, or because they never became complete.
         LCM Type: int64_t
         """
 

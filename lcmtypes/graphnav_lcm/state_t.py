@@ -36,7 +36,7 @@ class state_t(object):
         """ LCM Type: double """
         self.clearance_m = 0.0
         """
-        From the robot's rim to the nearest wall or obstacle, the least since the last state.
+        Minimum distance since the last state from the robot's rim to a wall or obstacle.
         LCM Type: double
         """
 

@@ -44,7 +44,7 @@ class status_t(object):
 
         self.run_s = 0.0
         """
-        Since the start, on the clock of the stamps.
+        Since the start, on the clock of the timestamps.
         LCM Type: double
         """
 

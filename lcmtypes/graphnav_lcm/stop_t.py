@@ -28,7 +28,7 @@ class stop_t(object):
 
         self.reason = ""
         """
-        Who or what asks for it, for people.
+        Who or what requested it; shown to users.
         LCM Type: string
         """
 

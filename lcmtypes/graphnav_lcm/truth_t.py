@@ -28,7 +28,7 @@ class truth_t(object):
 
         self.step_px = 0
         """
-        Side of the pixel block that one cell stands for.
+        Side of the pixel block of one cell.
         LCM Type: int32_t
         """
 
@@ -38,7 +38,7 @@ class truth_t(object):
         """ LCM Type: int32_t """
         self.obstacle = []
         """
-        1 where an obstacle is seen; 0 on the ground plane and above the horizon.
+        1 where an obstacle is visible; 0 on the ground plane and above the horizon.
         LCM Type: byte[rows][cols]
         """
 
@@ -50,7 +50,7 @@ class truth_t(object):
 
         self.flow_px = []
         """
-        Displacement since the last frame of what is now here: right, down; pixels per frame.
+        Displacement since the last frame of the point that is now here: right, down; pixels per frame.
         LCM Type: float[rows][cols][2]
         """
 

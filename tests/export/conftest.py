@@ -1,4 +1,4 @@
-"""What the tests of exports share: a drive that was recorded, and LCM types of their own."""
+"""Fixtures of the export tests: a recorded drive, and additional LCM types."""
 
 from __future__ import annotations
 

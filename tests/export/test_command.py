@@ -35,11 +35,11 @@ def test_what_was_written_is_said(drive: Path, tmp_path: Path, capsys: pytest.Ca
         ),
         (
             ["--from", "3s", "--until", "1s"],
-            "--from 3s is after --until 1s\n  exchange the two, or leave one out\n",
+            "--from 3s is after --until 1s\n  swap the two, or omit one\n",
         ),
         (
             ["--from", "2.5s"],
-            "--from 2.5s is after the end of the log\n  the log lasts 2.000 s: choose less\n",
+            "--from 2.5s is after the end of the log\n  the log lasts 2.000 s: give a smaller value\n",
         ),
     ],
 )
@@ -97,5 +97,5 @@ def test_the_python_door_takes_a_recording(drive: Path, tmp_path: Path) -> None:
     with Recording(drive / "run.lcmlog") as recording:
         done = export_log(recording, "csv", tmp_path / "t", Selection(("robot.*",), until_s=0.5), on_time=times.append)
     assert done.losses == []
-    assert done.contents.endswith(" of 6 channels, a file each")
+    assert done.contents.endswith(" of 6 channels, one file per channel")
     assert 0.0 <= min(times) <= max(times) <= 0.5

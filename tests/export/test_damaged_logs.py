@@ -1,4 +1,4 @@
-"""Of a damaged log what is complete is exported, and what was lost is said."""
+"""The intact messages of a damaged log are exported, and losses are reported."""
 
 from __future__ import annotations
 
@@ -72,10 +72,10 @@ def test_a_damaged_description_costs_nothing_else(drive: Path, tmp_path: Path, k
 def test_a_drive_that_is_cut_short_is_exported(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
 ) -> None:
-    whole = (drive / "run.lcmlog").read_bytes()
-    (tmp_path / "log").write_bytes(whole[: len(whole) * 2 // 3])
+    complete = (drive / "run.lcmlog").read_bytes()
+    (tmp_path / "log").write_bytes(complete[: len(complete) * 2 // 3])
     assert main(["export", str(tmp_path / "log"), "--to", kind, "-o", str(tmp_path / "out")]) == 0
-    assert "is not whole; left out" in capsys.readouterr().err
+    assert "is truncated; left out" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,4 +1,4 @@
-"""What happened in a run is told once, when it happens."""
+"""Events of a run are reported once, when they happen."""
 
 from __future__ import annotations
 
@@ -45,15 +45,15 @@ def test_the_guard_is_told_when_it_changes() -> None:
     late = guard(("stale", "plane"), may_move=False)
     assert told(guard(may_move=True), late, late, guard(may_move=True)) == [
         (1, Level.WARNING, "guard forbids motion: stale plane"),
-        (3, Level.INFO, "guard lets everything through"),
+        (3, Level.INFO, "guard allows all motion"),
     ]
     assert told(guard(("stop", ""), may_move=True, overridden=True)) == [(0, Level.INFO, "guard is overridden: stop")]
 
 
 def test_every_stop_is_told() -> None:
     assert told(Stop(engaged=True, reason="enough"), Stop(engaged=True), Stop(engaged=False)) == [
-        (0, Level.WARNING, "stop asked for: enough"),
-        (1, Level.WARNING, "stop asked for"),
+        (0, Level.WARNING, "stop requested: enough"),
+        (1, Level.WARNING, "stop requested"),
         (2, Level.INFO, "armed again"),
     ]
 

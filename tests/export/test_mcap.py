@@ -170,7 +170,7 @@ def test_stamps_that_no_viewer_can_show_are_counted(
         log.write("WHEELS", 5, encode(Twist(v_mps=0.0, omega_radps=1.0), 5, 0))
         log.write("WHEELS", utime, encode(Twist(v_mps=0.0, omega_radps=1.0), 6, 1))
     assert main(["export", str(tmp_path / "log"), "--to", "mcap", "-o", str(tmp_path / "a.mcap")]) == 0
-    assert "channel 'WHEELS': 1 message is left out: its stamp is out of range" in capsys.readouterr().err
+    assert "channel 'WHEELS': 1 message is left out: its timestamp is out of range" in capsys.readouterr().err
     assert sum(message.topic == "/WHEELS" for message in read(tmp_path / "a.mcap")) == 1
 
 

@@ -1,4 +1,4 @@
-"""What has the final name is complete; whatever goes wrong, nothing else is left behind."""
+"""Targets are complete or absent, and errors leave no other files behind."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def test_the_log_itself_is_never_replaced(
     for target in (log, link):
         words = ["--to", kind, "-o", str(target), "--channel", channel, "--force"]
         assert main(["export", str(tmp_path), *words]) == 2
-        said = f"{target} is the log that is exported\n  choose another place with -o\n"
+        said = f"{target} is the log to export\n  choose another place with -o\n"
         assert capsys.readouterr().err == said
     assert log.read_bytes() == (drive / "run.lcmlog").read_bytes()
 
@@ -146,7 +146,7 @@ def test_a_log_that_is_called_like_a_table_is_not_replaced_either(
     log = tmp_path / "control.twist.csv"
     shutil.copy(drive / "run.lcmlog", log)
     assert main(["export", str(log), "--to", "csv", "-o", str(tmp_path), "--force"]) == 2
-    assert capsys.readouterr().err == f"{log} is the log that is exported\n  choose another place with -o\n"
+    assert capsys.readouterr().err == f"{log} is the log to export\n  choose another place with -o\n"
     assert names(tmp_path) == ["control.twist.csv"]
     assert log.read_bytes() == (drive / "run.lcmlog").read_bytes()
 

@@ -66,22 +66,22 @@ def test_one_channel_has_a_frame_for_each_message(drive: Path, tmp_path: Path, c
         (
             ["--channel", "control.twist"],
             (
-                "channel 'control.twist' holds no messages that have a picture\n"
-                "  name a channel of images, flow, planes or states, or leave --channel out for the panels\n"
+                "channel 'control.twist' holds no messages with pictures\n"
+                "  select a channel of images, flow, planes or states, or omit --channel for the panels\n"
             ),
         ),
         (
             ["--channel", "control.*"],
             (
                 "a video shows one channel, or the panels\n"
-                "  name one channel with --channel, or leave it out for the panels\n"
+                "  select one channel with --channel, or omit --channel for the panels\n"
             ),
         ),
         (
             [],
             (
                 "{log} holds no images to make a video of\n"
-                "  record them: run: {record: all}; or name another channel with --channel\n"
+                "  record them: run: {record: all}; or select another channel with --channel\n"
             ),
         ),
     ],

@@ -12,14 +12,14 @@ class Listener:
     """Collects the messages of a group."""
 
     def __init__(self, url: str) -> None:
-        self.heard: list[tuple[str, bytes]] = []
+        self.received: list[tuple[str, bytes]] = []
         self._bus = Bus(url)
-        self._bus.subscribe_all(lambda channel, data: self.heard.append((channel, data)))
+        self._bus.subscribe_all(lambda channel, data: self.received.append((channel, data)))
 
     def wait_for(self, n: int) -> list[tuple[str, bytes]]:
-        """Return what was heard once there are ``n`` messages, or after half a minute."""
-        self.listen_until(lambda: len(self.heard) >= n)
-        return self.heard
+        """Return what was received once there are ``n`` messages, or after half a minute."""
+        self.listen_until(lambda: len(self.received) >= n)
+        return self.received
 
     def listen_until(self, is_over: Callable[[], bool]) -> None:
         """Listen until a condition holds, half a minute at most."""

@@ -13,7 +13,7 @@ from graphnav import Adapter, Image, Twist
 from graphnav.catalog import Catalog
 from graphnav.codec import codec_of, lcm_name, lcm_text_of, type_named, type_of
 from graphnav.spy import Traffic
-from graphnav.spy.feed import Heard
+from graphnav.spy.feed import Received
 
 NAME = "bot_core.image_t"
 
@@ -28,7 +28,7 @@ def picture() -> bytes:
 
 def test_spy_decodes_what_an_installed_adapter_explains(picture: bytes) -> None:
     traffic = Traffic()
-    channel = traffic.hear(Heard("CAMERA", picture, 0.0))
+    channel = traffic.receive(Received("CAMERA", picture, 0.0))
     assert channel.type_name == NAME
     assert channel.values is not None
     assert (channel.values["width"], channel.values["height"], channel.values["utime"]) == (3, 2, 7)

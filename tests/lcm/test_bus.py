@@ -163,7 +163,7 @@ def test_a_missing_multicast_route_is_said_with_the_command_that_makes_one() -> 
     ]
 
 
-def test_the_command_that_makes_a_route_mends_it() -> None:
+def test_the_command_that_makes_a_route_fixes_it() -> None:
     unshare = shutil.which("unshare")
     program = f"{MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.bus import *; require_route(GROUP)'"
     if unshare is None or subprocess.run([unshare, "-rn", "ip", "link"], capture_output=True, check=False).returncode:
@@ -197,19 +197,19 @@ def test_where_lcm_cannot_listen_it_is_said(group: str) -> None:
             bus.subscribe("x", lambda *_: None)
         bus.close()
     assert str(caught.value) == (
-        f"LCM cannot listen on {bus.url}: its port is taken, or LCM's self test of the network failed\n"
+        f"LCM cannot listen on {bus.url}: its port is in use, or LCM's self test of the network failed\n"
         "  choose another port, or run: graphnav doctor"
     )
 
 
 def test_a_closed_bus_lets_go_of_its_handlers() -> None:
-    class Heard:
+    class Received:
         def take(self, channel: str, data: bytes) -> None: ...
 
-    bus, heard = Bus("memq://"), Heard()
-    bus.subscribe("a", heard.take)
-    kept = weakref.ref(heard)
+    bus, received = Bus("memq://"), Received()
+    bus.subscribe("a", received.take)
+    kept = weakref.ref(received)
     bus.close()
-    del heard
+    del received
     gc.collect()
     assert kept() is None

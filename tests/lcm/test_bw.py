@@ -17,7 +17,7 @@ from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import Twist
 from graphnav.record import LogWriter
-from graphnav.spy import Heard, Traffic
+from graphnav.spy import Received, Traffic
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_the_bandwidth_is_what_comes_after_the_first(messages: list[tuple[float,
     at_s = 0.0
     for step_s, size in messages:
         at_s += step_s
-        channel = traffic.hear(Heard("x", bytes(size), at_s))
+        channel = traffic.receive(Received("x", bytes(size), at_s))
     assert channel.bytes_per_s == pytest.approx(sum(n for _, n in messages[1:]) / sum(s for s, _ in messages[1:]))
     sizes = channel.sizes
     assert (sizes.min_bytes, sizes.max_bytes) == (min(n for _, n in messages), max(n for _, n in messages))
@@ -50,7 +50,7 @@ def test_a_live_bandwidth_forgets_after_ten_seconds() -> None:
     now_s = 29.9
     traffic = Traffic(lambda: now_s)
     for k in range(300):
-        channel = traffic.hear(Heard("x", bytes(1000 if k < 150 else 10), 0.1 * k))
+        channel = traffic.receive(Received("x", bytes(1000 if k < 150 else 10), 0.1 * k))
     assert channel.sizes.max_bytes == 10
     assert channel.bytes_per_s == pytest.approx(100)
     now_s = 31.0

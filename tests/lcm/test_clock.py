@@ -60,7 +60,7 @@ def test_what_is_given_up_is_accounted_for_and_told_each_time_that_it_doubles() 
     assert wall.slept == []
     assert abs(clock.behind_s - 800 * 0.009) < 1e-6
     assert notices == [
-        f"behind the wall clock by {behind_s} s: a tick takes 19 ms, the pace asks for 10 ms"
+        f"behind the wall clock by {behind_s} s: a tick takes 19 ms, the pace allows 10 ms"
         for behind_s in ("0.5", "1.0", "2.0", "4.1")
     ]
 
@@ -84,7 +84,7 @@ def test_one_long_tick_stays_accounted_for() -> None:
         clock.advance(1_000 * k)
         wall.now_s += 3.0 if k == 50 else 0.0001
     assert abs(clock.behind_s - 2.9995) < 1e-6
-    assert notices == ["behind the wall clock by 3.0 s: a tick takes 59 ms, the pace asks for 0.5 ms"]
+    assert notices == ["behind the wall clock by 3.0 s: a tick takes 59 ms, the pace allows 0.5 ms"]
 
 
 def test_a_process_that_was_held_up_is_not_called_slow() -> None:
@@ -99,7 +99,7 @@ def test_a_process_that_was_held_up_is_not_called_slow() -> None:
         clock.advance(100_000 * k)
         wall.now_s += 0.011
     assert notices == [
-        "behind the wall clock by 59.9 s: the process was held up (a tick takes 11 ms, the pace asks for 100 ms)"
+        "behind the wall clock by 59.9 s: the process was held up (a tick takes 11 ms, the pace allows 100 ms)"
     ]
 
 

@@ -1,4 +1,4 @@
-"""What is told of a message without decoding it is what decoding tells."""
+"""Peeking and checking messages without decoding agrees with decoding."""
 
 from __future__ import annotations
 

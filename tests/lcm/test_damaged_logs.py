@@ -1,4 +1,4 @@
-"""Logs that were cut, or whose bits have flipped: what is complete is used, what is lost is said, nothing crashes."""
+"""Truncated logs, and logs with flipped bits: intact parts are used, losses are reported, nothing crashes."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_a_log_cut_anywhere_is_read_up_to_the_cut(small: Path, tmp_path: Path) -
             assert list(recording.events()) == events[:n_complete], cut
             assert recording.damaged == []
             lost = cut - (ends[n_complete - 1] if n_complete else 0)
-            assert (recording.torn.n_bytes if recording.torn is not None else 0) == lost
+            assert (recording.truncated.n_bytes if recording.truncated is not None else 0) == lost
 
 
 def test_a_large_log_cut_at_random_is_read_up_to_the_cut(large: Path, tmp_path: Path) -> None:
@@ -94,7 +94,7 @@ def test_a_flipped_bit_costs_one_event(small: Path, tmp_path: Path) -> None:
             found = list(recording.events())
             intact = [event for number, event in enumerate(events) if number != hit]
             assert [event for event in found if event in intact] == intact, (bit, hit)
-            assert len(found) >= len(events) or recording.damaged or recording.torn
+            assert len(found) >= len(events) or recording.damaged or recording.truncated
 
 
 def test_random_damage_leaves_all_other_events(large: Path, tmp_path: Path) -> None:
@@ -151,7 +151,7 @@ def test_info_and_play_take_every_cut(
         n_complete = sum(end <= cut for end in ends)
         assert said["messages"] == n_complete
         assert main(["info", str(tmp_path / "cut")]) == 0
-        assert ("is not whole" in capsys.readouterr().out) == (cut not in {0, *ends} and cut < len(data))
+        assert ("is truncated" in capsys.readouterr().out) == (cut not in {0, *ends} and cut < len(data))
         status = main(["play", str(tmp_path / "cut"), "--url", group, "--speed", "100"])
         out, err = capsys.readouterr()
         assert status == (0 if n_complete else 1)
@@ -192,15 +192,16 @@ def test_an_empty_log_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert main(["info", str(tmp_path / "log")]) == 0
     said = capsys.readouterr().out
     assert (
-        said == f"{tmp_path / 'log'}: 0 B, 0 messages on 0 channels, 0.000 s\nit holds no message\nnothing is damaged\n"
+        said == f"{tmp_path / 'log'}: 0 B, 0 messages on 0 channels, 0.000 s\n"
+        "the log holds no messages\nnothing is damaged\n"
     )
     assert main(["play", str(tmp_path / "log")]) == 1
-    assert capsys.readouterr().err == f"{tmp_path / 'log'} holds no message\n"
+    assert capsys.readouterr().err == f"{tmp_path / 'log'} holds no messages\n"
 
 
 @contextmanager
 def without_privileges() -> Iterator[None]:
-    """Be nobody where this is root, who may read everything."""
+    """Drop the privileges of root, who may read all files."""
     own = os.geteuid()
     if not own:
         os.seteuid(65534)
@@ -232,7 +233,7 @@ def test_a_description_that_is_damaged_hides_nothing(small: Path, tmp_path: Path
     with Recording(tmp_path / "log") as recording:
         assert recording.about is None
         assert recording.channels["twist"] is Twist.lcm_class
-        with pytest.raises(LogError, match="does not say which graph made it"):
+        with pytest.raises(LogError, match="does not hold the graph that produced it"):
             _ = recording.graph
 
 

@@ -174,7 +174,7 @@ def test_nothing_is_left_behind(types: Path, monkeypatch: pytest.MonkeyPatch, tm
         (
             "package {mark};\nstruct a_t\n{{\n  int8_t class;\n}}\n",
             (
-                "Python cannot hold the type {mark}.a_t: one of its names is a word of Python\n"
+                "Python cannot hold the type {mark}.a_t: one of its names is a Python keyword\n"
                 "  rename the field, the type or the package"
             ),
         ),
@@ -185,7 +185,7 @@ def test_nothing_is_left_behind(types: Path, monkeypatch: pytest.MonkeyPatch, tm
                 "class variable\n  rename the field, the type or the package"
             ),
         ),
-        ("", "--types: no type is defined in {file}"),
+        ("", "--types: no types are defined in {file}"),
         ("/* never ends", "--types: lcm-gen: {file} : EOF reached while parsing comment"),
         (
             "package {mark};\nstruct a_t\n{{\n  int8_t a;\n}}\nstruct a_t\n{{\n  int8_t b;\n}}\n",
@@ -225,15 +225,15 @@ def test_bytes_of_any_kind_are_a_users_error(tmp_path: Path, capsys: pytest.Capt
             "no_such_package",
             (
                 "there is no folder, file or installed package 'no_such_package'\n"
-                "  name a folder of .lcm files, or a package that lcm-gen -p wrote; PYTHONPATH finds others\n"
+                "  name a folder of .lcm files, or a package written by lcm-gen -p; set PYTHONPATH to find others\n"
             ),
         ),
-        ("json", "the package 'json' holds no LCM types\n  name a package that lcm-gen -p wrote\n"),
+        ("json", "the package 'json' holds no LCM types\n  name a package written by lcm-gen -p\n"),
         ("missing.lcm", "there is no folder, file or installed package 'missing.lcm'\n  name a folder of .lcm files\n"),
-        ("./", "the folder './' holds no .lcm file\n  name one that does\n"),
+        ("./", "the folder './' holds no .lcm files\n  name one that does\n"),
         (
             "./made",
-            "the folder './made' holds no .lcm file\n  for its Python set PYTHONPATH={here} and write --types made\n",
+            "the folder './made' holds no .lcm files\n  for its Python set PYTHONPATH={here} and write --types made\n",
         ),
         ("log", "'./log' is not a .lcm file\n  name a .lcm file or a folder of them\n"),
         ("a\0b", "there is no folder, file or installed package 'a\\x00b'\n  name a folder of .lcm files\n"),

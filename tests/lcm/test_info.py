@@ -81,7 +81,7 @@ def test_programs_are_told_the_same(tmp_path: Path, capsys: pytest.CaptureFixtur
         "versions": SUMMARY["versions"],
     }
     assert (said["messages"], said["duration_s"], said["is_wall_time"]) == (42, 2.0, False)
-    assert (said["damaged"], said["torn"], said["stamp_jumps"]) == ([], None, 0)
+    assert (said["damaged"], said["truncated"], said["stamp_jumps"]) == ([], None, 0)
     assert said["channels"]["control.twist"] == {
         "type": "graphnav_lcm.twist_t",
         "is_known": True,
@@ -136,7 +136,7 @@ def test_a_log_of_others_has_types_by_fingerprint(tmp_path: Path, capsys: pytest
     assert main(["info", str(tmp_path / "log")]) == 0
     out = capsys.readouterr().out
     assert "unknown, fingerprint 0000000000000000" in out
-    assert "not a type of LCM" in out
+    assert "not an LCM type" in out
     assert "WHEELS: 1 of 2 messages cannot be decoded as graphnav_lcm.twist_t\n" in out
 
 
@@ -175,9 +175,9 @@ def test_damage_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert main(["info", str(tmp_path)]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[-3:] == [
-        "1 stamps do not follow the one before: the clock was set, or they are damaged",
+        "1 timestamps jump: the clock was set, or they are damaged",
         f"{places[11] - places[10]} bytes from byte {places[10]} are not an event",
-        f"the last event, {len(damaged) - places[-1]} bytes from byte {places[-1]}, is not whole",
+        f"the last event, {len(damaged) - places[-1]} bytes from byte {places[-1]}, is truncated",
     ]
 
 

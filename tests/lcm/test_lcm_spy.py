@@ -26,7 +26,7 @@ from graphnav.typeinfo import file_of_lcm, types_jar
 
 from .conftest import TOOLS
 
-NO_JDK = find_jdk().lacks
+NO_JDK = find_jdk().missing
 needs_jdk = pytest.mark.skipif(bool(NO_JDK), reason=NO_JDK)
 needs_xvfb = pytest.mark.skipif(shutil.which("Xvfb") is None, reason="Xvfb is not installed")
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
@@ -100,10 +100,10 @@ def test_java_decodes_what_lcm_logplayer_plays(tmp_path: Path, group: str, jar: 
         assert java.stdin is not None
         assert java.stdout.readline() == "ready\n"
         subprocess.run([TOOLS / "lcm-logplayer", "--lcm-url", group, tmp_path / "log"], check=True, capture_output=True)
-        heard = [java.stdout.readline().split() for _ in range(10)]
+        received = [java.stdout.readline().split() for _ in range(10)]
         java.stdin.close()
-    twists = [words for words in heard if words[0] == "control.twist"]
-    flows = [words for words in heard if words[0] == "flow.flow"]
+    twists = [words for words in received if words[0] == "control.twist"]
+    flows = [words for words in received if words[0] == "flow.flow"]
     assert [(int(words[1]), int(words[2])) for words in twists] == [(10_000 * k, k) for k in range(5)]
     assert [(float(words[3]), float(words[4])) for words in twists] == [(0.1 * k, -0.3) for k in range(5)]
     assert [words[1:] for words in flows] == [[str(10_000 * k), "3", "4", str(flow.uv_px[1, 2, 0])] for k in range(5)]
@@ -171,10 +171,10 @@ def test_without_java_it_is_said_what_installs_it(
 @pytest.mark.parametrize(
     ("tools", "lacks"),
     [
-        (["java"], "there is a Java runtime, but no compiler (javac)"),
-        (["java", "javac"], "there is a Java runtime, but no tool jar"),
+        (["java"], "Java is installed, but no compiler (javac)"),
+        (["java", "javac"], "Java is installed, but no tool jar"),
         (["java", "javac", "jar"], ""),
-        (["java", "javac", "jar", "headless"], "the installed Java is a headless one, which opens no window"),
+        (["java", "javac", "jar", "headless"], "the installed Java is headless and cannot open windows"),
     ],
 )
 def test_an_incomplete_java_is_told(
@@ -188,7 +188,7 @@ def test_an_incomplete_java_is_told(
         (tmp_path / "lib").mkdir()
         (tmp_path / "lib" / "modules").touch()
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
-    assert find_jdk().lacks == lacks
+    assert find_jdk().missing == lacks
 
 
 @needs_jdk

@@ -90,7 +90,7 @@ def test_where_lcm_cannot_listen_watchers_end_and_a_run_does_without_the_tap(
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("", 0))
         monkeypatch.setenv("LCM_DEFAULT_URL", f"udpm://{urlsplit(group).hostname}:{taken.getsockname()[1]}")
-        said = f"LCM cannot listen on {lcm_url()}: its port is taken, or LCM's self test of the network failed\n"
+        said = f"LCM cannot listen on {lcm_url()}: its port is in use, or LCM's self test of the network failed\n"
         for words in (["spy", "--once"], ["hz", "x"], ["echo", "x"], ["record", "-o", str(tmp_path / "log")]):
             assert main([*words, "--for", "1"]) == 1
             assert capsys.readouterr().err == f"{said}  choose another port, or run: graphnav doctor\n"

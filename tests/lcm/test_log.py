@@ -1,4 +1,4 @@
-"""Logs: readable by LCM, theirs by us, and whole whatever happens."""
+"""Logs are compatible with LCM's own tools in both directions, and complete after any failure."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_recording_tells_what_it_holds(tmp_path: Path) -> None:
         assert recording.channels == {ABOUT: About.lcm_class, "control.twist": Twist.lcm_class}
         assert recording.n_events == 6
         assert recording.utimes("control.twist") == [0, 100_000, 200_000, 300_000, 400_000]
-        assert recording.torn is None
+        assert recording.truncated is None
 
 
 def test_messages_come_in_order_and_by_index(tmp_path: Path) -> None:
@@ -108,7 +108,7 @@ def test_a_log_without_a_description_finds_its_types_by_fingerprint(tmp_path: Pa
     with Recording(tmp_path / "log") as recording:
         assert recording.channels == {"WHEELS": Twist.lcm_class, "OTHER": None}
         assert recording.about is None
-        with pytest.raises(LogError, match="does not say which graph made it"):
+        with pytest.raises(LogError, match="does not hold the graph that produced it"):
             _ = recording.graph
         with pytest.raises(LogError, match="the type of channel 'OTHER' is not installed"):
             recording.message("OTHER", 0)
@@ -131,17 +131,17 @@ def test_a_damaged_message_is_an_error_that_names_it(tmp_path: Path) -> None:
 
 @settings(derandomize=True, deadline=None, max_examples=60)
 @given(cut=st.integers(1, 400))
-def test_a_torn_log_is_read_up_to_the_tear(tmp_path_factory: pytest.TempPathFactory, cut: int) -> None:
-    folder = tmp_path_factory.mktemp("torn")
-    data = write_log(folder / "whole").read_bytes()
+def test_a_truncated_log_is_read_up_to_its_end(tmp_path_factory: pytest.TempPathFactory, cut: int) -> None:
+    folder = tmp_path_factory.mktemp("truncated")
+    data = write_log(folder / "complete").read_bytes()
     kept = data[: max(1, len(data) - cut)]
-    (folder / "torn").write_bytes(kept)
-    with Recording(folder / "whole") as whole, Recording(folder / "torn") as torn:
-        there = list(torn.events())
-        assert there == list(whole.events())[: len(there)]
-        lost = torn.torn.n_bytes if torn.torn else 0
+    (folder / "truncated").write_bytes(kept)
+    with Recording(folder / "complete") as complete, Recording(folder / "truncated") as truncated:
+        there = list(truncated.events())
+        assert there == list(complete.events())[: len(there)]
+        lost = truncated.truncated.n_bytes if truncated.truncated else 0
         assert sum(28 + len(e.channel) + len(e.data) for e in there) + lost == len(kept)
-        assert torn.torn is None or "is not whole" in str(torn.torn)
+        assert truncated.truncated is None or "is truncated" in str(truncated.truncated)
 
 
 def test_garbage_in_a_log_is_told_with_its_place(tmp_path: Path) -> None:
@@ -187,13 +187,13 @@ def test_a_full_disk_is_said_and_what_was_recorded_stays_readable(
     path = tmp_path / "log"
     with disk_of(n_bytes):
         log = LogWriter(path)
-        with pytest.raises(LogError, match=f"File too large; the log ends whole after {n_bytes // (29 + size)} events"):
+        with pytest.raises(LogError, match=f"File too large; the log holds {n_bytes // (29 + size)} complete events"):
             fill(log, bytes(size))
         with pytest.raises(LogError):
             log.flush()
         log.close()
     with Recording(path) as recording:
-        assert recording.torn is None
+        assert recording.truncated is None
         assert recording.n_events == n_bytes // (29 + size) == log.n_events
         assert recording.utimes("x") == list(range(recording.n_events))
 
@@ -201,7 +201,7 @@ def test_a_full_disk_is_said_and_what_was_recorded_stays_readable(
 def test_a_disk_that_takes_nothing_is_said() -> None:
     log = LogWriter("/dev/full")
     log.write("x", 0, b"")
-    with pytest.raises(LogError, match="No space left on device; the log ends whole after 0 events"):
+    with pytest.raises(LogError, match="No space left on device; the log holds 0 complete events"):
         log.close()
 
 
@@ -220,7 +220,7 @@ def test_a_killed_process_loses_only_the_last_events(tmp_path: Path) -> None:
     assert done.returncode == -signal.SIGKILL
     with Recording(tmp_path / "log") as recording:
         assert 100 - 1_048_576 // 50_000 - 1 <= recording.n_events <= 100
-        assert recording.torn is None
+        assert recording.truncated is None
 
 
 def test_what_was_flushed_is_there_before_the_log_is_closed(tmp_path: Path) -> None:

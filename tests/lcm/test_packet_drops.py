@@ -1,4 +1,4 @@
-"""What the kernel drops of a group is told by everything that listens there."""
+"""Every listener reports the packets that the kernel dropped."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from graphnav.bus import Bus
 from graphnav.errors import UserError
 from graphnav.recorder.listener import Listener
-from graphnav.spy import Feed, Heard, Traffic, as_json, drops_of
+from graphnav.spy import Feed, Received, Traffic, as_json, drops_of
 from graphnav.spy.watch.live_watch import LiveWatch
 
 DROPPED = b"LC02\0\0\0\1"
@@ -36,12 +36,12 @@ def until(holds: Callable[[], bool]) -> None:
 
 def test_a_bus_counts_what_the_kernel_drops_and_nothing_else(group: str) -> None:
     with closing(Bus(group)) as bus:
-        heard: list[str] = []
-        bus.subscribe_all(lambda channel, _: heard.append(channel))
+        received: list[str] = []
+        bus.subscribe_all(lambda channel, _: received.append(channel))
         for packet in (b"", b"LC0", b"LC02", b"LC02aaa", DROPPED[:8] + b"n" * 64, DROPPED, DROPPED + b"name"):
             send(group, packet)
         bus.publish("end", b"")
-        until(lambda: bus.handle(0.01) or "end" in heard)
+        until(lambda: bus.handle(0.01) or "end" in received)
         assert bus.dropped_packets() == 2
 
 
@@ -54,8 +54,8 @@ def test_inside_a_process_nothing_is_dropped() -> None:
 def test_a_feed_tells_it_also_after_its_end(group: str) -> None:
     feed = Feed(group)
     assert drops_of(feed) == ""
-    with closing(feed.listen(None)) as heard:
-        next(heard)
+    with closing(feed.listen(None)) as received:
+        next(received)
         send(group, DROPPED)
         until(lambda: feed.dropped_packets() == 1)
         assert drops_of(feed) == "1 packet dropped by the kernel"
@@ -67,9 +67,9 @@ def test_a_feed_tells_it_also_after_its_end(group: str) -> None:
 
 def test_a_channel_that_is_not_heard_may_be_what_was_dropped(group: str) -> None:
     feed, traffic = Feed(group), Traffic()
-    traffic.hear(Heard("control.twist", b"", 0.0))
-    with closing(feed.listen(None)) as heard:
-        next(heard)
+    traffic.receive(Received("control.twist", b"", 0.0))
+    with closing(feed.listen(None)) as received:
+        next(received)
         send(group, DROPPED)
         until(lambda: feed.dropped_packets() == 1)
         with pytest.raises(UserError) as raised:

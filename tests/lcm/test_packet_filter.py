@@ -14,17 +14,17 @@ import pytest
 _LISTEN = """
 import sys
 from graphnav.bus import Bus
-bus, heard = Bus(sys.argv[1]), []
-bus.subscribe_all(lambda channel, data: heard.append(channel))
+bus, received = Bus(sys.argv[1]), []
+bus.subscribe_all(lambda channel, data: received.append(channel))
 print("ready", flush=True)
-while "END" not in heard:
+while "END" not in received:
     bus.handle(1)
-print(*(name for name in heard if name.startswith("GOOD")))
+print(*(name for name in received if name.startswith("GOOD")))
 """
 
 
-def whole(rest: bytes) -> bytes:
-    """Return the packet of a whole message: its name, a zero, its bytes."""
+def unfragmented(rest: bytes) -> bytes:
+    """Return the packet of an unfragmented message: its name, a zero, its bytes."""
     return b"LC02" + struct.pack(">I", 1) + rest
 
 
@@ -36,9 +36,9 @@ def fragment(number: int, offset: int, rest: bytes) -> bytes:
 @pytest.mark.parametrize(
     "packets",
     [
-        [whole(b"")],
-        [whole(b"NAME")],
-        [whole(b"N" * 63), whole(b"N" * 64), whole(b"N" * 5000)],
+        [unfragmented(b"")],
+        [unfragmented(b"NAME")],
+        [unfragmented(b"N" * 63), unfragmented(b"N" * 64), unfragmented(b"N" * 5000)],
         [fragment(0, 0, b"NAME"), fragment(0, 0, b""), fragment(0, 0, b"")[:13], fragment(1, 0xFFFF_FFF0, b"x" * 99)],
         [b"", b"LC02", b"LC03", b"LC0", b"\0" * 8],
     ],
@@ -50,12 +50,12 @@ def test_a_listener_survives_and_hears_what_follows(packets: list[bytes], group:
 
 def test_a_listener_survives_packets_of_random_bytes(group: str) -> None:
     chance = random.Random(5)
-    packets = [whole(chance.randbytes(chance.randrange(80)).replace(b"\0", b"\1")) for _ in range(2000)]
+    packets = [unfragmented(chance.randbytes(chance.randrange(80)).replace(b"\0", b"\1")) for _ in range(2000)]
     assert heard_after(packets, group) == ["GOOD", "GOOD" + "D" * 59, "GOOD.LARGE"]
 
 
 def heard_after(packets: list[bytes], group: str) -> list[str]:
-    """Return the channels of three good messages that a listener hears after ``packets``."""
+    """Return the channels of three good messages that a listener receives after ``packets``."""
     address = urlsplit(group).hostname, urlsplit(group).port
     words = [sys.executable, "-c", _LISTEN, group]
     with (
@@ -68,11 +68,11 @@ def heard_after(packets: list[bytes], group: str) -> list[str]:
         for packet in packets:
             sender.sendto(packet, address)
         for packet in (
-            whole(b"GOOD\0data"),
-            whole(b"GOOD" + b"D" * 59 + b"\0data"),
+            unfragmented(b"GOOD\0data"),
+            unfragmented(b"GOOD" + b"D" * 59 + b"\0data"),
             fragment(0, 0, b"GOOD.LARGE\0" + b"x" * 60_000),
             fragment(1, 60_000, b"x" * 10_000),
-            whole(b"END\0"),
+            unfragmented(b"END\0"),
         ):
             sender.sendto(packet, address)
         printed = listener.stdout.read()

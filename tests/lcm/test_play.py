@@ -1,4 +1,4 @@
-"""``graphnav play``: what is in a log is heard again, in order and at its time; C and LCM's own logs included."""
+"""``graphnav play``: what is in a log is received again, in order and at its time; C and LCM's own logs included."""
 
 from __future__ import annotations
 
@@ -140,16 +140,16 @@ def test_a_graph_of_another_shape_has_no_motors(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--start", "3s"], "--start: 3 s is behind the end: the log is 0.195 s long\n"),
+        (["--start", "3s"], "--start: 3 s is after the end: the log is 0.195 s long\n"),
         (["--start", "0.1", "--end", "0.05"], "--end: 0.05 s is before --start 0.1\n  give a later end\n"),
-        (["-c", "a.twst"], "{log} holds no channel that the filters take\n  did you mean 'a.twist'?\n"),
+        (["-c", "a.twst"], "{log} holds no channel that matches the filters\n  did you mean 'a.twist'?\n"),
         (
             ["-c", "xyz", "--regex", "q+"],
-            "{log} holds no channel that the filters take\n  channels are a.twist, b.twist\n",
+            "{log} holds no channel that matches the filters\n  channels are a.twist, b.twist\n",
         ),
         (
             ["--end", "0.101", "--start", "0.1005"],
-            "{log} holds no such message in this time\n  give another --start or --end\n",
+            "{log} holds no selected messages in this time range\n  give another --start or --end\n",
         ),
         (
             ["--url", "udpm://1.2.3.4"],
@@ -209,7 +209,7 @@ def test_keys_pause_step_and_quit_in_a_terminal(tmp_path: Path, group: str, list
         return text in shown
 
     try:
-        listener.listen_until(lambda: is_shown(b"playing  ") and len(listener.heard) == 1)
+        listener.listen_until(lambda: is_shown(b"playing  ") and len(listener.received) == 1)
         assert b"keys: space pause, n next message" in shown
         os.write(outside, b" ")
         listener.listen_until(lambda: is_shown(b"paused   0."))
@@ -226,7 +226,7 @@ def test_keys_pause_step_and_quit_in_a_terminal(tmp_path: Path, group: str, list
         process.wait()
         os.close(outside)
         os.close(inside)
-    assert [data for _, data in listener.heard] == [twist(0), twist(1)]
+    assert [data for _, data in listener.received] == [twist(0), twist(1)]
 
 
 def test_the_log_of_lcm_logger_is_played_and_told(
@@ -257,11 +257,11 @@ def test_the_log_of_lcm_logger_is_played_and_told(
         logger.terminate()
         logger.wait()
         bus.close()
-    listener.listen_until(lambda: sent[-1] in listener.heard)
-    listener.heard.clear()
+    listener.listen_until(lambda: sent[-1] in listener.received)
+    listener.received.clear()
     assert main(["play", str(path), "--url", group, "--speed", "20", "-c", "mark*", "-c", "LCM*", "--invert"]) == 0
-    listener.listen_until(lambda: sent[-1] in listener.heard)
-    assert [message for message in listener.heard if not message[0].startswith("mark")] == sent
+    listener.listen_until(lambda: sent[-1] in listener.received)
+    assert [message for message in listener.received if not message[0].startswith("mark")] == sent
     capsys.readouterr()
     assert main(["info", str(path)]) == 0
     out = capsys.readouterr().out
@@ -308,14 +308,14 @@ def test_a_c_program_decodes_what_is_played(tmp_path: Path, group: str) -> None:
     if shutil.which("gcc") is None:
         pytest.skip("there is no gcc")
     (tmp_path / "twist_t.lcm").write_text(lcm_text_of([Twist.lcm_class]))
-    (tmp_path / "hear.c").write_text(C_PROGRAM)
+    (tmp_path / "receive.c").write_text(C_PROGRAM)
     subprocess.run([TOOLS / "lcm-gen", "-c", "twist_t.lcm"], cwd=tmp_path, check=True)
     library = f"{LCM_ROOT}/lib"
-    build = ["gcc", "-std=gnu11", "-Wall", "-Wextra", "-Werror", f"-I{LCM_ROOT}/include", "-I.", "-o", "hear"]
-    sources = ["hear.c", "graphnav_lcm_twist_t.c", f"-L{library}", f"-Wl,-rpath,{library}", "-llcm"]
+    build = ["gcc", "-std=gnu11", "-Wall", "-Wextra", "-Werror", f"-I{LCM_ROOT}/include", "-I.", "-o", "receive"]
+    sources = ["receive.c", "graphnav_lcm_twist_t.c", f"-L{library}", f"-Wl,-rpath,{library}", "-llcm"]
     subprocess.run([*build, *sources], cwd=tmp_path, check=True)
     path = write_log(tmp_path / "log")
-    with subprocess.Popen([tmp_path / "hear", group, "40"], stdout=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen([tmp_path / "receive", group, "40"], stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
         assert program.stdout.readline() == "ready\n"
         assert main(["play", str(path), "--url", group]) == 0

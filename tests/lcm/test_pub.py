@@ -1,4 +1,4 @@
-"""``graphnav pub``: what is written on the command line is heard by other programs."""
+"""``graphnav pub``: what is written on the command line is received by other programs."""
 
 from __future__ import annotations
 
@@ -65,14 +65,14 @@ def test_the_envelope_is_kept_where_it_is_given(group: str, listener: Listener) 
 
 def test_types_without_an_envelope_get_none() -> None:
     fields = Fields({"name": "plane.flow", "overtaken": 2}, frozenset({"name"}))
-    bus, heard = Bus(), list[bytes]()
-    bus.subscribe("x", lambda _, data: heard.append(data))
+    bus, received = Bus(), list[bytes]()
+    bus.subscribe("x", lambda _, data: received.append(data))
     Publisher(bus, "x", graphnav_lcm.edge_status_t, fields).publish()
     bus.drain()
     bus.close()
     made = graphnav_lcm.edge_status_t()
     made.name, made.overtaken = "plane.flow", 2
-    assert heard == [made.encode()]
+    assert received == [made.encode()]
 
 
 def test_ctrl_c_ends_it(group: str, listener: Listener) -> None:
@@ -87,7 +87,7 @@ def test_ctrl_c_ends_it(group: str, listener: Listener) -> None:
 
 
 class Time:
-    """A clock that passes only while somebody sleeps."""
+    """A clock that advances only during sleeps."""
 
     def __init__(self) -> None:
         self.now_s = 100.0
@@ -125,8 +125,8 @@ def test_what_is_late_is_not_made_up_for() -> None:
         (
             ["X", "geometry.twist"],
             (
-                "there is no LCM type 'geometry.twist'\n  'graphnav types' lists what ships; of another package write "
-                "package.type_t, and install what lcm-gen made\n"
+                "there is no LCM type 'geometry.twist'\n  'graphnav types' lists the shipped types; for others write "
+                "package.type_t and install the package\n"
             ),
         ),
         (["X", "Twist", "v: 1"], "FIELDS:1:1: graphnav_lcm.twist_t has no field 'v'\n"),

@@ -1,4 +1,4 @@
-"""``graphnav record``: what is heard is in the log, complete up to the end, however that comes."""
+"""``graphnav record``: what is received is in the log, complete up to the end, however that comes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import About, Image, Stop, Twist
 from graphnav.record import ABOUT, ChannelFilter, Recording, ThreadedLogWriter
-from graphnav.recorder import Recorder, Tally
+from graphnav.recorder import ReceiveStatistics, Recorder
 
 from .conftest import TOOLS
 from .recording import GRAPHNAV, RecordProcess, events_of, wait_until
@@ -51,8 +51,8 @@ def start(group: str) -> Iterator[Start]:
         process.close()
 
 
-def heard(path: Path) -> list[tuple[str, bytes]]:
-    """Return what was recorded but for marks."""
+def received(path: Path) -> list[tuple[str, bytes]]:
+    """Return the recorded messages except marks."""
     return [(event.channel, event.data) for event in events_of(path) if event.channel != "mark"]
 
 
@@ -70,11 +70,11 @@ def test_signals_end_it_cleanly(start: Start, tmp_path: Path, number: int) -> No
     sent = [("x", bytes([k])) for k in range(50)]
     for channel, data in sent:
         process.bus.publish(channel, data)
-    wait_until(lambda: len(heard(path)) == 50)
+    wait_until(lambda: len(received(path)) == 50)
     status, out, err = process.end(number)
     assert (status, err) == (0, "")
     assert "nothing lost" in out
-    assert heard(path) == sent
+    assert received(path) == sent
     stamps = [event.utime for event in events_of(path) if event.channel == "x"]
     assert stamps == sorted(stamps)
     assert before_us <= stamps[0] <= stamps[-1] <= time.time_ns() // 1000
@@ -89,12 +89,12 @@ def test_kill_9_leaves_complete_events(start: Start, tmp_path: Path) -> None:
     process.publish_until_heard()
     for k in range(200):
         process.bus.publish("x", bytes(1000 + k))
-    wait_until(lambda: len(heard(path)) == 200)
+    wait_until(lambda: len(received(path)) == 200)
     process.process.kill()
     process.process.wait()
     with Recording(path) as recording:
-        assert (recording.torn, recording.damaged) == (None, [])
-    assert [len(data) for _, data in heard(path)] == [1000 + k for k in range(200)]
+        assert (recording.truncated, recording.damaged) == (None, [])
+    assert [len(data) for _, data in received(path)] == [1000 + k for k in range(200)]
 
 
 def test_the_log_describes_itself_first(start: Start, tmp_path: Path, group: str) -> None:
@@ -105,7 +105,7 @@ def test_the_log_describes_itself_first(start: Start, tmp_path: Path, group: str
         process.bus.publish("other", b"")
         if k == 20:
             process.bus.publish(ABOUT, SAID)
-    wait_until(lambda: len(heard(path)) >= 31)
+    wait_until(lambda: len(received(path)) >= 31)
     status, out, _ = process.end()
     assert status == 0
     events = events_of(path)
@@ -120,7 +120,7 @@ def test_losses_are_told(start: Start, tmp_path: Path) -> None:
     process.publish_until_heard()
     for k in (5, 6, 9, 10):
         process.bus.publish("twist", twist(k))
-    wait_until(lambda: len(heard(tmp_path / "log")) == 4)
+    wait_until(lambda: len(received(tmp_path / "log")) == 4)
     status, out, _ = process.end()
     assert status == 0
     assert "2 messages lost (missing numbers)\n" in out
@@ -147,11 +147,11 @@ def test_what_a_suspended_process_loses_is_told(start: Start, tmp_path: Path) ->
 
     def is_heard() -> bool:
         publish()
-        return any(data[16:24] >= last.to_bytes(8, "big") for channel, data in heard(path) if channel == "stop")
+        return any(data[16:24] >= last.to_bytes(8, "big") for channel, data in received(path) if channel == "stop")
 
     wait_until(is_heard)
     _, out, _ = process.end()
-    seqs = [int.from_bytes(data[16:24], "big") for channel, data in heard(path) if channel == "stop"]
+    seqs = [int.from_bytes(data[16:24], "big") for channel, data in received(path) if channel == "stop"]
     lost = seqs[-1] + 1 - len(seqs)
     assert lost > 0
     assert row_of(out, "stop")[-1] == str(lost)
@@ -170,20 +170,20 @@ def test_packets_that_no_program_should_send_do_no_harm(start: Start, tmp_path: 
             *(b"LC02\0\0\0\0" + name + b"\0data" for name in (b"", b"\xff\xfe", "fl\u00fcgel".encode(), b"x")),
         ):
             sender.sendto(packet, (parts.hostname or "", parts.port or 0))
-    wait_until(lambda: ("x", b"data") in heard(tmp_path / "log"))
+    wait_until(lambda: ("x", b"data") in received(tmp_path / "log"))
     _, out, err = process.end()
     assert err == ""
-    assert heard(tmp_path / "log") == [("fl\u00fcgel", b"data"), ("x", b"data")]
+    assert received(tmp_path / "log") == [("fl\u00fcgel", b"data"), ("x", b"data")]
     assert "1 message on a channel without a name\n" in out
     with Recording(tmp_path / "log") as recording:
-        assert (recording.torn, recording.damaged) == (None, [])
+        assert (recording.truncated, recording.damaged) == (None, [])
 
 
 def test_names_are_shown_as_text(start: Start, tmp_path: Path) -> None:
     process = start(tmp_path / "log")
     process.publish_until_heard()
     process.bus.publish("\x1b[31m[red]", b"12345678")
-    wait_until(lambda: len(heard(tmp_path / "log")) == 1)
+    wait_until(lambda: len(received(tmp_path / "log")) == 1)
     _, out, _ = process.end()
     assert row_of(out, r"\x1b[31m[red]")[1:4] == ["unknown,", "3132333435363738", "1"]
     assert "\x1b" not in out
@@ -211,9 +211,9 @@ def test_images_are_kept(start: Start, tmp_path: Path) -> None:
         sent.append(encode(Image(rng.integers(0, 255, (480, 640), np.uint8)), k, k))
         process.bus.publish("image", sent[-1])
         if k % 4 == 3:  # more would not fit the receive buffer at once
-            wait_until(lambda n=k + 1: len(heard(path)) == n)  # type: ignore[misc]
+            wait_until(lambda n=k + 1: len(received(path)) == n)  # type: ignore[misc]
     process.end()
-    assert [data for _, data in heard(path)] == sent
+    assert [data for _, data in received(path)] == sent
 
 
 def test_lcm_logplayer_plays_what_was_recorded(start: Start, tmp_path: Path, group: str) -> None:
@@ -222,7 +222,7 @@ def test_lcm_logplayer_plays_what_was_recorded(start: Start, tmp_path: Path, gro
     sent = [twist(k) for k in range(40)]
     for data in sent:
         process.bus.publish("twist", data)
-    wait_until(lambda: len(heard(path)) == 40)
+    wait_until(lambda: len(received(path)) == 40)
     process.end()
     listener = lcm.LCM(group)
     received: list[bytes] = []
@@ -273,7 +273,7 @@ def test_a_full_disk_is_told_at_once_and_ends_it(
         publish(recorder)
         recorder.close()
     bus.close()
-    assert notices == [f"{path}: File too large; the log ends whole after 19 events"]
+    assert notices == [f"{path}: File too large; the log holds 19 complete events"]
     assert recorder.dropped > 0
     assert len(events_of(path)) == 19
 
@@ -290,7 +290,7 @@ def test_a_full_disk_is_a_failure(group: str, capsys: pytest.CaptureFixture[str]
         publisher.wait()
         bus.close()
     out, err = capsys.readouterr()
-    assert err == "/dev/full: No space left on device; the log ends whole after 0 events\n"
+    assert err == "/dev/full: No space left on device; the log holds 0 complete events\n"
     assert "messages not written" in out
 
 
@@ -378,17 +378,17 @@ def test_a_disk_with_less_than_the_quota_is_told_at_once(
 ) -> None:
     log = tmp_path / "log"
     assert main(["record", group, "-o", str(log), "--quota", "1000000TB", "--for", "60"]) == 1
-    assert "bytes are free on its disk, less than --quota asks for" in capsys.readouterr().err
+    assert "bytes are free on its disk, less than --quota requires" in capsys.readouterr().err
     assert not log.exists()
 
 
 def test_channels_without_number_do_not_fill_the_memory() -> None:
-    tally = Tally()
+    statistics = ReceiveStatistics()
     for k in range(12_000):
-        tally.hear(f"channel {k}", twist(k))
-    assert len(tally.channels) == 10_000
-    assert tally.others.n_messages == 2000
-    assert (tally.n_messages, tally.n_bytes, tally.lost) == (12_000, 12_000 * 40, 0)
+        statistics.receive(f"channel {k}", twist(k))
+    assert len(statistics.channels) == 10_000
+    assert statistics.others.n_messages == 2000
+    assert (statistics.n_messages, statistics.n_bytes, statistics.lost) == (12_000, 12_000 * 40, 0)
 
 
 def test_a_listener_does_not_wait_for_the_disk(tmp_path: Path, group: str) -> None:

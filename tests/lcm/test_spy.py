@@ -83,15 +83,15 @@ def test_spy_lists_the_channels_of_a_log(log: Path, capsys: pytest.CaptureFixtur
     assert f"{log}: 4 channels\n" in said
     assert "flow.flow  graphnav_lcm.flow_t, 10.00 Hz, 152 B, 21 messages\n" in said
     assert "    uv_px        float32 (3, 4, 2)  -1 to 1, mean 0\n" in said
-    assert "robot.state  graphnav_lcm.state_t, not heard\n" in said
+    assert "robot.state  graphnav_lcm.state_t, not received\n" in said
     assert "    moving       double[n_moving][3]\n" in said
 
 
 def test_without_fields_there_is_a_line_for_each_channel(log: Path) -> None:
     feed, traffic = Feed(str(log)), Traffic()
-    for heard in feed.listen(None):
-        assert heard is not None
-        traffic.hear(heard)
+    for received in feed.listen(None):
+        assert received is not None
+        traffic.receive(received)
     lines = as_text(traffic, "heading", with_fields=False).plain.splitlines()
     assert [line.split("  ")[0] for line in lines] == ["heading", *sorted([ABOUT, *TYPES])]
 
@@ -144,7 +144,7 @@ def test_echo_shows_a_damaged_message(tmp_path: Path, capsys: pytest.CaptureFixt
     assert capsys.readouterr().out.splitlines()[:2] == ["x  graphnav_lcm.twist_t, 39 B", "    undecodable"]
 
 
-def test_a_torn_log_is_shown_and_said(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_truncated_log_is_shown_with_a_notice(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = log / "run.lcmlog"
     path.write_bytes(path.read_bytes()[:-3])
     assert main(["spy", str(path)]) == 0
@@ -193,7 +193,7 @@ def test_without_a_terminal_a_silent_group_is_said_once(group: str) -> None:
         assert process.stderr is not None
         assert [process.stderr.readline(), process.stderr.readline()] == [
             f"no message on {group} within 3 s\n",
-            "  start a run that can be watched: graphnav run GRAPH --pace 1\n",
+            "  start a run: graphnav run GRAPH --pace 1\n",
         ]
         process.send_signal(signal.SIGINT)
         assert process.wait(30) == 130

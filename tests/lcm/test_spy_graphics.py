@@ -35,7 +35,7 @@ OPEN_IMAGE = b"\x1b[F\x1b[A\r"
 """To the end of the table, up to the image, open."""
 ESCAPE = b"\x1b[27u"
 CHANNELS, CHANNEL = b"filter", b"expand"
-"""What only the footer of either screen says."""
+"""Words that occur only in the footers of the screens."""
 
 
 class Terminal:

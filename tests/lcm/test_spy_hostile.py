@@ -18,7 +18,7 @@ from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.codec import encode
 from graphnav.messages import Flow, Image, Map, Message, Plane, State, Status, Steering
-from graphnav.spy import Feed, Heard, Traffic
+from graphnav.spy import Feed, Received, Traffic
 from graphnav.spy.screen import SpyApp
 from graphnav.spy.traffic import MAX_CHANNELS
 from graphnav.spy.watch.live_watch import LiveWatch
@@ -27,7 +27,7 @@ from graphnav.spy.watch.watch import Memory
 from .spy_app import until
 
 SHORT_MAGIC = 0x4C433032
-"""What a LCM packet of one fragment begins with."""
+"""The magic number of an unfragmented LCM packet."""
 GRID, VALID = np.ones((4, 5, 2), np.float32), np.ones((4, 5), np.uint8)
 FORCE = np.array([0.1, 0.2])
 MESSAGES: list[Message] = [
@@ -67,7 +67,7 @@ def test_every_message_is_counted_and_memory_stays_bounded() -> None:
     for part in range(3):
         for k in range(8000):
             name, data = mutated(rng)
-            memory.hear(Heard(name, data, part * 8000 + k))
+            memory.receive(Received(name, data, part * 8000 + k))
         sizes.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
     traffic, channels = memory.traffic, memory.traffic.channels

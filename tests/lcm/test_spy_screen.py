@@ -102,7 +102,7 @@ def test_before_its_first_message_a_channel_says_when_it_comes(tmp_path: Path) -
     async def act(pilot: Pilot[None]) -> None:
         await opened(pilot, "b")
         await pilot.press("less_than_sign")
-        await until(pilot, lambda: "its first message comes at 1.50 s" in screen_text(pilot))
+        await until(pilot, lambda: "its first message is at 1.50 s" in screen_text(pilot))
 
     drive(str(path), act)
 

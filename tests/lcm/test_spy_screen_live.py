@@ -47,7 +47,7 @@ def test_what_was_announced_and_does_not_come_says_so(group: str) -> None:
     async def act(pilot: Pilot[None]) -> None:
         with publishing(group, "control.twist"):
             await opened(pilot, "flow.flow")
-            await until(pilot, lambda: "announced, and not heard" in screen_text(pilot))
+            await until(pilot, lambda: "announced, but not received" in screen_text(pilot))
 
     drive(group, act)
 

@@ -11,7 +11,7 @@ from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import About, Twist
 from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Heard, Traffic, as_text
+from graphnav.spy import Received, Traffic, as_text
 
 NASTY = "x\nALL IS WELL\x1b[2J"
 SHOWN = r"x\nALL IS WELL\x1b[2J"
@@ -26,7 +26,7 @@ def twist_at(k: int, period_us: int = 100_000) -> bytes:
 def test_the_rate_is_that_of_the_stamps() -> None:
     traffic = Traffic()
     for k in range(21):
-        traffic.hear(Heard("x", twist_at(k), 7 * k))
+        traffic.receive(Received("x", twist_at(k), 7 * k))
     channel = traffic.channels["x"]
     assert channel.rate_hz == pytest.approx(10)
     assert channel.wall_rate_hz == pytest.approx(1 / 7)
@@ -36,15 +36,15 @@ def test_the_rate_is_that_of_the_stamps() -> None:
 def test_lost_messages_are_counted_and_leave_the_rate_as_it_is() -> None:
     traffic = Traffic()
     for k in (5, 6, 9, 10, 14):
-        traffic.hear(Heard("x", twist_at(k), k))
+        traffic.receive(Received("x", twist_at(k), k))
     assert traffic.channels["x"].lost == 5
     assert traffic.channels["x"].rate_hz == pytest.approx(10)
 
 
-def test_a_new_run_starts_the_count_anew() -> None:
+def test_a_new_run_resets_the_count() -> None:
     traffic = Traffic()
     for k in (500, 501, 502, 0, 1, 2):
-        traffic.hear(Heard("x", twist_at(k), k))
+        traffic.receive(Received("x", twist_at(k), k))
     assert traffic.channels["x"].lost == 0
     assert traffic.channels["x"].rate_hz == pytest.approx(10)
     assert traffic.channels["x"].count == 6
@@ -53,7 +53,7 @@ def test_a_new_run_starts_the_count_anew() -> None:
 def test_a_jump_of_the_numbers_is_a_new_numbering() -> None:
     traffic = Traffic()
     for k in (0, 1, 2**40, 2**40 + 2, 3, 4):
-        traffic.hear(Heard("x", encode(Twist(0.1, 0.2), 0, k), 0))
+        traffic.receive(Received("x", encode(Twist(0.1, 0.2), 0, k), 0))
         assert traffic.channels["x"].lost <= 1
     assert traffic.channels["x"].lost == 0
 
@@ -61,7 +61,7 @@ def test_a_jump_of_the_numbers_is_a_new_numbering() -> None:
 def test_a_sender_that_does_not_number_has_a_rate() -> None:
     traffic = Traffic()
     for k in range(21):
-        traffic.hear(Heard("x", encode(Twist(0.1, 0.2), 100_000 * k, 0), k))
+        traffic.receive(Received("x", encode(Twist(0.1, 0.2), 100_000 * k, 0), k))
     channel = traffic.channels["x"]
     assert channel.rate_hz == pytest.approx(10)
     assert channel.published is not None
@@ -72,7 +72,7 @@ def test_a_sender_that_does_not_number_has_a_rate() -> None:
 def test_a_repeated_message_has_no_rate_of_stamps() -> None:
     traffic = Traffic()
     for k in range(5):
-        traffic.hear(Heard("x", twist_at(3), k))
+        traffic.receive(Received("x", twist_at(3), k))
     channel = traffic.channels["x"]
     assert (channel.rate_hz, channel.lost) == (None, 0)
 
@@ -80,9 +80,9 @@ def test_a_repeated_message_has_no_rate_of_stamps() -> None:
 def test_what_cannot_be_decoded_is_counted() -> None:
     traffic = Traffic()
     for data in (twist_at(0), twist_at(1)[:-1], b"", bytes(40), twist_at(2)):
-        traffic.hear(Heard("x", data, 0))
+        traffic.receive(Received("x", data, 0))
     for data in (b"garbage", encode(SAID, 0, 0)[:-5]):
-        traffic.hear(Heard(ABOUT, data, 0))
+        traffic.receive(Received(ABOUT, data, 0))
     assert traffic.channels["x"].undecodable == 3
     assert traffic.channels["x"].count == 5
     assert traffic.channels[ABOUT].undecodable == 2
@@ -90,7 +90,7 @@ def test_what_cannot_be_decoded_is_counted() -> None:
 
 def test_one_message_has_no_rate() -> None:
     traffic = Traffic()
-    traffic.hear(Heard("x", twist_at(3), 0))
+    traffic.receive(Received("x", twist_at(3), 0))
     assert traffic.channels["x"].rate_hz is None
 
 
@@ -98,7 +98,7 @@ def test_rates_are_those_of_the_last_ten_seconds() -> None:
     traffic = Traffic(lambda: 60.0)
     for k in range(400):  # 10 Hz for 20 s, then every 0.2 s for 40 s
         at_s = 0.1 * k if k < 200 else 20 + 0.2 * (k - 200)
-        traffic.hear(Heard("x", twist_at(k), at_s))
+        traffic.receive(Received("x", twist_at(k), at_s))
     channel = traffic.channels["x"]
     assert channel.wall_rate_hz == pytest.approx(5)
     assert channel.rate_hz == pytest.approx(10)
@@ -110,7 +110,7 @@ def test_rates_are_those_of_the_last_ten_seconds() -> None:
 def test_periods_leave_out_what_was_lost() -> None:
     traffic = Traffic()
     for k, period_us in ((0, 100_000), (1, 90_000), (2, 105_000), (5, 100_000), (6, 100_000)):
-        traffic.hear(Heard("x", twist_at(k, period_us), k))
+        traffic.receive(Received("x", twist_at(k, period_us), k))
     periods = traffic.channels["x"].published
     assert periods is not None
     steps = [0.09, 0.12, 0.1]
@@ -125,7 +125,7 @@ def test_a_channel_that_stops_is_silent_and_has_no_rate() -> None:
     now_s = 2.0
     traffic = Traffic(lambda: now_s)
     for k in range(21):
-        traffic.hear(Heard("x", twist_at(k), 0.1 * k))
+        traffic.receive(Received("x", twist_at(k), 0.1 * k))
     channel = traffic.channels["x"]
     assert not channel.is_silent
     assert channel.silent_s == pytest.approx(0)
@@ -136,7 +136,7 @@ def test_a_channel_that_stops_is_silent_and_has_no_rate() -> None:
     assert channel.wall_rate_hz is None
     text = as_text(traffic, "heading", with_fields=False).plain
     assert text == "heading\nx  graphnav_lcm.twist_t, no new messages for 3.2 s, 40 B, 21 messages"
-    traffic.hear(Heard("x", twist_at(21), 5.2))
+    traffic.receive(Received("x", twist_at(21), 5.2))
     assert not channel.is_silent
 
 
@@ -144,7 +144,7 @@ def test_a_slow_channel_is_silent_after_three_of_its_periods() -> None:
     now_s = 22.9
     traffic = Traffic(lambda: now_s)
     for k in range(9):
-        traffic.hear(Heard("x", twist_at(k), 2.0 * k))
+        traffic.receive(Received("x", twist_at(k), 2.0 * k))
     channel = traffic.channels["x"]
     now_s = 21.9
     assert not channel.is_silent
@@ -167,6 +167,6 @@ def test_a_name_stays_on_its_line(tmp_path: Path, capsys: pytest.CaptureFixture[
 def test_the_rate_of_arrivals_stands_beside_that_of_the_stamps() -> None:
     traffic = Traffic()
     for k in range(5):
-        traffic.hear(Heard("x", twist_at(k), 0.02 * k))
+        traffic.receive(Received("x", twist_at(k), 0.02 * k))
     said = as_text(traffic, "", with_fields=False).plain
     assert said == "\nx  graphnav_lcm.twist_t, 10.00 Hz (arriving at 50.00 Hz), 40 B, 5 messages"

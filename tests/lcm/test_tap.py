@@ -31,21 +31,21 @@ def flow_of(rows: int, cols: int) -> Flow:
 
 
 class Listener:
-    """Somebody else on the group."""
+    """Another program on the group."""
 
     def __init__(self, group: str) -> None:
-        self.heard: list[tuple[str, bytes]] = []
+        self.received: list[tuple[str, bytes]] = []
         self._bus = Bus(group)
-        self._bus.subscribe_all(lambda channel, data: self.heard.append((channel, data)))
+        self._bus.subscribe_all(lambda channel, data: self.received.append((channel, data)))
 
     def wait_for(self, enough: Callable[[list[tuple[str, bytes]]], Any]) -> None:
-        """Listen until what was heard is enough."""
-        while not enough(self.heard):
-            assert self._bus.handle(10.0), f"silence after {[channel for channel, _ in self.heard]}"
+        """Listen until what was received is enough."""
+        while not enough(self.received):
+            assert self._bus.handle(10.0), f"silence after {[channel for channel, _ in self.received]}"
 
     def on(self, channel: str) -> list[bytes]:
-        """Return what was heard on one channel."""
-        return [data for name, data in self.heard if name == channel]
+        """Return what was received on one channel."""
+        return [data for name, data in self.received if name == channel]
 
 
 def test_small_messages_arrive_as_they_are(group: str) -> None:
@@ -53,9 +53,9 @@ def test_small_messages_arrive_as_they_are(group: str) -> None:
     sent = [("control.twist", encode(Twist(0.1 * k, 0.2), 100_000 * k, k)) for k in range(20)]
     for k, (channel, data) in enumerate(sent):
         tap.write(channel, 100_000 * k, data)
-    listener.wait_for(lambda heard: len(heard) >= len(sent))
+    listener.wait_for(lambda received: len(received) >= len(sent))
     tap.close()
-    assert listener.heard == sent
+    assert listener.received == sent
     assert tap.dropped == 0
 
 
@@ -93,19 +93,19 @@ def test_in_full_all_bytes_are_sent(group: str) -> None:
     data = encode(flow_of(120, 160), 5, 6)
     listener, tap = Listener(group), Tap("full", "run-1", group)
     tap.write("flow.flow", 5, data)
-    listener.wait_for(lambda heard: heard)
+    listener.wait_for(lambda received: received)
     tap.close()
-    assert listener.heard == [("flow.flow", data)]
+    assert listener.received == [("flow.flow", data)]
 
 
 def test_late_comers_hear_what_runs(group: str) -> None:
     tap = Tap("thin", "run-1", group)
     tap.announce(SAID)
     listener = Listener(group)
-    listener.wait_for(lambda heard: heard)
+    listener.wait_for(lambda received: received)
     tap.close()
-    assert listener.heard[0][0] == ABOUT
-    about = decode(About, listener.heard[0][1])[2]
+    assert listener.received[0][0] == ABOUT
+    about = decode(About, listener.received[0][1])[2]
     assert about.run_id == "run-1"
     assert (about.graph_yaml, about.channels, about.types) == (SAID.graph_yaml, SAID.channels, SAID.types)
 
@@ -180,14 +180,14 @@ def test_what_waits_is_sent_before_the_tap_closes(group: str) -> None:
     for k in range(10):
         tap.write("x", k, b"%d" % k)
     tap.close()
-    listener.wait_for(lambda heard: len(heard) >= 10)
+    listener.wait_for(lambda received: len(received) >= 10)
     assert listener.on("x") == [b"%d" % k for k in range(10)]
 
 
 def test_a_foreign_message_on_the_reserved_channel_harms_nothing(group: str) -> None:
     listener, tap = Listener(group), Tap("thin", "run-1", group)
     Bus(group).publish(ABOUT, b"garbage")
-    listener.wait_for(lambda heard: heard)
+    listener.wait_for(lambda received: received)
     tap.write("x", 1, b"still here")
     listener.wait_for(lambda _: listener.on("x"))
     tap.close()

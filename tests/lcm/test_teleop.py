@@ -59,17 +59,17 @@ class Terminal:
         os.write(self.fd, keys)
 
     def twists(self) -> list[tuple[float, float]]:
-        """Return the commands that were heard."""
-        found = [decode(Twist, data)[2] for channel, data in self.listener.heard if channel == "TELEOP"]
+        """Return the commands that were received."""
+        found = [decode(Twist, data)[2] for channel, data in self.listener.received if channel == "TELEOP"]
         return [(round(twist.v_mps, 6), round(twist.omega_radps, 6)) for twist in found]
 
     def listen_until_silent(self) -> None:
-        """Listen until nothing was heard for half a second."""
-        last: list[float] = [len(self.listener.heard), time.monotonic()]
+        """Listen until nothing was received for half a second."""
+        last: list[float] = [len(self.listener.received), time.monotonic()]
 
         def is_silent() -> bool:
-            if last[0] != len(self.listener.heard):
-                last[:] = [len(self.listener.heard), time.monotonic()]
+            if last[0] != len(self.listener.received):
+                last[:] = [len(self.listener.received), time.monotonic()]
             self.shown()
             return time.monotonic() - last[1] > 0.5
 
@@ -116,7 +116,7 @@ def test_keys_drive_and_letting_go_ends_in_silence(terminal: Terminal) -> None:
     terminal.type(b"q")
     assert terminal.end() == 0
     assert terminal.attributes() == terminal.before
-    seqs = [decode(Twist, data)[1] for _, data in terminal.listener.heard]
+    seqs = [decode(Twist, data)[1] for _, data in terminal.listener.received]
     assert seqs == list(range(len(seqs)))
 
 
@@ -126,7 +126,7 @@ def test_a_stop_is_published_and_taken_back(terminal: Terminal) -> None:
     terminal.type(b"r")
     terminal.wait_until_shown(b"armed again")
     terminal.listen_until_silent()
-    stops = [decode(Stop, data) for channel, data in terminal.listener.heard if channel == "STOP"]
+    stops = [decode(Stop, data) for channel, data in terminal.listener.received if channel == "STOP"]
     assert [(seq, stop.engaged) for _, seq, stop in stops] == [(0, True), (1, False)]
 
 

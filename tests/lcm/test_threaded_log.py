@@ -1,4 +1,4 @@
-"""A log that is written by a thread: the caller never waits, what is lost is counted, what is there is complete."""
+"""A log that is written by a thread: the caller never waits, losses are counted, the rest is complete."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_a_slow_disk_holds_up_nobody_and_what_overflows_is_dropped(tmp_path: Pat
     assert (log.dropped, log.failure) == (40, "")
     with Recording(tmp_path / "log") as recording:
         assert recording.utimes("x") == list(range(10))
-        assert recording.torn is None
+        assert recording.truncated is None
 
 
 def test_after_an_overflow_the_recording_goes_on(tmp_path: Path, slow_disks: list[SlowDisk]) -> None:
@@ -112,7 +112,7 @@ def test_a_disk_that_hangs_ends_the_recording_when_it_is_closed(tmp_path: Path, 
         log.write("x", k, b"")
     assert slow_disks[0].is_asked.wait(PATIENCE_S)
     log.close(timeout_s=0.01)
-    assert log.failure == f"{tmp_path / 'log'}: the disk did not take the last events within 0.01 s"
+    assert log.failure == f"{tmp_path / 'log'}: the last events were not written within 0.01 s"
     assert notices == [log.failure]
     assert log.dropped == 3
 
@@ -128,12 +128,12 @@ def test_a_full_disk_ends_the_recording_and_not_the_caller(disk_of: DiskOf, tmp_
         log.write("x", 3000, b"")
         log.close()
     kept = n_bytes // 1029
-    assert log.failure.endswith(f"File too large; the log ends whole after {kept} events")
+    assert log.failure.endswith(f"File too large; the log holds {kept} complete events")
     assert notices == [log.failure]
     assert (log.n_events, log.dropped) == (kept, 3001 - kept)
     assert log.n_bytes == (tmp_path / "log").stat().st_size == kept * 1029
     with Recording(tmp_path / "log") as recording:
-        assert recording.torn is None
+        assert recording.truncated is None
         assert recording.utimes("x") == list(range(kept))
 
 
@@ -142,7 +142,7 @@ def test_a_disk_that_is_full_from_the_start_is_told_when_it_is_closed() -> None:
     log = ThreadedLogWriter("/dev/full", notice=notices.append)
     log.write("x", 0, b"")
     log.close()
-    assert notices == ["/dev/full: No space left on device; the log ends whole after 0 events"]
+    assert notices == ["/dev/full: No space left on device; the log holds 0 complete events"]
     assert (log.n_events, log.dropped) == (0, 1)
 
 

@@ -69,15 +69,15 @@ def running(command: list[Any]) -> Iterator[subprocess.Popen[bytes]]:
 def test_lcm_logplayer_plays_our_log(tmp_path: Path, group: str) -> None:
     written = write_run(tmp_path / "run.lcmlog")
     listener = lcm.LCM(f"{group}&recv_buf_size=2097152")
-    heard: list[tuple[str, bytes]] = []
-    subscription = listener.subscribe(".*", lambda channel, data: heard.append((channel, data)))
+    received: list[tuple[str, bytes]] = []
+    subscription = listener.subscribe(".*", lambda channel, data: received.append((channel, data)))
     subscription.set_queue_capacity(0)
     command = [TOOLS / "lcm-logplayer", "--lcm-url", group, tmp_path / "run.lcmlog"]
     with running(command) as player:
-        while len(heard) < len(written) and listener.handle_timeout(5000):
+        while len(received) < len(written) and listener.handle_timeout(5000):
             pass
         assert player.wait(10) == 0
-    assert heard == [(channel, data) for channel, _, data in written]
+    assert received == [(channel, data) for channel, _, data in written]
 
 
 def test_lcm_logger_records_what_we_publish(tmp_path: Path, group: str) -> None:
@@ -91,7 +91,7 @@ def test_lcm_logger_records_what_we_publish(tmp_path: Path, group: str) -> None:
                 sent.append((channel, encode(message, 20_000 * k, k)))
                 bus.publish(*sent[-1])
             _publish_until_logged(bus, f"mark-{k}", path)
-    # liblcm tests itself when it starts, and the logger may hear its own test.
+    # liblcm tests itself when it starts, and the logger may receive its own test.
     events = [
         (event.channel, event.data)
         for event in _events(path)
@@ -120,7 +120,7 @@ def test_lcm_logfilter_cuts_our_log(tmp_path: Path) -> None:
 
 
 def _events(path: Path) -> list[Any]:
-    """Return the whole events of a log that may still grow; lcm-logger's flush may tear the last one."""
+    """Return the complete events of a log that may still grow; lcm-logger's flush may truncate the last one."""
     if not path.exists():
         return []
     with Recording(path) as recording:

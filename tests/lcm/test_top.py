@@ -24,7 +24,7 @@ from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import About, GuardState, Message, Status
 from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Health, Heard, health_as_text
+from graphnav.spy import Health, Received, health_as_text
 from graphnav.spy.health.health import MAX_RUNS
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
@@ -99,8 +99,8 @@ def text_of(health: Health, width: int = 140) -> str:
 
 def test_a_person_reads_all_of_a_status() -> None:
     health = Health(lambda: 10.5)
-    assert health.hear(Heard("graphnav.status", encode(STATUS, 12_300_000, 12), 10.0))
-    health.hear(Heard("guard.state", encode(STOPPED, 12_300_000, 12), 10.4))
+    assert health.receive(Received("graphnav.status", encode(STATUS, 12_300_000, 12), 10.0))
+    health.receive(Received("guard.state", encode(STOPPED, 12_300_000, 12), 10.4))
     lines = [re.sub(r"\s+", " ", line).strip() for line in text_of(health).splitlines()]
     assert [line for line in lines if line and not line.startswith("─")] == [
         "guard guard.state may not move, stopped until it is armed again",
@@ -121,8 +121,8 @@ def test_80_columns_and_24_lines_show_what_matters_most() -> None:
     stages = tuple({**STAGE, "name": f"a_stage_of_a_long_name_{k}"} for k in range(9))
     inputs = tuple({**INPUT, "name": name, "reasons": (), "rejected": np.zeros(0, int)} for name in ("image", "stop"))
     health = Health()
-    health.hear(Heard("graphnav.status", encode(replace(STATUS, stages=stages, inputs=inputs), 0, 0), 0.0))
-    health.hear(Heard("guard.state", encode(STOPPED, 0, 0), 0.0))
+    health.receive(Received("graphnav.status", encode(replace(STATUS, stages=stages, inputs=inputs), 0, 0), 0.0))
+    health.receive(Received("guard.state", encode(STOPPED, 0, 0), 0.0))
     lines = [line.rstrip() for line in text_of(health, 80).splitlines()]
     assert lines[:16] == [
         "guard guard.state  may not move, stopped until it is armed again",
@@ -147,7 +147,7 @@ def test_80_columns_and_24_lines_show_what_matters_most() -> None:
 def test_long_names_are_cut_and_numbers_are_not() -> None:
     stage = {**STAGE, "name": "n" * 60}
     health = Health()
-    health.hear(Heard("graphnav.status", encode(replace(STATUS, stages=(stage,)), 0, 0), 0.0))
+    health.receive(Received("graphnav.status", encode(replace(STATUS, stages=(stage,)), 0, 0), 0.0))
     (line,) = (line for line in text_of(health, 80).splitlines() if "nnn" in line)
     assert re.fullmatch(r"n+…  10\.0 Hz  12\.2 ms  31\.5 ms  3       7 *", line)
 
@@ -155,15 +155,15 @@ def test_long_names_are_cut_and_numbers_are_not() -> None:
 def test_runs_that_drive_a_motor_come_first() -> None:
     health = Health()
     for run_id, outputs in (("a", ()), ("b", (OUTPUT,)), ("c", ())):
-        health.hear(Heard("graphnav.status", encode(replace(STATUS, run_id=run_id, outputs=outputs), 0, 0), 0.0))
+        health.receive(Received("graphnav.status", encode(replace(STATUS, run_id=run_id, outputs=outputs), 0, 0), 0.0))
     assert re.findall(r"^run (\w)", text_of(health), re.MULTILINE) == ["b", "a", "c"]
 
 
 def test_silence_is_shown_as_silence() -> None:
     now_s = 10.0
     health = Health(lambda: now_s)
-    health.hear(Heard("graphnav.status", encode(STATUS, 0, 0), 10.0))
-    health.hear(Heard("guard.state", encode(replace(STOPPED, may_move=True, may_advance=True), 0, 0), 10.0))
+    health.receive(Received("graphnav.status", encode(STATUS, 0, 0), 10.0))
+    health.receive(Received("guard.state", encode(replace(STOPPED, may_move=True, may_advance=True), 0, 0), 10.0))
     assert "no st" not in text_of(health)
     assert "guard guard.state  may move" in text_of(health)
     now_s = 13.2
@@ -172,38 +172,38 @@ def test_silence_is_shown_as_silence() -> None:
     assert "may move" not in text_of(health)
     now_s = 90.0
     assert "flow.dis" not in text_of(health), "what was long ago is told in one line"
-    health.hear(Heard("graphnav.status", encode(STATUS, 0, 1), 90.0))
+    health.receive(Received("graphnav.status", encode(STATUS, 0, 1), 90.0))
     assert "no status" not in text_of(health)
 
 
 def test_a_run_that_was_only_announced_has_no_status() -> None:
     health = Health(lambda: 4.0)
-    health.hear(Heard(ABOUT, encode(ABOUT_B, 0, 0), 1.0))
+    health.receive(Received(ABOUT, encode(ABOUT_B, 0, 0), 1.0))
     assert not health.is_complete
     assert text_of(health) == "run run-b  no status for 3.0 s\n"
 
 
 def test_what_no_terminal_should_obey_is_not_printed() -> None:
     health = Health()
-    health.hear(Heard("x", encode(replace(STATUS, run_id="\x1b[2J\x1b]0;x\x07"), 0, 0), 0.0))
+    health.receive(Received("x", encode(replace(STATUS, run_id="\x1b[2J\x1b]0;x\x07"), 0, 0), 0.0))
     assert "\x1b" not in text_of(health)
 
 
 def test_damaged_messages_are_left_aside() -> None:
     health = Health()
     for message in (STATUS, STOPPED, ABOUT_B):
-        health.hear(Heard(ABOUT, encode(message, 0, 0)[:-3], 0.0))
+        health.receive(Received(ABOUT, encode(message, 0, 0)[:-3], 0.0))
     assert (health.runs, health.guards) == ({}, {})
 
 
 def test_invented_runs_and_guards_do_not_fill_the_memory() -> None:
     health = Health()
     for k in range(3 * MAX_RUNS):
-        health.hear(Heard(ABOUT, encode(replace(ABOUT_B, run_id=f"run-{k}"), 0, 0), k))
-        health.hear(Heard("graphnav.status", encode(replace(STATUS, run_id="real"), 0, k), k))
-        health.hear(Heard(f"guard-{k}", encode(STOPPED, 0, 0), k))
+        health.receive(Received(ABOUT, encode(replace(ABOUT_B, run_id=f"run-{k}"), 0, 0), k))
+        health.receive(Received("graphnav.status", encode(replace(STATUS, run_id="real"), 0, k), k))
+        health.receive(Received(f"guard-{k}", encode(STOPPED, 0, 0), k))
     assert len(health.runs) == MAX_RUNS
-    assert health.runs["real"].seq == 3 * MAX_RUNS - 1, "who is heard again and again is not forgotten"
+    assert health.runs["real"].seq == 3 * MAX_RUNS - 1, "who is received again and again is not forgotten"
     assert f"run-{3 * MAX_RUNS - 1}" in health.runs
     assert list(health.guards) == [f"guard-{k}" for k in range(2 * MAX_RUNS, 3 * MAX_RUNS)]
 
@@ -299,7 +299,7 @@ def test_an_announced_run_without_status_is_waited_for_and_named(
 ) -> None:
     with publishing((ABOUT, ABOUT_B)):
         assert main(["top", "--once", "--for", "1", group]) == 1
-    assert capsys.readouterr().err == f"no status within 1 s of run run-b, which is heard on {group}\n"
+    assert capsys.readouterr().err == f"no status within 1 s of run run-b, which is received on {group}\n"
 
 
 def test_it_is_shown_live_until_ctrl_c(group: str, publishing: Publish) -> None:

@@ -56,7 +56,7 @@ def test_other_types_are_found_by_name_and_ours_come_first(codec_types: ModuleTy
 
 def test_comments_are_those_of_the_definition() -> None:
     comments = comments_of(graphnav_lcm.flow_t)
-    assert comments["uv_px"].startswith("Displacement since the last frame of what is now here: right, down;")
+    assert comments["uv_px"].startswith("Displacement since the last frame of the point that is now here: right, down;")
     assert "utime" not in comments
     assert comments_of(dict) == {}
 

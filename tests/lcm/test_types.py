@@ -35,7 +35,7 @@ from .conftest import TOOLS
 ROOT = Path(__file__).resolve().parents[2]
 NESTED = {nested for lcm_class in SHIPPED for nested in nested_types(lcm_class)}
 TOP = [lcm_class for lcm_class in SHIPPED if lcm_class not in NESTED]
-"""What is published; nested structs have neither a message nor an envelope."""
+"""Published types; nested structs have neither a message nor an envelope."""
 MESSAGES = [found for found in vars(messages).values() if isinstance(found, type) and issubclass(found, Message)]
 MESSAGES.remove(Message)
 

@@ -1,4 +1,4 @@
-"""What comes in is stepped with, what is named leaves, and stamps stay."""
+"""Inputs reach the stages, declared outputs leave, and timestamps are preserved."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Damaged logs of live runs: what is complete replays and is written anew, what is lost is told, nothing crashes."""
+"""Damaged logs of live runs: intact parts replay and are written again, losses are reported, nothing crashes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TWIN = ("twin+=probe.pass", "twin.in.command=both.twist", "twin.in.image=camera.
 
 def _is_complete(log: Path) -> bool:
     with Recording(log) as recording:
-        return recording.torn is None and not recording.damaged
+        return recording.truncated is None and not recording.damaged
 
 
 def test_a_log_cut_anywhere_has_no_differences_and_is_written_without_damage(

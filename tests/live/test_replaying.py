@@ -55,12 +55,12 @@ def test_the_middle_is_played_and_comparing_begins_later(again: Again, log: Path
     result = again(log, play=["both"])
     assert result.is_equal
     assert set(result.stepped) == {"gather", "guard"}
-    whole = again(log)
-    late = again(log, from_s=whole.until_s / 2)
+    complete = again(log)
+    late = again(log, from_s=complete.until_s / 2)
     assert late.is_equal
-    assert 0 < late.channels["guard.twist"].n_compared < whole.channels["guard.twist"].n_compared
-    cold = again(log, from_s=whole.until_s / 2, is_cold=True)
-    assert cold.n_ticks < whole.n_ticks
+    assert 0 < late.channels["guard.twist"].n_compared < complete.channels["guard.twist"].n_compared
+    cold = again(log, from_s=complete.until_s / 2, is_cold=True)
+    assert cold.n_ticks < complete.n_ticks
 
 
 def test_a_log_without_firings_is_refused(again: Again, log: Path, tmp_path: Path) -> None:
@@ -68,9 +68,7 @@ def test_a_log_without_firings_is_refused(again: Again, log: Path, tmp_path: Pat
         for event in recording.events():
             if event.channel != FIRED:
                 writer.write(*event)
-    with pytest.raises(
-        UserError, match=r"old\.lcmlog does not say when each stage fired: it holds no 'graphnav\.fired'"
-    ):
+    with pytest.raises(UserError, match=r"old\.lcmlog does not hold the firings of the stages: no 'graphnav\.fired'"):
         again(tmp_path / "old.lcmlog")
 
 
@@ -82,7 +80,7 @@ def test_messages_that_the_log_lacks_are_told(again: Again, log: Path, tmp_path:
             if event.channel != "camera.image" or seen != 5:
                 writer.write(*event)
     with pytest.raises(
-        UserError, match=r"less\.lcmlog lacks messages that its stages stepped with:\n  camera\.image: "
+        UserError, match=r"less\.lcmlog is missing messages that its stages stepped with:\n  camera\.image: "
     ):
         again(tmp_path / "less.lcmlog")
 
@@ -111,5 +109,5 @@ def test_a_small_log_keeps_the_firings(again: Again, every_kind: str, live: Begi
         again(run.folder / "run.lcmlog")
     made = ["see", "slow", "both", "gather", "guard"]
     twin = ("twin+=probe.brightness", "twin.in.image=camera.image")
-    with pytest.raises(UserError, match=r"lacks messages that twin read:\n  camera\.image: all but 1\n"):
+    with pytest.raises(UserError, match=r"is missing messages that twin read:\n  camera\.image: all but 1\n"):
         again(run.folder / "run.lcmlog", *twin, play=made)

@@ -40,7 +40,7 @@ def test_steps_multiply() -> None:
 
 @pytest.mark.parametrize("step_px", [1, 3, 5])
 def test_a_step_that_is_no_multiple_is_refused(step_px: int) -> None:
-    with pytest.raises(ValueError, match=f"every 2 px, which gives no mean for every {step_px} px"):
+    with pytest.raises(ValueError, match=f"every 2 px to {step_px} px"):
         coarsen(random_flow(6, 8, step_px=2), step_px)
 
 

@@ -1,4 +1,4 @@
-"""What a terminal says of itself."""
+"""Queries of terminal properties."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import threading
 import pytest
 
 ASK = (
-    "from graphnav.machine.terminal_graphics import ask_terminal; import os; "
-    "os.write({fd}, repr(ask_terminal()).encode())"
+    "from graphnav.machine.terminal_graphics import query_terminal; import os; "
+    "os.write({fd}, repr(query_terminal()).encode())"
 )
 
 
@@ -37,7 +37,7 @@ class PlayedTerminal:
                     os.write(self.ours, answer)
 
     def close(self) -> None:
-        """Let go of both ends."""
+        """Close both ends."""
         os.close(self.theirs)
         os.close(self.ours)
 

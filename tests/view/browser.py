@@ -107,9 +107,9 @@ class Browser:
         """Move the pointer."""
         self._send("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
 
-    def screenshot(self, *, whole: bool = True) -> bytes:
+    def screenshot(self, *, entire_page: bool = True) -> bytes:
         """Return the page as PNG."""
-        return base64.b64decode(self._send("Page.captureScreenshot", captureBeyondViewport=whole)["data"])
+        return base64.b64decode(self._send("Page.captureScreenshot", captureBeyondViewport=entire_page)["data"])
 
     def _address(self, file: Path) -> list[str]:
         end_s = time.monotonic() + _PATIENCE_S

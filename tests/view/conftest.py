@@ -1,4 +1,4 @@
-"""What the tests of the page share: a log of a drive, a group of their own, a server in a thread."""
+"""Fixtures of the page tests: the log of a drive, a private group, a server in a thread."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def log(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def serve() -> Iterator[Callable[[Path | str], Served]]:
-    """Return what serves a log or a group until the test is over."""
+    """Return a function that serves a log or a group until the end of the test."""
     served: list[Served] = []
 
     def begin(name: Path | str) -> Served:
@@ -44,7 +44,7 @@ def serve() -> Iterator[Callable[[Path | str], Served]]:
 
 @pytest.fixture
 def serve_foxglove() -> Iterator[Callable[[Path | str], FoxgloveServed]]:
-    """Return what serves a log or a group to Foxglove until the test is over."""
+    """Return a function that serves a log or a group to Foxglove until the end of the test."""
     with ExitStack() as served:
 
         def begin(name: Path | str) -> FoxgloveServed:

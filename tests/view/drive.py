@@ -1,4 +1,4 @@
-"""A drive through a room, as messages: camera, flow, plane, command, and hostile names and texts."""
+"""A drive through a room, as messages: camera, flow, plane, command, and hostile names and strings."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def status(k: int) -> Status:
 
 
 def messages() -> Iterator[tuple[str, int, bytes]]:
-    """Yield channel, stamp and bytes of a drive; every fifth steering is lost, and a name and a text are hostile."""
+    """Yield channel, stamp and bytes of a drive; every fifth steering is lost, and a name and a string are hostile."""
     yield ABOUT, 0, encode(about(), 0, 0)
     yield "robot.map", 0, encode(world(), 0, 0)
     for k in range(N_FRAMES):

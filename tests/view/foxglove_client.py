@@ -170,7 +170,7 @@ class FoxgloveClient:
 
 
 def _decoder(channel: dict[str, Any]) -> Callable[[bytes], Any]:
-    """Return what decodes a channel's messages by nothing but the schema that came with it."""
+    """Return a function that decodes a channel's messages only by its schema."""
     if channel["encoding"] == "json":
         assert channel["schemaEncoding"] == "jsonschema"
         schema = json.loads(channel["schema"])

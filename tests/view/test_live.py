@@ -54,7 +54,7 @@ def test_a_page_waits_for_a_run_and_survives_its_restart(page: Page, group: str)
     for run_id in ("first", "second"):
         run = Run(group, run_id)
 
-        def heard(known: dict[str, Any], run: Run = run, run_id: str = run_id) -> bool:
+        def received(known: dict[str, Any], run: Run = run, run_id: str = run_id) -> bool:
             run.tick()
             return bool(
                 "graph" in known
@@ -63,7 +63,7 @@ def test_a_page_waits_for_a_run_and_survives_its_restart(page: Page, group: str)
                 and known.get("track") is not None
             )
 
-        page.until(heard)
+        page.until(received)
         run.close()
     assert page.channel("control.twist")["lost"] == 0
 
@@ -71,11 +71,11 @@ def test_a_page_waits_for_a_run_and_survives_its_restart(page: Page, group: str)
 def test_packets_that_the_kernel_drops_are_told(page: Page, group: str) -> None:
     run = Run(group, "run")
 
-    def heard(_: dict[str, Any]) -> bool:
+    def received(_: dict[str, Any]) -> bool:
         run.tick()
         return bool(page.channel("control.twist").get("count"))
 
-    page.until(heard)
+    page.until(received)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         sender.sendto(b"LC02\0\0\0\1", (urlsplit(group).hostname, urlsplit(group).port))
@@ -87,7 +87,7 @@ def test_garbage_is_counted_and_the_page_goes_on(page: Page, group: str) -> None
     run, noise, rng = Run(group, "run"), Bus(group), random.Random(3)
     page.say(kind="view", channel="noise", map=True)
 
-    def heard(_known: dict[str, Any]) -> bool:
+    def received(_known: dict[str, Any]) -> bool:
         run.tick()
         for _ in range(20):
             noise.publish("noise", rng.randbytes(rng.randrange(200)))
@@ -97,6 +97,6 @@ def test_garbage_is_counted_and_the_page_goes_on(page: Page, group: str) -> None
         noisy, image = page.channel("noise"), page.channel("robot.image")
         return bool(noisy and noisy["undecodable"] > 100 and image and image["count"] > 5)
 
-    page.until(heard)
+    page.until(received)
     noise.close()
     run.close()

@@ -122,7 +122,7 @@ def test_playing_goes_on_from_a_jump_and_ends_paused(log: Path) -> None:
     assert counts(source)["robot.image"] == 40
     with source.lock:
         source.play()
-        assert source.at_s == 0, "playing begins anew at the end"
+        assert source.at_s == 0, "playing restarts at the end"
     source.close()
 
 
@@ -149,5 +149,5 @@ def test_damage_anywhere_is_told_and_a_damaged_stamp_does_not_stretch_the_log(tm
     source.start()
     source.close()
     assert source.length_s == pytest.approx(3.9, abs=0.2)
-    told = source.torn.split("; ")
-    assert [f"from byte {events[20]}" in told[0], "is not whole" in told[1]] == [True, True]
+    told = source.damage.split("; ")
+    assert [f"from byte {events[20]}" in told[0], "is truncated" in told[1]] == [True, True]

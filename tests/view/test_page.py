@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get i
 SCRIPT = """
 window.id = (id) => document.getElementById(id);
 window.all = (selector) => [...document.querySelectorAll(selector)];
-window.texts = (selector) => all(selector).map((node) => node.textContent);
+window.strings = (selector) => all(selector).map((node) => node.textContent);
 window.edge = (ref) => document.querySelector(`.edge[aria-label^="${ref}:"]`);
 window.place = (node) => (({x, y, width, height}) => [x, y, width, height])(node.getBoundingClientRect());
 window.slide = (s) => {
@@ -39,7 +39,7 @@ window.contrast = (selector) => {
   return (Math.max(ink, panel) + 0.05) / (Math.min(ink, panel) + 0.05);
 };
 """
-"""What the tests look at a page with."""
+"""JavaScript helpers of the tests."""
 
 Serve = Callable[[Path | str], Served]
 
@@ -81,8 +81,8 @@ def test_it_shows_graph_channels_map_and_a_picture(page: Browser) -> None:
     assert text(page, "#graph-title").startswith("Follow the free floor")
     assert page.evaluate("edge('flow.flow').getAttribute('aria-label')") == "flow.flow: 10.0 Hz, 0 lost"
     assert page.evaluate("edge('steer.steering').getAttribute('aria-label')").endswith(", 7 lost")
-    assert "4 overtaken" in page.evaluate("texts('.graph text.lost')")
-    assert "4.5 ms" in page.evaluate("texts('.graph .time')")
+    assert "4 overtaken" in page.evaluate("strings('.graph text.lost')")
+    assert "4.5 ms" in page.evaluate("strings('.graph .time')")
     assert text(page, "#details-title") == "robot.image", "a camera is opened first"
     assert page.wait_for("id('picture').width") > 100
     page.wait_for("all('.floor .wall').length === 2")
@@ -107,12 +107,12 @@ def test_names_and_texts_are_never_markup(page: Browser) -> None:
 
 def test_a_click_on_an_edge_opens_it_with_its_plot(page: Browser) -> None:
     page.evaluate("edge('control.twist').dispatchEvent(new MouseEvent('click'))")
-    page.wait_for("!id('plot-box').hidden && texts('#legend span:nth-child(2)').join() === 'v_mps,omega_radps'")
+    page.wait_for("!id('plot-box').hidden && strings('#legend span:nth-child(2)').join() === 'v_mps,omega_radps'")
     newest = text(page, "#legend li:nth-child(2) output")
     page.evaluate("id('plot').scrollIntoView({block: 'center'})")
     x, y, width, height = page.evaluate("place(id('plot'))")
     page.move(x + 0.95 * width, y + 0.5 * height)
-    page.wait_for(f"texts('#legend output')[1] !== {newest!r}")
+    page.wait_for(f"strings('#legend output')[1] !== {newest!r}")
 
 
 def test_keys_open_a_channel_and_read_a_picture(page: Browser) -> None:

@@ -139,11 +139,11 @@ def test_a_page_gets_the_channel_that_it_shows(served: Served) -> None:
         page.say(kind="view", channel="control.twist")
         details = page.until(lambda known: known["details"]["channel"] == "control.twist")["details"]
         assert details["series"] == ["v_mps", "omega_radps"]
-        assert len(details["points"]) == 40, "the plot begins with what was heard before"
+        assert len(details["points"]) == 40, "the plot begins with what was received before"
         assert details["points"][-1][0] == pytest.approx(3.9)
         page.say(kind="view", channel="no.such")
         details = page.until(lambda known: known["details"]["channel"] == "no.such")["details"]
-        assert details["missing"] == "unheard"
+        assert details["missing"] == "not_received"
 
 
 def test_a_page_gets_the_map_and_the_path(served: Served) -> None:

@@ -117,7 +117,7 @@ def lost_of(log: Path) -> list[str] | None:
     """Return what the reader of logs says is lost, None where the file is not a log at all."""
     try:
         with Recording(log) as recording:
-            return [*map(str, recording.damaged), *([str(recording.torn)] if recording.torn else [])]
+            return [*map(str, recording.damaged), *([str(recording.truncated)] if recording.truncated else [])]
     except LogError:
         return None
 
@@ -163,5 +163,5 @@ def _view(log: Path) -> int:
             source.seek(0.0)
     finally:
         source.close()
-    print(source.torn)
+    print(source.damage)
     return 0

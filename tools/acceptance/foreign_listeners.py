@@ -58,7 +58,7 @@ def c_listener(folder: Path, types: Mapping[str, str], url: str) -> list[str]:
 
 def java_listener(folder: Path, types: Mapping[str, str], url: str) -> list[str] | None:
     """Build the jar of our types and a Java program; return the command that listens, None without a JDK."""
-    if find_jdk().lacks:
+    if find_jdk().missing:
         return None
     subprocess.run([GRAPHNAV, "types", "--java", folder], check=True, capture_output=True)
     jar = next(folder.rglob("*.jar"))

@@ -97,7 +97,7 @@ def interrupt_item(_seeds: Sequence[int], _jobs: int) -> bool:
             run.wait()
             took.append(time.monotonic() - begin)
             with Recording(log) as recording:
-                whole = recording.torn is None
+                whole = recording.truncated is None
             whole &= json.loads((Path(scratch) / "run" / "summary.json").read_text())["outcome"] == "stopped"
             if not whole:
                 say(f"MISS Ctrl-C after {after_s} s: log or summary is not whole")

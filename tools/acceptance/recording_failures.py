@@ -107,7 +107,7 @@ def _await_size(log: Path, process: subprocess.Popen[bytes]) -> float:
 def _left(log: Path) -> Left:
     with Recording(log) as recording:
         stamps = [event.utime for event in recording.events()]
-        torn = recording.torn.n_bytes if recording.torn else 0
+        torn = recording.truncated.n_bytes if recording.truncated else 0
         return Left(len(stamps), len(recording.damaged), torn, stamps[-1] if stamps else 0)
 
 

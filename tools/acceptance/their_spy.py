@@ -27,8 +27,8 @@ _PATIENCE_S = 60.0
 def their_spy_line(folder: Path, log: Path, url: str) -> tuple[bool, str]:
     """Start ``graphnav lcm-spy`` while a log is played; return how many types it found, and the screenshots."""
     missing = [program for program in _NEEDS if shutil.which(program) is None]
-    if missing or find_jdk().lacks:
-        return True, f"lcm-spy: not tried, {find_jdk().lacks or f'{missing[0]} is not installed'}"
+    if missing or find_jdk().missing:
+        return True, f"lcm-spy: not tried, {find_jdk().missing or f'{missing[0]} is not installed'}"
     table, fields = folder / "lcm-spy-table.png", folder / "lcm-spy-fields.png"
     nothing = subprocess.DEVNULL
     command = [str(GRAPHNAV), "play", str(log), "--url", url, "--loop"]

@@ -75,7 +75,7 @@ class Log:
     @property
     def damage(self) -> tuple[str, ...]:
         """What is lost: bytes that are not events, a truncated end, and messages that could not be decoded so far."""
-        torn = self._recording.torn
+        torn = self._recording.truncated
         lost = [*map(str, self._recording.damaged), *([f"truncated: {torn}"] if torn else [])]
         for channel, errors in self._undecodable.items():
             n_all = self._recording.count(channel)

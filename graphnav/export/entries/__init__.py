@@ -1,1 +1,1 @@
-"""Entries: what every viewer takes of a run, whatever its file format."""
+"""Entries: the content of a run for viewers, independent of the file format."""

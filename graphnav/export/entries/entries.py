@@ -1,4 +1,4 @@
-"""What viewers of runs take: pictures, scalars, the map, poses, the path, lines of text."""
+"""The types of entries: pictures, scalars, the map, poses, the path, lines of text."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from graphnav.arrays import Bytes, Doubles
 from graphnav.messages import Map
 
 _PNG_LEVEL = 3
-"""Of zlib; 9 takes ten times as long for a few per cent."""
+"""The zlib level; 9 takes ten times as long and saves a few per cent."""
 
 
 class Level(Enum):
-    """How much a line of text matters."""
+    """The severity of a line of text."""
 
     INFO = "info"
     WARNING = "warning"
@@ -33,7 +33,7 @@ class Picture:
     pixels: Bytes
 
     def png(self) -> bytes:
-        """Return it as PNG."""
+        """Return the picture as PNG."""
         file = io.BytesIO()
         PillowImage.fromarray(self.pixels).save(file, "PNG", compress_level=_PNG_LEVEL)
         return file.getvalue()
@@ -41,7 +41,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Scalars:
-    """The LCM fields of a message, for those that are scalars."""
+    """The LCM fields of a message, of which the scalars are exported."""
 
     channel: str
     utime: int
@@ -51,7 +51,7 @@ class Scalars:
 
 @dataclass(frozen=True)
 class World:
-    """The map, seen from above."""
+    """The map of the world."""
 
     utime: int
     world: Map
@@ -59,7 +59,7 @@ class World:
 
 @dataclass(frozen=True)
 class Robot:
-    """What the robot looks like: its radius, and the outline (n, 2) in R of what its camera sees of the floor."""
+    """The shape of the robot: its radius, and the outline (n, 2) in R of its camera's view on the floor."""
 
     utime: int
     radius_m: float
@@ -68,7 +68,7 @@ class Robot:
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the robot is: metres and radians, counterclockwise; poses of moving obstacles, (n, 3)."""
+    """The pose of the robot: metres and radians, counterclockwise; poses of moving obstacles, (n, 3)."""
 
     utime: int
     x_m: float
@@ -79,7 +79,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Path:
-    """Where the robot was so far: metres, (n, 2)."""
+    """The robot's path so far: metres, (n, 2)."""
 
     utime: int
     points_m: Doubles
@@ -87,7 +87,7 @@ class Path:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of text, and the channel or file that it comes from."""
+    """A line of text, and its source: a channel or file."""
 
     utime: int
     level: Level

@@ -1,4 +1,4 @@
-"""What happened in a run, as lines of text: contact, goal, what the guard says, stops, notices, the outcome."""
+"""The events of a run as lines of text: contact, goal, guard decisions, stops, notices, the outcome."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from graphnav.record import ABOUT, Recording
 from graphnav.spec import parse_yaml
 
 SUMMARY = "summary.json"
-"""What a run folder holds beside the log."""
+"""The file name of a run's summary, next to the log."""
 
 
 LINE_TYPES: tuple[type[Message], ...] = (State, Stop, GuardState)
-"""The messages that may tell something."""
+"""The messages that may cause a line."""
 
 
 class Lines:
-    """Turns messages into lines where something has changed since the message before."""
+    """Converts messages to lines whenever their content has changed since the previous message."""
 
     def __init__(self) -> None:
         self._told: dict[tuple[str, str], Any] = {}
 
     def of(self, channel: str, utime: int, message: Message) -> Iterator[Line]:
-        """Yield what a message tells that is new."""
+        """Yield the lines for changes in a message."""
         if isinstance(message, State):
             if self._is_new(channel, "contact", now=message.contact, before=False) and message.contact:
                 yield Line(utime, Level.ERROR, "contact", channel)
             if self._is_new(channel, "goal", now=message.at_goal, before=False) and message.at_goal:
                 yield Line(utime, Level.INFO, "goal reached", channel)
         elif isinstance(message, Stop):
-            text = "stop asked for" if message.engaged else "armed again"
+            text = "stop requested" if message.engaged else "armed again"
             level = Level.WARNING if message.engaged else Level.INFO
             yield Line(utime, level, f"{text}: {message.reason}" if message.reason else text, channel)
         elif isinstance(message, GuardState):
@@ -44,27 +44,27 @@ class Lines:
                 yield Line(utime, Level.INFO if message.may_move else Level.WARNING, _guard_text(message), channel)
 
     def _is_new(self, channel: str, what: str, *, now: Any, before: Any) -> bool:
-        """Whether a value differs from the one before, at the start ``before``."""
+        """Whether a value differs from the previous one, initially ``before``."""
         changed = bool(self._told.get((channel, what), before) != now)
         self._told[channel, what] = now
         return changed
 
 
 def heading(about: About | None) -> str:
-    """Return a line on a run as it announces itself, empty where it does not."""
+    """Return a line from the description of a run, empty without one."""
     if about is None:
         return ""
     try:
         graph = parse_yaml(about.graph_yaml.encode(), ABOUT)[0].plain()
     except UserError:
         graph = None
-    said = graph.get("about") if isinstance(graph, dict) else None
-    text = str(said or "").strip()
+    description = graph.get("about") if isinstance(graph, dict) else None
+    text = str(description or "").strip()
     return " ".join(part for part in (text, f"(seed {about.seed})") if part)
 
 
 def outcome_lines(recording: Recording, begin_us: int, end_us: int) -> Iterator[Line]:
-    """Yield the notices and the outcome that the run folder's summary tells; nothing where there is none."""
+    """Yield the notices and the outcome in the run folder's summary; nothing without a summary."""
     summary = _summary_beside(recording.path)
     notices = summary.get("notices")
     for notice in notices if isinstance(notices, list) else ():
@@ -77,7 +77,7 @@ def outcome_lines(recording: Recording, begin_us: int, end_us: int) -> Iterator[
 
 
 def _guard_text(state: GuardState) -> str:
-    what = "lets everything through" if state.may_advance else "forbids motion forward"
+    what = "allows all motion" if state.may_advance else "forbids forward motion"
     if not state.may_move:
         what = "forbids motion"
     if state.overridden:

@@ -1,4 +1,4 @@
-"""The colours of maps, as the pictures of a run have them, but for the robot: red, green, blue of 0 to 1."""
+"""The colours of maps, as in the pictures of a run, except the robot: red, green, blue from 0 to 1."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ OBSTACLE = (0.79, 0.54, 0.29)
 MOVING = (0.56, 0.42, 0.70)
 GOAL = (0.35, 0.64, 0.41)
 ROBOT = (1.0, 0.70, 0.15)
-"""Seen on the dark ground of viewers as well as on a light one."""
+"""Visible on dark and light backgrounds."""
 SEEN = (0.16, 0.62, 0.96)
 
 BODIES = {0: WALL, 1: OBSTACLE, 2: MOVING}
 """By the kind of a body in `Map`."""
 MOVES = 2
-"""The kind of a body that moves."""
+"""The kind of moving bodies."""

@@ -1,4 +1,4 @@
-"""The bodies of a map as solids: their outlines, raised to their heights."""
+"""The bodies of a map as solids: outlines extruded to their heights."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from graphnav.messages import Map
 
 PATH_HEIGHT_M = 0.05
 _ROBOT_HEIGHT_M = 0.1
-"""Above the floor, and above one another, so that all is seen from above."""
+"""Above the floor and above each other, so that all are visible in top view."""
 _MIN_HEIGHT_M = 0.02
-"""A body without a height still shows."""
+"""A minimum, so that a body without a height is visible."""
 
 
 class Body(NamedTuple):
@@ -30,7 +30,7 @@ class Body(NamedTuple):
         return np.column_stack([closed, np.full(len(closed), z_m)])
 
     def sides(self) -> tuple[Doubles, Ints]:
-        """Return the corners of the upright sides, (2n, 3), and the triangles that they are made of, (2n, 3)."""
+        """Return the vertices of the vertical sides, (2n, 3), and their triangles, (2n, 3)."""
         count = len(self.outline_m)
         low = np.column_stack([self.outline_m, np.zeros(count)])
         high = low + np.array([0.0, 0.0, self.height_m])
@@ -43,7 +43,7 @@ class Body(NamedTuple):
 
 
 def bodies_of(world: Map) -> Iterator[Body]:
-    """Yield the bodies of a map that can be drawn, in its order: three corners or more, all numbers finite."""
+    """Yield the bodies of a map that can be drawn, in map order: three vertices or more, all finite."""
     for index, kind in enumerate(world.kind.tolist()):
         outline = world.vertices_m[world.body == index]
         height = float(world.height_m[index]) if index < len(world.height_m) else 0.0
@@ -52,14 +52,14 @@ def bodies_of(world: Map) -> Iterator[Body]:
 
 
 def ring(outline_m: Doubles) -> Doubles | None:
-    """Return a closed outline on the floor, (n, 3), None where it has no area or numbers that are not finite."""
+    """Return a closed outline on the floor, (n, 3), None if it has no area or is not finite."""
     if len(outline_m) < 3 or not np.isfinite(outline_m).all():
         return None
     return Body(0, outline_m, 0.0).ring(0.0)
 
 
 def robot_outline(radius_m: float) -> list[Doubles]:
-    """Return a circle around the origin and a line forward from its middle, each (n, 3)."""
+    """Return a circle around the origin and a line forward from its centre, each (n, 3)."""
     angles = np.linspace(0.0, 2 * np.pi, 37)
     around = radius_m * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
     forward = np.array([[0.0, 0.0, 0.0], [2 * radius_m, 0.0, 0.0]])

@@ -1,4 +1,4 @@
-"""What viewers take of one message: its picture, where the robot is, the path until then."""
+"""Make the entries of one message: its picture, the robot's pose, the path so far."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ M = TypeVar("M", bound=Message)
 _MAX_PATH_POINTS = 1000
 _MAX_SIDE_PX = 1280
 _RADIUS_M, _MAX_RADIUS_M = 0.2, 100.0
-"""Of a robot whose log has no map that tells it; what is more than the second is not a radius."""
+"""The radius of a robot without a map in the log, and the maximum plausible radius."""
 
 
 class Past(Protocol):
-    """The messages before the one that is shown."""
+    """The messages before the current one."""
 
     def find(self, kind: type[M], /) -> M | None:
-        """Return the message of ``kind`` of the same stamp, else the newest before it; None where there is none."""
+        """Return the message of ``kind`` with the same timestamp, else the newest before it; None if there is none."""
 
     def path_m(self) -> Doubles:
-        """Return where the robot was so far, (n, 2), x_m and y_m."""
+        """Return the robot's path so far, (n, 2), x_m and y_m."""
 
 
 def may_have_picture(message_type: type[Message] | None) -> bool:
-    """Whether pictures of a type are shown: those of messages that have rows and columns."""
+    """Whether messages of a type are shown as pictures: those with rows and columns."""
     return message_type is not None and (issubclass(message_type, Image) or bool(message_type.grid))
 
 
 class MessageEntries:
-    """Makes entries of messages; ``undrawn``: why the last picture of a channel that failed did so, by channel."""
+    """Makes entries of messages; ``undrawn``: the last drawing error by channel."""
 
     def __init__(self, pictures: Pictures, past: Past) -> None:
         self.undrawn: dict[str, str] = {}
         self._pictures, self._past = pictures, past
 
     def picture(self, channel: str, utime: int, message: Message) -> Picture | None:
-        """Return the picture of a message that has rows and columns: an image as it is, others drawn by plugins."""
+        """Return the picture of a message with rows and columns: an image unchanged, others drawn by plugins."""
         if isinstance(message, Image):
             return Picture(channel, utime, np.ascontiguousarray(message.pixels))
         if not message.grid:
@@ -61,14 +61,14 @@ class MessageEntries:
         return None if pixels is None else Picture(channel, utime, pixels)
 
     def pose(self, utime: int, message: State | Odometry) -> Pose | None:
-        """Return where the robot is, None where the numbers are not finite."""
+        """Return the pose of the robot, None if it is not finite."""
         if not np.isfinite((message.x_m, message.y_m, message.yaw_rad)).all():
             return None
         moving = message.moving if isinstance(message, State) else np.empty((0, 3))
         return Pose(utime, message.x_m, message.y_m, message.yaw_rad, moving)
 
     def path(self, utime: int) -> Path | None:
-        """Return the path so far, None where it is a point."""
+        """Return the path so far, None for a single point."""
         points = self._past.path_m()
         if len(points) < 2:
             return None
@@ -76,7 +76,7 @@ class MessageEntries:
         return Path(utime, points[picked])
 
     def robot(self, utime: int, world: Map | None) -> Robot:
-        """Return what the robot looks like, as the map tells it."""
+        """Return the shape of the robot, from the map."""
         radius_m = world.robot_radius_m if world is not None else _RADIUS_M
         footprint_m = world.footprint_m if world is not None else np.empty((0, 2))
         return Robot(utime, radius_m if 0 < radius_m < _MAX_RADIUS_M else _RADIUS_M, footprint_m)

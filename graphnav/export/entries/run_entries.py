@@ -1,4 +1,4 @@
-"""A run as viewers take it: entries in the order of time, made of the selected messages."""
+"""Convert the selected messages of a run to entries in order of time."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from collections.abc import Iterator
 from graphnav.export.entries.entries import Entry, Level, Line, Scalars, World
 from graphnav.export.entries.event_lines import Lines, heading, outcome_lines
 from graphnav.export.entries.message_entries import MessageEntries
-from graphnav.export.log_pass import Walk
+from graphnav.export.log_pass import LogPass
 from graphnav.export.reader import Reader, Sample
 from graphnav.messages import Map, Odometry, State
 from graphnav.pictures import Pictures
 
 _MAX_PATHS = 200
-"""So often the path so far is told anew: every time would take the square of the run's length."""
+"""The maximum number of path updates: one per pose would take quadratic space."""
 MAX_UTIME = 2**32 * 1_000_000
-"""What a timestamp of 32-bit seconds holds."""
+"""The maximum timestamp with 32-bit seconds."""
 
 
 class RunEntries:
     """Iterates over the entries of a run, once.
 
-    ``unstamped``: messages whose stamps no viewer can show, by channel; they are left out.
+    ``unstamped``: number of messages left out because their timestamps are out of range for viewers, by channel.
     """
 
     def __init__(self, reader: Reader, pictures: Pictures) -> None:
         self.unstamped: Counter[str] = Counter()
         self.reader = reader
-        self._walk = Walk(reader)
+        self._walk = LogPass(reader)
         self._messages = MessageEntries(pictures, self._walk)
         self._lines = Lines()
         self._poses = 0
@@ -53,11 +53,15 @@ class RunEntries:
             yield Line(last_us, Level.WARNING, text, self.reader.recording.path.name)
 
     def losses(self) -> list[str]:
-        """Return what of the selection was not exported, one sentence each."""
+        """Return one sentence per part of the selection that was not exported."""
         texts, undrawn = self.reader.losses(), self._messages.undrawn
         for name, count in self.unstamped.items():
-            said = "1 message is left out: its stamp is" if count == 1 else f"{count} messages are left out: stamps are"
-            texts.append(f"channel {name!r}: {said} out of range")
+            left_out = (
+                "1 message is left out: its timestamp is"
+                if count == 1
+                else f"{count} messages are left out: timestamps are"
+            )
+            texts.append(f"channel {name!r}: {left_out} out of range")
         return texts + [f"channel {name!r}: pictures are missing: {why}" for name, why in undrawn.items()]
 
     def _at_begin(self, utime: int) -> Iterator[Entry]:

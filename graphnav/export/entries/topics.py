@@ -1,4 +1,4 @@
-"""What the channels of a log are called in viewers whose names have slashes."""
+"""Name the channels of a log in viewers whose names have slashes."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _STAGE_PORT = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\.[A-Za-z_][A-Za-z0-9_]*")
 
 
 def parts_of(channel: str) -> tuple[str, ...]:
-    """Return the parts of a channel's name: stage and port, or the name as it is."""
+    """Return the parts of a channel's name: stage and port, or the complete name."""
     return tuple(channel.split(".")) if _STAGE_PORT.fullmatch(channel) else (channel,)
 
 
 class Topics:
     """A topic for each channel: ``/plane/plane`` for ``plane.plane``, and one below it for its pictures.
 
-    All are different, and none is ``reserved``, whatever the channels are called; control characters are escaped.
+    All topics are unique and differ from the ``reserved`` ones, for any channel names; control characters are escaped.
     """
 
     def __init__(self, reserved: Iterable[str]) -> None:
@@ -43,7 +43,7 @@ class Topics:
         return f"{self.of(channel)}/{PICTURE}"
 
     def forget(self, channel: str) -> None:
-        """Let another channel have the topics of one."""
+        """Release the topics of a channel for other channels."""
         topic = self._topics.pop(channel, None)
         if topic is not None:
             self._taken.difference_update((topic, f"{topic}/{PICTURE}"))

@@ -1,4 +1,4 @@
-"""A run as one file for a viewer: its entries one after the other."""
+"""Write the entries of a run to a viewer's file."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from graphnav.export.files.atomic_path import placed_file
 
 
 class ViewerFile(Protocol):
-    """What takes the entries of a run."""
+    """A sink for the entries of a run."""
 
     def add(self, entry: Entry) -> None:
         """Write an entry."""
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write buffered entries and close the file."""
 
 
 def write_entries(
@@ -30,9 +30,9 @@ def write_entries(
     Raises
     ------
     UserError
-        The selection holds no message that can be decoded, or nothing can be written there.
+        The selection has no decodable message, or the target is not writable.
     GraphnavError
-        The disk refuses.
+        Writing fails.
     """
     with placed_file(target, suffix, source=entries.reader.recording.path, force=force) as file:
         sink = open_file(file)
@@ -43,6 +43,6 @@ def write_entries(
             sink.close()
         if not entries.reader.read.total():
             raise UserError.of(
-                f"there is nothing to export of {entries.reader.recording.path}: no message can be decoded",
-                "choose other channels with --channel, or another span with --from and --until",
+                f"nothing to export from {entries.reader.recording.path}: no message can be decoded",
+                "select other channels with --channel, or another span with --from and --until",
             )

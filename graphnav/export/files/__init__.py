@@ -1,1 +1,1 @@
-"""Files that are complete or absent, and whose first write error is kept."""
+"""Write files atomically, and keep the first write error."""

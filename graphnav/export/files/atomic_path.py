@@ -1,4 +1,4 @@
-"""Write a file or a folder under another name first: what has the final name is complete."""
+"""Write files and folders under a temporary name, and rename them when they are complete."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _ELSEWHERE = "choose another place with -o"
 
 @contextmanager
 def placed_file(target: Path, suffix: str, *, source: Path, force: bool) -> Iterator[Path]:
-    """Yield a path, ending in ``suffix``, to write to; it becomes ``target`` when the block ends without an error.
+    """Yield a temporary path, ending in ``suffix``; it becomes ``target`` when the block ends without an error.
 
-    ``source``: the log that is read, which is never replaced.
+    ``source``: the exported log, which is never replaced.
 
     Raises
     ------
     UserError
-        ``target`` is ``source``, exists and ``force`` is not given, or nothing can be written there.
+        ``target`` is ``source``, exists without ``force``, or is not writable.
     GraphnavError
-        The disk refuses; nothing is left behind.
+        Writing fails; nothing is left behind.
     """
     if target.is_dir():
         raise UserError.of(f"{target} is a folder", "name a file with -o")
@@ -43,23 +43,23 @@ def placed_file(target: Path, suffix: str, *, source: Path, force: bool) -> Iter
             yield aside
             aside.replace(target)
     finally:
-        with suppress(OSError):  # it is there no more, or never was
+        with suppress(OSError):  # it does not exist
             aside.unlink()
 
 
 @contextmanager
 def placed_folder(target: Path, *, source: Path, force: bool) -> Iterator[Path]:
-    """Yield a folder to write files into; they are in ``target`` when the block ends without an error.
+    """Yield a temporary folder; its files are moved to ``target`` when the block ends without an error.
 
-    With ``force`` they replace those of the same names in a folder that exists; others stay. ``source``: the log that
-    is read, which is never replaced.
+    With ``force`` they replace files of the same names in an existing folder; others stay. ``source``: the exported
+    log, which is never replaced.
 
     Raises
     ------
     UserError
-        ``target`` is a file, or is not empty and ``force`` is not given, or nothing can be written there.
+        ``target`` is a file, is not empty without ``force``, or is not writable.
     GraphnavError
-        The disk refuses; nothing is left behind.
+        Writing fails; nothing is left behind.
     """
     if target.exists() and not target.is_dir():
         raise UserError.of(f"{target} is a file", "name a folder with -o, or one channel with --channel")
@@ -87,11 +87,11 @@ def placed_folder(target: Path, *, source: Path, force: bool) -> Iterator[Path]:
 
 def _refuse_source(target: Path, source: Path) -> None:
     if target.exists() and target.samefile(source):
-        raise UserError.of(f"{target} is the log that is exported", _ELSEWHERE)
+        raise UserError.of(f"{target} is the log to export", _ELSEWHERE)
 
 
 def _aside(target: Path, suffix: str) -> Path:
-    """Return a name in the folder of ``target`` that no other export has."""
+    """Return a unique name in the folder of ``target``."""
     return target.parent / f".export-{uuid4().hex[:12]}{suffix}"
 
 

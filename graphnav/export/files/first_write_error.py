@@ -1,4 +1,4 @@
-"""A file for libraries that hide what the disk refuses: the first error is kept, and raised where we ask."""
+"""A file for libraries that ignore write errors: the first error is kept, and raised on request."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 
 class QuietFile:
-    """A binary file to write. After the first error it takes everything and drops it; `check` raises that error."""
+    """A writable binary file. After the first error it discards all data; `check` raises that error."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("wb", buffering=0)
@@ -16,7 +16,7 @@ class QuietFile:
         self._at = self._size = 0
 
     def write(self, data: Any) -> int:
-        """Write bytes, all of them, or keep the error; returns how many there are."""
+        """Write all bytes, or keep the error; return the number of bytes."""
         view = memoryview(data).cast("B")
         done = 0
         try:
@@ -29,14 +29,14 @@ class QuietFile:
         return len(view)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place in the file, as if it held everything; return it."""
+        """Seek, as if all writes had succeeded; return the position."""
         self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._size}[whence]
         if self._error is None:
             self._file.seek(self._at)
         return self._at
 
     def flush(self) -> None:
-        """Do nothing: nothing is held back."""
+        """Do nothing: the file is not buffered."""
 
     def check(self) -> None:
         """Raise the first error, OSError, if there was one."""

@@ -1,4 +1,4 @@
-"""A path for libraries that write to paths only and hang on a full disk: a pipe that a thread empties into a file."""
+"""A pipe copied to a file, for libraries that write only to paths and hang on a full disk."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _READ_BYTES = 1 << 20
 
 
 class PipedFile:
-    """What is written to ``path`` arrives in ``file``, in order; whoever writes may not seek.
+    """Copies the data written to the pipe ``path`` to ``file``; the writer must not seek.
 
     Call `opened` as soon as the library has opened the path, and `close` when it has closed it.
     """
@@ -25,15 +25,15 @@ class PipedFile:
         self._thread.start()
 
     def opened(self) -> None:
-        """Let the library have the only end that writes, so that the end of the file is heard."""
+        """Close our writing end, so that the end of the data is detected when the library closes its own."""
         os.close(self._writing)
 
     def check(self) -> None:
-        """Raise the first error of the disk, OSError, if there was one."""
+        """Raise the first write error, OSError, if there was one."""
         self._file.check()
 
     def close(self) -> None:
-        """Wait for what is on its way, close the file, and raise the first error."""
+        """Wait for the remaining data, close the file, and raise the first error."""
         self._thread.join()
         os.close(self._reading)
         self._file.close()

@@ -1,1 +1,1 @@
-"""Runs for Foxglove: MCAP files with its own schemas."""
+"""Export to Foxglove: MCAP files with Foxglove's schemas."""

@@ -1,4 +1,4 @@
-"""Entries as messages of Foxglove, on topics that a file or a server takes."""
+"""Log entries as Foxglove messages, to files or servers."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ TOPICS = {
     POSE_TOPIC: "PoseInFrame",
     TRANSFORM_TOPIC: "FrameTransform",
 }
-"""The topics that do not belong to one channel: the type of each, one of Foxglove's own."""
+"""The Foxglove types of the topics that do not belong to one channel."""
 
 _LEVELS = {Level.INFO: "Info", Level.WARNING: "Warning", Level.ERROR: "Error"}
 
 
 class FoxgloveChannels:
-    """Logs entries, stamped with their times, to a ``context`` of the SDK: to the files and servers that it feeds.
+    """Logs entries, with their timestamps, to a ``context`` of the SDK, which feeds files and servers.
 
     Topics: a channel's scalars as JSON on ``/stage/port``, its pictures (PNG) on ``/stage/port/picture``; the map, the
-    path and the robot on ``/scene/...`` and ``/tf``; lines of text on ``/log``. A topic is made with its first message,
-    or before by ``offer...``, so that it can be asked for.
+    path and the robot on ``/scene/...`` and ``/tf``; lines of text on ``/log``. A topic is created with its first
+    message, or earlier by ``offer...``, so that clients can subscribe.
     """
 
     def __init__(self, context: Any) -> None:
@@ -58,32 +58,32 @@ class FoxgloveChannels:
         return self._topics.picture_of(channel)
 
     def offer(self, topic: str) -> None:
-        """Make one of `TOPICS`."""
+        """Create one of `TOPICS`."""
         self._typed(topic, TOPICS[topic])
 
     def offer_scalars(self, channel: str, lcm_class: type) -> None:
-        """Make the topic of a channel's scalars."""
+        """Create the topic of a channel's scalars."""
         topic = self.scalars_topic(channel)
         if topic not in self._channels:
             self._channels[topic] = self._foxglove.Channel(topic, schema=self._schema(lcm_class), context=self._context)
 
     def offer_picture(self, channel: str) -> None:
-        """Make the topic of a channel's pictures."""
+        """Create the topic of a channel's pictures."""
         self._typed(self.picture_topic(channel), "CompressedImage")
 
     def withdraw(self, topic: str) -> None:
-        """End a topic, if there is one."""
+        """Close a topic, if it exists."""
         if (ended := self._channels.pop(topic, None)) is not None:
             ended.close()
 
     def withdraw_channel(self, channel: str) -> None:
-        """End the topics of a channel."""
+        """Close the topics of a channel."""
         self.withdraw(self.scalars_topic(channel))
         self.withdraw(self.picture_topic(channel))
         self._topics.forget(channel)
 
     def is_wanted(self, topic: str) -> bool:
-        """Whether somebody takes what is logged on a topic."""
+        """Whether a topic has a subscriber."""
         made = self._channels.get(topic)
         return made is not None and bool(made.has_sinks())
 
@@ -120,7 +120,7 @@ class FoxgloveChannels:
         return schema
 
     def _typed(self, topic: str, type_name: str) -> Any:
-        """Return the channel of a topic that carries one of Foxglove's types."""
+        """Return the channel of a topic with a Foxglove type."""
         made = self._channels.get(topic)
         if made is None:
             kind = getattr(self._kinds, f"{type_name}Channel")
@@ -128,7 +128,7 @@ class FoxgloveChannels:
         return made
 
     def _log(self, topic: str, message: Any, utime: int) -> None:
-        """Log a message of one of Foxglove's types."""
+        """Log a message of a Foxglove type."""
         self._typed(topic, type(message).__name__).log(message, log_time=utime * 1000)
 
     def _stamp(self, utime: int) -> Any:

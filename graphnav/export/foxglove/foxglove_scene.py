@@ -1,4 +1,4 @@
-"""The map, the robot and its path as messages of Foxglove's 3D panel."""
+"""The map, the robot and its path as messages for Foxglove's 3D panel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav.export.entries.entries import Path, Pose, Robot, World
 from graphnav.export.entries.map_solids import PATH_HEIGHT_M, Body, bodies_of, ring, robot_outline
 
 WORLD, ROBOT = "world", "robot"
-"""The frames: of the map, and of the robot (x forward, y left)."""
+"""The frame of the map, and of the robot (x forward, y left)."""
 MAP_TOPIC, ROBOT_TOPIC, PATH_TOPIC, POSE_TOPIC = "/scene/map", "/scene/robot", "/scene/path", "/scene/pose"
 TRANSFORM_TOPIC = "/tf"
 
@@ -35,13 +35,13 @@ def scene_messages(types: Any, entry: World | Robot | Pose | Path, stamp: Any) -
 
 
 class _Scene:
-    """Makes messages stamped alike."""
+    """Makes messages with the same timestamp."""
 
     def __init__(self, types: Any, stamp: Any) -> None:
         self._types, self._stamp = types, stamp
 
     def world(self, entry: World) -> Any:
-        """Return all bodies and the goal, in place of those of the map before."""
+        """Return all bodies and the goal, replacing those of the previous map."""
         bodies = [body for body in bodies_of(entry.world) if body.kind != map_colours.MOVES]
         entities = [self._entity(f"body-{index}", WORLD, body) for index, body in enumerate(bodies)]
         moving = [body for body in bodies_of(entry.world) if body.kind == map_colours.MOVES]
@@ -55,7 +55,7 @@ class _Scene:
         return self._types.SceneUpdate(deletions=[all_before], entities=entities)
 
     def robot(self, entry: Robot) -> Any:
-        """Return the robot, and what its camera sees of the floor, in the robot's frame."""
+        """Return the robot and its camera's view on the floor, in the robot frame."""
         lines = [self._line(points, map_colours.ROBOT) for points in robot_outline(entry.radius_m)]
         if (seen := ring(entry.footprint_m)) is not None:
             lines.append(self._line(seen, map_colours.SEEN))
@@ -65,7 +65,7 @@ class _Scene:
         return self._types.SceneUpdate(entities=[entity])
 
     def pose(self, entry: Pose) -> Iterator[tuple[str, Any]]:
-        """Yield the robot's pose, and the frames of the robot and of what moves."""
+        """Yield the robot's pose, and the frames of the robot and of moving obstacles."""
         yield (
             POSE_TOPIC,
             self._types.PoseInFrame(
@@ -78,7 +78,7 @@ class _Scene:
                 yield TRANSFORM_TOPIC, self._transform(_moving_frame(index), x_m, y_m, yaw_rad)
 
     def path(self, entry: Path) -> Any:
-        """Return the path so far, in place of the one before."""
+        """Return the path so far, replacing the previous one."""
         points = np.column_stack([entry.points_m, np.full(len(entry.points_m), PATH_HEIGHT_M)])
         lines = [self._line(points, map_colours.ROBOT)]
         entity = self._types.SceneEntity(timestamp=self._stamp, frame_id=WORLD, id="path", lines=lines)

@@ -1,4 +1,4 @@
-"""Scalars as JSON, with a schema by which Foxglove offers them to its plots."""
+"""Scalars as JSON, with a schema that makes them available to Foxglove's plots."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _TYPES = {"float": "number", "double": "number", "boolean": "boolean", "string":
 
 
 def schema_of(lcm_class: type) -> dict[str, Any]:
-    """Return the JSON schema of the scalars of an LCM type: nested structs and small fixed arrays too."""
+    """Return the JSON schema of the scalars of an LCM type: including nested structs and small fixed arrays."""
     properties: dict[str, Any] = {}
     fields = fields_of(lcm_class)
     sizes = {dim for field in fields for dim in field.dims}
@@ -29,7 +29,7 @@ def schema_of(lcm_class: type) -> dict[str, Any]:
 
 
 def values_of(schema: dict[str, Any], value: Any) -> Any:
-    """Return what JSON can hold of decoded LCM fields; numbers that are not finite are left out, in arrays null."""
+    """Return decoded LCM fields as JSON-compatible values; non-finite numbers are left out, in arrays null."""
     if "properties" in schema:
         parts = {name: values_of(part, value[name]) for name, part in schema["properties"].items()}
         return {name: part for name, part in parts.items() if part is not None}

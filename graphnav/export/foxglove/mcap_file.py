@@ -1,4 +1,4 @@
-"""A run as MCAP with Foxglove's own schemas: Foxglove shows it without a plugin."""
+"""Write MCAP files with Foxglove's schemas, which Foxglove shows without a plugin."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.export.foxglove.foxglove_channels import FoxgloveChannels
 
 
 class McapFile:
-    """Writes entries as messages of Foxglove, stamped with the time of the log."""
+    """Writes entries as Foxglove messages with log time."""
 
     def __init__(self, file: Path) -> None:
         foxglove = require("foxglove")
@@ -21,12 +21,12 @@ class McapFile:
         self._channels = FoxgloveChannels(context)
 
     def add(self, entry: Entry) -> None:
-        """Write an entry; raises OSError where the disk refuses."""
+        """Write an entry; raises OSError if writing fails."""
         self._channels.add(entry)
         self._file.check()
 
     def close(self) -> None:
-        """Write what is left, and the index by which viewers seek."""
+        """Write buffered data and the index for seeking."""
         try:
             self._writer.close()
         finally:

@@ -1,1 +1,1 @@
-"""Runs for Rerun: recordings with a blueprint."""
+"""Export to Rerun: recordings with a blueprint."""

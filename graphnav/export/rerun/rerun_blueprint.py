@@ -1,4 +1,4 @@
-"""How Rerun opens a run: camera, flow and dominant plane above, the map, plots and the log below."""
+"""The Rerun layout of a run: camera, flow and dominant plane above; map, plots and log below."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from graphnav.export.rerun.rerun_scene import MAP, PATH, ROBOT
 from graphnav.messages import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth, Twist
 
 _PICTURES: tuple[type[Message], ...] = (Image, Flow, Plane, Potential, Planar, Truth)
-"""The first three of these that a log has stand side by side."""
+"""The first three of these in a log are shown side by side."""
 _SHOWN = 3
 
 _PLOTS: tuple[tuple[str, type[Message], tuple[str, ...]], ...] = (
     ("speed and turning rate", Twist, ("v_mps", "omega_radps")),
     ("steering angle", Steering, ("theta_rad",)),
-    ("share of obstacle", Plane, ("obstacle_ratio",)),
+    ("obstacle ratio", Plane, ("obstacle_ratio",)),
     ("clearance", State, ("clearance_m",)),
 )
 

@@ -1,4 +1,4 @@
-"""A run as a Rerun recording, with a blueprint that opens its views side by side."""
+"""Write Rerun recordings with a blueprint."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class RerunFile:
         self._scene = RerunScene(self._rr, self._stream)
 
     def add(self, entry: Entry) -> None:
-        """Write an entry; raises OSError where the disk refuses."""
+        """Write an entry; raises OSError if writing fails."""
         self._file.check()
         at_s = (entry.utime - self._begin_us) / 1e6
         if isinstance(entry, Scalars):
@@ -57,7 +57,7 @@ class RerunFile:
             self._scene.add(entry)
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write buffered data."""
         for columns in self._columns.values():
             columns.send(self._rr, self._stream, TIMELINE)
         self._stream.disconnect()

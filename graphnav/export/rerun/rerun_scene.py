@@ -21,7 +21,7 @@ class RerunScene:
         self._rr, self._stream = rr, stream
 
     def add(self, entry: World | Robot | Pose | Path) -> None:
-        """Log an entry at the time that is set."""
+        """Log an entry at the current time of the stream."""
         if isinstance(entry, World):
             self._add_world(entry)
         elif isinstance(entry, Robot):

@@ -1,1 +1,1 @@
-"""Scalars as CSV and Parquet tables."""
+"""Export scalars to CSV and Parquet tables."""

@@ -1,4 +1,4 @@
-"""A table as CSV: numbers as they are, every string in quotes, so that nothing is read back as something else."""
+"""Write CSV tables with unquoted numbers and quoted strings, so that types survive reading back."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav.export.tables.tables import LOG_UTIME, Table
 def open_csv(file: Path, leaves: list[Leaf]) -> Table:
     """Return a table that writes UTF-8 with a header line.
 
-    Floats have as many digits as bring the same float back; ``nan``, ``inf`` and ``True`` are written so.
+    Floats have the digits needed to restore them exactly; other values are written as ``nan``, ``inf``, ``True``.
     """
     stream = file.open("w", encoding="utf-8", newline="")
     writer = csv.writer(stream, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")

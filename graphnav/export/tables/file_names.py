@@ -1,4 +1,4 @@
-"""Names of files for channels, whatever a channel is called."""
+"""File names for channels with arbitrary names."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ _MAX_CHARACTERS = 200
 
 
 def file_names(channels: Iterable[str], suffix: str) -> dict[str, str]:
-    """Return a file name for each channel, all different: its own name, but for characters that a shell would mind.
+    """Return a unique file name for each channel: its name with special characters escaped.
 
-    Those are written as ``%2F``; what is longer than a file name may be is cut and numbered.
+    Characters with a meaning in shells are written as ``%2F``; too long names are cut and numbered.
     """
     names: dict[str, str] = {}
     for number, channel in enumerate(channels):

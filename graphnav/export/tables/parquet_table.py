@@ -1,4 +1,4 @@
-"""A table as Parquet: each column in the type that the field has in LCM."""
+"""Write Parquet tables, each column in the field's LCM type."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TYPES = {
 
 
 def open_parquet(file: Path, leaves: list[Leaf]) -> Table:
-    """Return a table that writes Parquet, compressed by zstd; raises UserError where pyarrow is not installed."""
+    """Return a table that writes Parquet, compressed by zstd; raises UserError if pyarrow is not installed."""
     pa, pq = require("pyarrow"), require("pyarrow.parquet")
     columns = [(LOG_UTIME, "int64"), *((leaf.name, _TYPES[leaf.primitive]) for leaf in leaves)]
     schema = pa.schema([pa.field(name, getattr(pa, kind)(), nullable=False) for name, kind in columns])

@@ -13,18 +13,18 @@ from graphnav.codec import fields_of
 from graphnav.codec.layout import Field
 
 Step = str | tuple[int, ...]
-"""The name of a field, or the place in an array."""
+"""The name of a field, or an array index."""
 
 Scalar = int | float | bool | str
 
 MAX_ELEMENTS = 36
-"""An array of a fixed size up to this, a force or a covariance, is as many columns."""
+"""Arrays of a fixed size up to this, such as forces, are written as one column per element."""
 
 
 class Leaf(NamedTuple):
-    """A scalar of a type: its name as people write it, the way to it, its LCM primitive.
+    """A scalar of a type: its name, its path, its LCM primitive.
 
-    ``is_size``: whether it is but the size of an array.
+    ``is_size``: whether it is the size of an array.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Leaf(NamedTuple):
     is_size: bool
 
     def of(self, fields: Mapping[str, Any]) -> Scalar:
-        """Return the scalar that the decoded fields of a message hold."""
+        """Return the value of the scalar in decoded fields."""
         value: Any = fields
         for step in self.path:
             value = value[step] if isinstance(step, str) or isinstance(value, np.ndarray) else value[step[0]]
@@ -42,12 +42,12 @@ class Leaf(NamedTuple):
 
 
 def leaves_of(lcm_class: type) -> list[Leaf]:
-    """Return the scalars of an LCM type in the order of its fields: nested structs and small fixed arrays too."""
+    """Return the scalars of an LCM type in field order, including nested structs and small fixed arrays."""
     return list(_leaves(lcm_class, "", ()))
 
 
 def has_few_elements(field: Field) -> bool:
-    """Whether a field is a scalar or a struct, or an array of few whose size the type fixes."""
+    """Whether a field is a scalar, a struct, or a small array of fixed size."""
     return all(isinstance(dim, int) for dim in field.dims) and math.prod(map(int, field.dims)) <= MAX_ELEMENTS
 
 

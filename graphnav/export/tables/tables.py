@@ -1,4 +1,4 @@
-"""Scalars as tables: one file a channel, a row a message."""
+"""Write scalars as tables: one file per channel, one row per message."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from graphnav.export.tables.file_names import file_names
 from graphnav.export.tables.scalar_fields import Leaf, Scalar, leaves_of
 
 LOG_UTIME = "log_utime"
-"""The first column: when the message was logged, microseconds."""
+"""The first column: the time at which the message was logged, microseconds."""
 
 _ROWS = 4096
 
 
 class Table(NamedTuple):
-    """What writes one file: given rows, some at a time, and at the end nothing more."""
+    """The writer of one file: takes batches of rows, then is closed."""
 
     write: Callable[[list[list[Scalar]]], None]
     close: Callable[[], None]
@@ -31,19 +31,19 @@ OpenTable = Callable[[Path, list[Leaf]], Table]
 def write_tables(
     reader: Reader, target: Path, channel: str | None, suffix: str, open_table: OpenTable, *, force: bool
 ) -> list[Path]:
-    """Write the scalars of ``channel`` into the file ``target``, else those of every channel into a folder.
+    """Write the scalars of ``channel`` to the file ``target``, or of all channels to a folder.
 
     Returns the files that were written.
 
     Raises
     ------
     UserError
-        No selected channel has a type that is installed, or nothing can be written there.
+        No selected channel has an installed type, or the target is not writable.
     GraphnavError
-        The disk refuses.
+        Writing fails.
     """
     if not reader.channels:
-        raise UserError.of("; ".join(reader.losses()), "install the package of the types, or name other channels")
+        raise UserError.of("; ".join(reader.losses()), "install the package of the types, or select other channels")
     source = reader.recording.path
     if channel is not None:
         with placed_file(target, suffix, source=source, force=force) as file:

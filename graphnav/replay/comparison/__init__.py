@@ -1,1 +1,1 @@
-"""Compare what a replay published with the log."""
+"""Compare the messages of a replay with the log."""

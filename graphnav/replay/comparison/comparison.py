@@ -1,4 +1,4 @@
-"""Compares what stages publish in a replay with what the log holds of the same channels."""
+"""Compare the messages of a replay with the recorded messages of the same channels."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from graphnav.replay.log.contents import Contents, Logged
 from graphnav.runner.recording.kept_messages import SMALL_BYTES
 
 _SEQ_BEGIN, _SEQ_END = 16, 24
-"""Where a message has its number, behind the fingerprint and the stamp."""
+"""Position of the sequence number, after the fingerprint and the timestamp."""
 
 
 class Scope(NamedTuple):
-    """What is compared: what was published from ``from_us`` on, with a tolerance.
+    """The scope of the comparison: messages published from ``from_us`` on, with a tolerance.
 
-    ``begin_us``: the run's clock when it began. ``last_us``: the same at the last tick or firing of the log, within
-    which it may have ended. ``is_small``: whether the log keeps small messages only. ``recorded``: the channels of the
-    run, None where the log does not say.
+    ``begin_us``: the run's clock at its start. ``last_us``: the run's clock at the last tick or firing of the log,
+    which may be incomplete. ``is_small``: whether the log keeps only small messages. ``recorded``: the channels of the
+    run, None if unknown.
     """
 
     begin_us: int
@@ -36,7 +36,7 @@ class Scope(NamedTuple):
 
 
 class Comparison:
-    """A sink that compares every message with the one of the same stamp in the log.
+    """A sink that compares every message with the recorded one of the same timestamp.
 
     ``now_us`` returns the run's clock; set it before the first message.
     """
@@ -55,21 +55,21 @@ class Comparison:
             compared.take(utime, data, self.now_us())
 
     def results(self, until_us: int) -> dict[str, ChannelResult]:
-        """Return how the channels compare, what was not published up to ``until_us`` being missing."""
+        """Return the results by channel; recorded messages not published up to ``until_us`` are missing."""
         for compared in self._channels.values():
             compared.finish(until_us)
         return {name: compared.result for name, compared in self._channels.items()}
 
 
 class _Gap:
-    """Messages that were published between two stamps and are not in the log."""
+    """Messages published between two timestamps that are not in the log."""
 
     def __init__(self, after_us: int, before_us: int, count: int) -> None:
         self.after_us, self.before_us, self.count = after_us, before_us, count
 
 
 class _ChannelComparison:
-    """Pairs the messages of one channel by their stamps."""
+    """Pairs the messages of one channel by their timestamps."""
 
     def __init__(self, recording: Recording, channel: Channel, contents: Contents, scope: Scope) -> None:
         logged = contents.messages[channel.name]
@@ -84,7 +84,7 @@ class _ChannelComparison:
         self._gaps = _gaps(logged)
 
     def take(self, utime: int, data: bytes, now_us: int) -> None:
-        """Compare a message that was published at ``now_us`` of the run's clock."""
+        """Compare a message published at ``now_us`` of the run's clock."""
         logged = waiting.popleft() if (waiting := self._waiting.get(utime)) else None
         at_us = now_us if logged is None else logged.at_us
         if at_us < self._scope.from_us:
@@ -98,7 +98,7 @@ class _ChannelComparison:
             self._compare_fields(at_us, recorded, data)
 
     def finish(self, until_us: int) -> None:
-        """Count what was recorded and never published."""
+        """Count the recorded messages that were not published."""
         for waiting in self._waiting.values():
             for logged in waiting:
                 if self._scope.from_us <= logged.at_us <= until_us:
@@ -126,7 +126,7 @@ class _ChannelComparison:
         self.result.n_differing += bool(found)
 
     def _take_unmatched(self, utime: int, n_bytes: int, now_us: int) -> None:
-        """Count a message that the log does not hold: it is extra, unless the log cannot hold it."""
+        """Count a message that is not in the log: it is extra, unless the log cannot hold it."""
         scope = self._scope
         is_after_end = now_us >= scope.last_us
         is_left_out = (scope.is_small and n_bytes >= SMALL_BYTES) or not self._is_expected

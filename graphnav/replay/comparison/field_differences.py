@@ -1,4 +1,4 @@
-"""Two messages of one type compared field by field."""
+"""Compare two messages of one type field by field."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ import numpy as np
 import numpy.typing as npt
 
 SEQ = "seq"
-"""The number of a message, which counts the messages before it and says nothing of its contents."""
+"""The sequence number, which does not depend on the content of a message."""
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far numbers may be apart: ``|recorded - replayed| <= max_abs + max_rel * |recorded|``."""
+    """The allowed difference of numbers: ``|recorded - replayed| <= max_abs + max_rel * |recorded|``."""
 
     max_abs: float = 0.0
     max_rel: float = 0.0
 
 
 class Difference(NamedTuple):
-    """A field that differs: where first, what it was and is there, and how far numbers are apart at most.
+    """A field that differs: the first position, the two values there, and the maximum difference of numbers.
 
-    ``where``: the index of the element in an array, empty for a scalar. ``gap``: None where there are no two numbers,
-    infinity where one of them is not finite.
+    ``where``: the index of the element in an array, empty for a scalar. ``gap``: None unless both values are numbers,
+    infinity if one of them is not finite.
     """
 
     where: tuple[int, ...]
@@ -38,7 +38,7 @@ class Difference(NamedTuple):
 def field_differences(
     recorded: Mapping[str, Any], replayed: Mapping[str, Any], tolerance: Tolerance
 ) -> dict[str, Difference]:
-    """Return what differs between the fields of two messages, by field; nested structs as ``struct.field``."""
+    """Return the differences of two messages by field; nested structs as ``struct.field``."""
     found: dict[str, Difference] = {}
     for name, value in recorded.items():
         if name != SEQ:
@@ -85,7 +85,7 @@ def _compared_sequences(
 def _of_arrays(recorded: npt.NDArray[Any], replayed: npt.NDArray[Any], tolerance: Tolerance) -> Difference | None:
     if recorded.shape != replayed.shape:
         return Difference((), f"shape {recorded.shape}", f"shape {replayed.shape}", None)
-    with np.errstate(all="ignore"):  # a damaged message may hold anything
+    with np.errstate(all="ignore"):  # a damaged message may hold any value
         wrong = recorded != replayed
         if not wrong.any():
             return None

@@ -1,4 +1,4 @@
-"""What a replay found."""
+"""The result of a replay."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Kind = Literal["field", "missing", "extra"]
 
 
 class FirstDifference(NamedTuple):
-    """Where a channel differs first: a field of a message, or a message that only one side has.
+    """The first difference of a channel: a field of a message, or a message that only one side has.
 
     ``at_us``: microseconds of the run. ``where``: the index in an array.
     """
@@ -26,9 +26,9 @@ class FirstDifference(NamedTuple):
 
 @dataclass
 class FieldResult:
-    """A field that differs: in how many messages, how far apart at most, and where first.
+    """A field that differs: the number of messages, the maximum difference, and the first one.
 
-    ``max_gap``: None where there are no two numbers to compare, infinity where one of them is not finite.
+    ``max_gap``: None unless both values are numbers, infinity if one of them is not finite.
     """
 
     first: FirstDifference
@@ -38,41 +38,41 @@ class FieldResult:
 
 @dataclass
 class ChannelResult:
-    """How the messages of a channel compare."""
+    """The result for the messages of a channel."""
 
     n_compared: int = 0
     n_differing: int = 0
     n_missing: int = 0
-    """Messages of the log that the replay did not publish."""
+    """Recorded messages that the replay did not publish."""
     n_extra: int = 0
-    """Messages that the replay published and the recorded run did not."""
+    """Messages that only the replay published."""
     n_not_recorded: int = 0
-    """Messages that the replay published and that the log does not hold: it is damaged, or keeps small ones only."""
+    """Published messages that cannot be compared: the log is damaged, or keeps only small messages."""
     first: FirstDifference | None = None
     fields: dict[str, FieldResult] = field(default_factory=dict)
 
     @property
     def is_equal(self) -> bool:
-        """Whether nothing differs."""
+        """Whether there are no differences."""
         return self.first is None
 
     @property
     def max_gap(self) -> float | None:
-        """How far numbers are apart at most, None where none are."""
+        """The maximum difference of numbers, None without one."""
         return max((one.max_gap for one in self.fields.values() if one.max_gap is not None), default=None)
 
 
 @dataclass(frozen=True)
 class ReplayResult:
-    """What was replayed and how its messages compare with the recorded ones."""
+    """The replayed part of a log, and the comparison with the recorded messages."""
 
     log: str
     from_s: float
-    """Compared from here on."""
+    """The start of the comparison."""
     until_s: float
-    """The stamp of the last tick."""
+    """The timestamp of the last tick."""
     n_ticks: int
-    """Of a live run: its firings."""
+    """The number of firings for a live run."""
     is_live: bool
     """Whether the run was live."""
     wall_s: float
@@ -80,32 +80,32 @@ class ReplayResult:
     played: tuple[str, ...]
     not_needed: tuple[str, ...]
     channels: dict[str, ChannelResult]
-    """By channel, in firing order."""
+    """The results by channel, in firing order."""
     new: Mapping[str, int]
-    """How many messages were published on each channel that the run did not have; they are not compared."""
+    """The number of messages on each channel that the run did not have; they are not compared."""
     not_replayed: tuple[str, ...]
-    """Channels of the log on which the replay publishes nothing."""
+    """Channels of the log on which the replay does not publish."""
     lost: tuple[str, ...]
-    """What of the log is damaged, and what that costs."""
+    """Damage of the log, and its consequences."""
     failure: str
-    """What ended the replay before its time, empty if nothing did."""
+    """Why the replay ended early, empty if it did not."""
     scores: Mapping[str, Mapping[str, float]]
     recorded_scores: Mapping[str, Mapping[str, float]]
-    """Metrics by stage, those of the recorded run where its folder has a summary."""
+    """Metrics by stage, of the replay and of the recorded run if its folder has a summary."""
 
     @property
     def is_equal(self) -> bool:
-        """Whether everything that could be compared is equal."""
+        """Whether all compared messages are equal."""
         return not self.failure and all(channel.is_equal for channel in self.channels.values())
 
     @property
     def first(self) -> tuple[str, FirstDifference] | None:
-        """The channel that differs first, of several at one stamp the one that is published first, and where."""
+        """The first channel that differs, by time and then by firing order, and its first difference."""
         found = [(name, channel.first) for name, channel in self.channels.items() if channel.first is not None]
         return min(found, key=lambda one: one[1].at_us, default=None)
 
     def as_json(self) -> dict[str, Any]:
-        """Return it as JSON can hold it; numbers that are not finite become null."""
+        """Return the result as JSON-compatible values; non-finite numbers become null."""
         first = self.first
         return {
             "log": self.log,

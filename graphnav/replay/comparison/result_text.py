@@ -1,4 +1,4 @@
-"""What a replay found, as a person reads it."""
+"""Format the result of a replay for the terminal."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _MAX_COLS = 1000
 
 
 def as_text(result: ReplayResult, console: Console) -> Group:
-    """Return the verdict, a line a channel, the fields that differ, and the metrics beside the recorded ones.
+    """Return the verdict, one line per channel, the fields that differ, and metrics with their recorded values.
 
-    Tables are as wide as they need to be, because a number that is cut would be a wrong one.
+    Tables are as wide as needed, because truncated numbers would be wrong.
     """
     tables = [_channels(result.channels)]
     if any(channel.fields for channel in result.channels.values()):
@@ -112,7 +112,7 @@ def _fields(channels: Mapping[str, ChannelResult]) -> Table:
 
 
 def _changed_metrics(result: ReplayResult) -> Iterator[tuple[str, dict[str, tuple[float | None, float]]]]:
-    """Yield the metrics of each stage that are not those of the recorded run, with the recorded value."""
+    """Yield the metrics of each stage that differ from the recorded run, with the recorded values."""
     for stage, metrics in result.scores.items():
         recorded = result.recorded_scores.get(stage, {})
         pairs = {name: (recorded.get(name), value) for name, value in metrics.items()}
@@ -122,7 +122,7 @@ def _changed_metrics(result: ReplayResult) -> Iterator[tuple[str, dict[str, tupl
 
 
 def _is_same(recorded: float | None, replayed: float) -> bool:
-    """Whether a metric is as recorded; a summary has null for what is not finite."""
+    """Whether a metric is as recorded; a summary has null for non-finite values."""
     return recorded == replayed or (recorded is None and not math.isfinite(replayed))
 
 
@@ -146,7 +146,7 @@ def _table(*headings: str) -> Table:
 
 def _said(first: FirstDifference) -> str:
     if first.kind == "missing":
-        return "a message that the replay does not publish"
+        return "a message that the replay did not publish"
     if first.kind == "extra":
         return "a message that the recorded run did not publish"
     return f"{first.field}{_where(first)}: recorded {_value(first.recorded)}, replayed {_value(first.replayed)}"
@@ -170,7 +170,7 @@ def _value(value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Return text of an unknown writer without anything that a terminal obeys."""
+    """Return an untrusted string without control characters."""
     return json.dumps(text)[1:-1]
 
 

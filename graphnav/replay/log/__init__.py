@@ -1,1 +1,1 @@
-"""What a recorded log offers a replay."""
+"""Read what a replay needs from a log."""

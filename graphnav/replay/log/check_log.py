@@ -1,4 +1,4 @@
-"""Refuse a log that lacks what a replay needs, or find how far what is left of a damaged one reaches."""
+"""Check that a log holds what a replay needs, or find the replayable part of a damaged log."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import LoggedFirings
-from graphnav.replay.log.missing_messages import Hole, holes_of, is_first_only
+from graphnav.replay.log.missing_messages import MissingMessages, is_first_only, missing_messages
 from graphnav.replay.plan import Plan
 from graphnav.tap import PACKET_BYTES
 
 _HINT = (
     "record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
-    "or play what these stages publish with --play"
+    "or play the outputs of these stages with --play"
 )
 
 
 def refuse_unreadable(plan: Plan, contents: Contents, recording: Recording, about: About | None) -> None:
-    """Refuse messages that the graph cannot read.
+    """Refuse a log with messages that the graph cannot read.
 
     Raises
     ------
     UserError
-        A channel that is needed has another type, or was thinned by the tap.
+        A required channel has another type, or was thinned by the tap.
     """
     _refuse_other_types(plan, contents, recording)
     _refuse_thinned(plan, contents, recording, about)
@@ -37,12 +37,12 @@ def refuse_unreadable(plan: Plan, contents: Contents, recording: Recording, abou
 def refuse_unlogged(
     plan: Plan, contents: Contents, recording: Recording, logged: LoggedFirings, *, is_small: bool
 ) -> None:
-    """Refuse a live log that never held what stages read that did not read it in the run.
+    """Refuse a live log without the messages of new wires, which were not read in the run.
 
     Raises
     ------
     UserError
-        It has no messages of such a channel, or only the first because it keeps small ones.
+        It has no messages of such a channel, or only the first one because it keeps only small messages.
     """
     newly = {
         i.channel.name
@@ -58,52 +58,53 @@ def refuse_unlogged(
         lines.append(f"{channel.name}: {'all but 1' if found else 'all of them'}")
     if lines:
         readers = ", ".join(sorted({n for c in plan.played if c.name in newly for n in plan.readers_of(c)}))
-        what = f"{recording.path} lacks messages that {readers} read:"
+        what = f"{recording.path} is missing messages that {readers} read:"
         raise UserError.of("\n  ".join([what, *lines]), _HINT)
 
 
 class Reach(NamedTuple):
-    """How far a log holds everything that is needed: a stamp, infinity to its end, and what it lacks behind it."""
+    """The replayable part of a log: its end (infinity for the complete log), and what is missing after it."""
 
     until_us: float
     lost: tuple[str, ...] = ()
 
 
 def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int, *, is_small: bool) -> Reach:
-    """Return how far a log holds everything that is needed from ``start_us`` on.
+    """Return the replayable part of a log from ``start_us`` on.
 
-    A run that logs everything lacks a message only where its log is damaged: then the part before it is used.
+    In the log of a run that records everything, messages are missing only through damage: then the part before the
+    damage is used.
 
     Raises
     ------
     UserError
-        The log lacks something because it was never recorded, or lacks it from the beginning.
+        Messages were never recorded, or are missing from the beginning.
     """
-    lacking: dict[Channel, list[Hole]] = {}
+    incomplete: dict[Channel, list[MissingMessages]] = {}
     for channel in plan.needed:
-        holes = [hole for hole in holes_of(channel, plan, contents) if hole.before_us > start_us]
-        if holes:
-            lacking[channel] = holes
-    if not lacking:
+        missing = [part for part in missing_messages(channel, plan, contents) if part.before_us > start_us]
+        if missing:
+            incomplete[channel] = missing
+    if not incomplete:
         return Reach(math.inf)
-    readers = ", ".join(sorted({name for channel in lacking for name in plan.readers_of(channel)}))
-    until_us = min(holes[0].after_us for holes in lacking.values())
+    readers = ", ".join(sorted({name for channel in incomplete for name in plan.readers_of(channel)}))
+    until_us = min(missing[0].after_us for missing in incomplete.values())
     if (contents.lost or (contents.is_own and not is_small)) and until_us >= start_us:
-        lines = "; ".join(_lines(lacking, contents))
+        lines = "; ".join(_lines(incomplete, contents))
         return Reach(until_us, (f"replayed up to {until_us / 1e6:.2f} s; later messages are missing: {lines}",))
-    what = f"{recording.path} lacks messages that {readers} read:"
-    raise UserError.of("\n  ".join([what, *_lines(lacking, contents)]), _HINT)
+    what = f"{recording.path} is missing messages that {readers} read:"
+    raise UserError.of("\n  ".join([what, *_lines(incomplete, contents)]), _HINT)
 
 
-def _lines(lacking: Mapping[Channel, list[Hole]], contents: Contents) -> Iterator[str]:
-    for channel, holes in lacking.items():
+def _lines(incomplete: Mapping[Channel, list[MissingMessages]], contents: Contents) -> Iterator[str]:
+    for channel, missing in incomplete.items():
         kept = len(contents.messages[channel.name])
         if not kept:
             yield f"{channel.name}: all of them"
             continue
-        missing = sum(hole.n_messages for hole in holes) if all(hole.n_messages for hole in holes) else 0
-        share = f"{missing} of {missing + kept}" if missing else f"all but {kept}"
-        after_us = holes[0].after_us
+        n_missing = sum(part.n_messages for part in missing) if all(part.n_messages for part in missing) else 0
+        share = f"{n_missing} of {n_missing + kept}" if n_missing else f"all but {kept}"
+        after_us = missing[0].after_us
         yield f"{channel.name}: {share}, " + (
             f"the first after {after_us / 1e6:.2f} s" if math.isfinite(after_us) else "from the first on"
         )
@@ -112,12 +113,14 @@ def _lines(lacking: Mapping[Channel, list[Hole]], contents: Contents) -> Iterato
 def _refuse_other_types(plan: Plan, contents: Contents, recording: Recording) -> None:
     for channel in plan.needed:
         if channel.name in contents.other_types:
-            what = f"channel '{channel.name}' of {recording.path} is not {channel.message.__name__}, as the graph says"
-            raise UserError.of(what, "replay it with the graph that made it")
+            what = (
+                f"channel '{channel.name}' of {recording.path} is not {channel.message.__name__}, the type in the graph"
+            )
+            raise UserError.of(what, "replay it with the graph that produced it")
 
 
 def _refuse_thinned(plan: Plan, contents: Contents, recording: Recording, about: About | None) -> None:
-    """Refuse grids that the tap may have thinned: it leaves rows and columns out of what exceeds one packet."""
+    """Refuse grids that were thinned by the tap, which reduces messages larger than one packet."""
     if about is None or not about.run_id:
         return
     for channel in plan.needed:

@@ -1,4 +1,4 @@
-"""The messages of a log by channel, and what of it is damaged."""
+"""The messages of a log by channel, and its damage."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _MAX_TOLD = 5
 
 
 class Logged(NamedTuple):
-    """A message of a log: where it is, its stamp and its number.
+    """A message of a log: its position, timestamp and sequence number.
 
-    ``at_us``: when it was published, by the run's clock, which gives the stamps in lockstep.
+    ``at_us``: the time of publication by the run's clock, which equals the timestamp in lockstep.
     """
 
     channel: str
     place: int
-    """Within the channel."""
+    """The index within the channel."""
     utime: int
     seq: int
     n_bytes: int
@@ -36,31 +36,31 @@ class Logged(NamedTuple):
 
 @dataclass(frozen=True)
 class Contents:
-    """What a log holds of the channels of a graph."""
+    """The messages of a log on the channels of a graph."""
 
     messages: Mapping[str, tuple[Logged, ...]]
-    """By channel, in the order of the file; every channel of the graph is there."""
+    """Messages by channel, in file order; includes every channel of the graph."""
     order: tuple[Logged, ...]
-    """All of them in the order of the file."""
+    """All messages in file order."""
     other_types: frozenset[str]
-    """Channels that have another type in the log."""
+    """Channels with another type in the log."""
     damaged: Mapping[str, list[float]]
-    """By channel, for each message of it that is damaged the stamp of the one before it, minus infinity for none."""
+    """By channel, for each damaged message the timestamp of the preceding one, minus infinity without one."""
     lost: tuple[str, ...]
-    """What is damaged, in lines for people."""
+    """Descriptions of the damage."""
     is_own: bool
-    """Whether a lockstep run wrote the log, not a logger that listened: then its events have the messages' stamps."""
+    """Whether a lockstep run wrote the log, not a logger: then its events have the messages' timestamps."""
 
     @property
     def last_us(self) -> int:
-        """The newest stamp, microseconds, 0 in an empty log."""
+        """The newest timestamp, microseconds, 0 in an empty log."""
         return max((message.utime for message in self.order), default=0)
 
 
 def read_contents(recording: Recording, graph: Graph, about: About | None, *, is_live: bool) -> Contents:
-    """Return the messages of a log on the channels of ``graph``, without those that are damaged.
+    """Return the undamaged messages of a log on the channels of ``graph``.
 
-    ``is_live``: whether it is the log of a live run, whose events have the run's clock, not the messages' stamps.
+    ``is_live``: whether it is the log of a live run, whose events have the run's clock, not the messages' timestamps.
 
     Raises
     ------
@@ -108,12 +108,12 @@ def read_contents(recording: Recording, graph: Graph, about: About | None, *, is
 
 
 def _lost_bytes(recording: Recording) -> list[str]:
-    """Return what could not be read as events."""
-    return [*map(str, recording.damaged), *([str(recording.torn)] if recording.torn else [])]
+    """Return descriptions of bytes that are not events."""
+    return [*map(str, recording.damaged), *([str(recording.truncated)] if recording.truncated else [])]
 
 
 def _other_types(heads: Sequence[Head], channels: Mapping[str, Channel]) -> frozenset[str]:
-    """Return the channels none of whose messages has the type that the graph says."""
+    """Return the channels without any message of the type in the graph."""
     right: dict[str, bool] = defaultdict(bool)
     for head in heads:
         right[head.channel] |= head.fingerprint == fingerprint(channels[head.channel].message.lcm_class)
@@ -128,12 +128,12 @@ def _is_damaged(head: Head, channels: Mapping[str, Channel], known: Collection[s
 
 
 def _is_repeated(head: Head, before: Sequence[Logged]) -> bool:
-    """Whether it is the message before it again: the tap repeats what was published once."""
+    """Whether a message repeats the previous one: the tap repeats messages that were published once."""
     return bool(before) and (before[-1].utime, before[-1].seq) == (head.utime, head.seq)
 
 
 def _stamped(graph: Graph) -> set[str]:
-    """Return the channels whose messages have stamps of their own."""
+    """Return the channels whose messages have their own timestamps."""
     return {node.outputs[port.name].name for node in graph.nodes for port in node.output_ports if port.stamped}
 
 
@@ -146,7 +146,7 @@ def _refuse_several_runs(
         for before, after in itertools.pairwise(found):
             if after.utime < before.utime:
                 what = (
-                    f"{recording.path} holds several runs: '{name}' goes back from {before.utime / 1e6:.2f} s "
+                    f"{recording.path} holds several runs: '{name}' jumps back from {before.utime / 1e6:.2f} s "
                     f"to {after.utime / 1e6:.2f} s"
                 )
-                raise UserError.of(what, "record one run a log")
+                raise UserError.of(what, "record one run per log")

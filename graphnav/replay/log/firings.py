@@ -1,4 +1,4 @@
-"""The firings of a live run, as its log holds them, and the messages that each one stepped with."""
+"""Read the firings of a live run from its log, and the messages of each step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from graphnav.replay.plan import Plan
 
 
 class Firing(NamedTuple):
-    """A firing: when it was, by the run's clock, the stamp of the step, and what the step got."""
+    """A firing: its time by the run's clock, the timestamp of the step, and the messages of the step."""
 
     at_us: int
     stage: str
@@ -30,57 +30,57 @@ class Firing(NamedTuple):
 
 @dataclass(frozen=True)
 class LoggedFirings:
-    """The firings of a run, in the order of the log, and where the messages are that they read."""
+    """The firings of a run, in log order, and the messages that they read."""
 
     firings: tuple[Firing, ...]
-    """Also of stages that do not step."""
+    """All firings, including those of stages that do not step."""
     messages: tuple[Logged, ...]
-    """What the log holds and no stage publishes that steps, by when it was published."""
+    """Recorded messages that are not published by a stepping stage, in order of publication."""
     played: Mapping[tuple[str, int, int], Logged]
-    """What they read of the log, by channel, number and stamp."""
+    """The messages that firings read from the log, by channel, number and timestamp."""
     awaited: Counter[tuple[str, int]]
-    """How often they read what other stages publish that step, by channel and stamp."""
+    """How often firings read a message of another stepping stage, by channel and timestamp."""
     is_cut: bool
-    """Whether the log lacks messages that later firings read, because it is damaged."""
+    """Whether damage of the log removed messages that later firings read."""
     added: frozenset[str]
     """Stages that the run did not have."""
     new_ports: frozenset[tuple[str, str]]
-    """Inputs that other stages did not read in the run, by the names of stage and port."""
+    """Inputs of other stages that were not read in the run, by stage and port."""
     channels: Mapping[str, Mapping[str, str]]
-    """What the inputs of the stages read that do not step, by the names of stage and port."""
+    """The channels read by stages that do not step, by stage and port."""
 
 
 def read_firings(
     plan: Plan, contents: Contents, recording: Recording, wires: Mapping[str, Mapping[str, str]]
 ) -> LoggedFirings:
-    """Return the firings of a log up to the first that the rest of a damaged log is not enough for.
+    """Return the firings of a log up to the first one whose messages are missing because of damage.
 
-    ``wires``: what each port of each stage read in that run, by the names of stage and port.
+    ``wires``: the channel of each port in that run, by stage and port.
 
     Raises
     ------
     UserError
-        The log holds no firings, or lacks messages that the stages stepped with, and not because it is damaged.
+        The log holds no firings, or messages of steps are missing for another reason than damage.
     """
     added = plan.stepped_names - wires.keys()
     new_ports = frozenset((name, i.port.name) for name, i in new_inputs(plan, wires) if name not in added)
     reader = _Reader(plan, contents, new_ports)
     firings: list[Firing] = []
-    lacking: Counter[str] = Counter()
+    n_missing: Counter[str] = Counter()
     n_complete: float = math.inf
     for firing in _decoded(recording):
-        if lacks := reader.take(firing) if firing.stage in plan.stepped_names else []:
-            lacking.update(lacks)
+        if missing := reader.take(firing) if firing.stage in plan.stepped_names else []:
+            n_missing.update(missing)
             n_complete = min(n_complete, len(firings))
         firings.append(firing)
     if not firings:
-        what = f"{recording.path} does not say when each stage fired: it holds no '{FIRED}'"
+        what = f"{recording.path} does not hold the firings of the stages: no '{FIRED}'"
         raise UserError.of(what, "record the live run with this version of graphnav, in its own log")
-    if lacking and not (contents.lost and n_complete):
-        lines = [f"{name}: {count} of {reader.read[name]}" for name, count in lacking.items()]
-        what = "\n  ".join([f"{recording.path} lacks messages that its stages stepped with:", *lines])
+    if n_missing and not (contents.lost and n_complete):
+        lines = [f"{name}: {count} of {reader.read[name]}" for name, count in n_missing.items()]
+        what = "\n  ".join([f"{recording.path} is missing messages that its stages stepped with:", *lines])
         raise UserError.of(
-            what, "record everything: --set run.record=all; or play what these stages publish with --play"
+            what, "record everything: --set run.record=all; or play the outputs of these stages with --play"
         )
     kept = firings if math.isinf(n_complete) else firings[: int(n_complete)]
     held = {channel.name for channel in (*plan.played, *plan.copied)}
@@ -113,13 +113,13 @@ def _decoded(recording: Recording) -> Iterator[Firing]:
 
 
 class _Reader:
-    """Finds the messages of firings among those of the log."""
+    """Finds the messages of firings in the log."""
 
     def __init__(self, plan: Plan, contents: Contents, new_ports: Collection[tuple[str, str]]) -> None:
         self.played: dict[tuple[str, int, int], Logged] = {}
         self.awaited: Counter[tuple[str, int]] = Counter()
         self.read: Counter[str] = Counter()
-        """How many messages of each played channel were read."""
+        """The number of messages read of each played channel."""
         self._seen: set[tuple[str, int, int]] = set()
         played = {channel.ref for channel in plan.played}
         self._ports: dict[str, dict[str, tuple[Channel, bool]]] = defaultdict(dict)
@@ -131,8 +131,8 @@ class _Reader:
         self._by_stamp = {name: {one.utime: one for one in found} for name, found in contents.messages.items()}
 
     def take(self, firing: Firing) -> list[str]:
-        """Note what a firing reads; return the channels of messages that the log lacks."""
-        lacks = []
+        """Record the messages that a firing reads; return the channels of missing ones."""
+        missing = []
         for used in firing.used:
             channel, is_played = self._ports[firing.stage].get(used.port, (None, False))
             if channel is None or used.number < 0:
@@ -147,13 +147,13 @@ class _Reader:
             self.read[channel.name] += 1
             found = self._find(channel, used)
             if found is None:
-                lacks.append(channel.name)
+                missing.append(channel.name)
             else:
                 self.played[key] = found
-        return lacks
+        return missing
 
     def _find(self, channel: Channel, used: Used) -> Logged | None:
-        """Return a message by its number; by its stamp where the log lacks messages before it."""
+        """Return a message by its number; by its timestamp if messages before it are missing in the log."""
         found = self._by_place[channel.name].get(used.number)
         if found is not None and (found.utime == used.utime or channel.message.many_writers):
             return found
@@ -161,9 +161,9 @@ class _Reader:
 
 
 def new_inputs(plan: Plan, wires: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[str, Input]]:
-    """Yield the inputs of stages that step which the recorded run did not have, or had wired otherwise.
+    """Yield the inputs of stepping stages that the recorded run did not have, or had wired differently.
 
-    ``wires``: what each port of each stage read in that run, by the names of stage and port.
+    ``wires``: the channel of each port in that run, by stage and port.
     """
     for node in plan.stepped.nodes:
         for i in node.inputs:

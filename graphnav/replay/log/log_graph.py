@@ -1,4 +1,4 @@
-"""Which graph made a log, and with which seed."""
+"""Load the graph and seed that produced a log."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ _SEED = Target("run", key="seed")
 
 @dataclass(frozen=True)
 class LogGraph:
-    """The graph that a replay steps, and what the log says of itself, None where it says nothing."""
+    """The graph to replay, and the description in the log, None without one."""
 
     graph: Graph
     about: About | None
     is_small: bool
-    """Whether the log keeps small messages only."""
+    """Whether the log keeps only small messages."""
     is_live: bool
     """Whether it is the log of a live run."""
     wires: Mapping[str, Mapping[str, str]]
-    """What the inputs of each stage of that run read, by the names of stage and port."""
+    """The channels read by each stage's inputs in that run, by stage and port."""
 
 
 def about_in(recording: Recording) -> About | None:
-    """Return what a log says of itself; a log of the tap says it now and then, not in its first event."""
+    """Return the description in a log; in a log of the tap it is repeated, and not the first event."""
     for index in range(recording.count(ABOUT)):
         try:
             return decode(About, recording.event(ABOUT, index).data)[2]
@@ -55,14 +55,13 @@ def graph_to_replay(
 ) -> LogGraph:
     """Return the graph of a log with overrides, or the one that ``graph`` names, with the seed of the log.
 
-    The graph of a run folder is loaded from the ``graph.yaml`` in it, with the plugins that the folder holds; any
-    other log loads no plugin by itself. ``plugins`` were added to the catalog already, and take the place of those of
-    the same file name.
+    The graph of a run folder is loaded from its ``graph.yaml``, with the plugins in the folder; other logs never load
+    plugins. ``plugins`` are already in the catalog, and replace plugins of the same file name.
 
     Raises
     ------
     UserError
-        The log does not say which graph made it, or everything that is wrong with the graph.
+        The log does not hold its graph, or the graph has errors.
     """
     about = about_in(recording)
     if graph is not None:
@@ -76,21 +75,21 @@ def graph_to_replay(
 def _own_graph(
     recording: Recording, about: About | None, catalog: Catalog, overrides: Sequence[Override], given: Collection[str]
 ) -> Graph:
-    """Return the graph of a run folder, else the one that the log says; ``given``: names of plugins that are loaded."""
+    """Return the graph of a run folder, else the graph in the log; ``given``: names of loaded plugins."""
     saved = recording.path.parent / GRAPH
     if recording.path.name == LOG and saved.is_file() and _is_of_log(saved.read_bytes(), about):
         source = shown_path(saved)
         return graph_of(saved.read_bytes(), saved, catalog, overrides, source, given)
     source = shown_path(recording.path)
     if about is None:
-        what = f"{source} does not say which graph made it: it holds no readable '{ABOUT}'"
+        what = f"{source} does not hold the graph that produced it: no readable '{ABOUT}'"
         raise UserError.of(what, "name the graph with --graph FILE")
     source = f"{source} ({ABOUT})"
     data = _yaml_of(about)
     plain = parse_yaml(data, source)[0].plain()
     words = plain if isinstance(plain, dict) else {}
     if "extends" in words:
-        what = "the graph of this log extends another one, which no run says of itself"
+        what = "the graph of this log extends another graph, but recorded graphs are complete"
         raise UserError.of(what, "name the graph with --graph FILE", Place(source))
     listed = words.get("plugins")
     named = [PurePath(str(item)).name for item in listed] if isinstance(listed, list) else []
@@ -113,7 +112,7 @@ def _log_graph(graph: Graph, about: About | None) -> LogGraph:
 
 @contextmanager
 def _printable_errors() -> Iterator[None]:
-    """Let what is wrong with a graph that came from elsewhere hold nothing that a terminal obeys."""
+    """Remove control characters from the errors of an untrusted graph."""
     try:
         yield
     except UserError as error:
@@ -130,7 +129,7 @@ def _with_seed(graph: Graph, about: About | None, overrides: Sequence[Override])
 
 
 def _is_of_log(saved: bytes, about: About | None) -> bool:
-    """Whether the graph beside a log is the one that the log says, but for where paths begin."""
+    """Whether the graph next to a log equals the graph in the log, except the base folder of paths."""
     if about is None:
         return True
     return _is_same(_section(saved, "stages"), _section(_yaml_of(about), "stages"))
@@ -141,7 +140,7 @@ def _yaml_of(about: About) -> bytes:
 
 
 def _section(data: bytes, key: str) -> dict[str, Any]:
-    """Return a mapping of a graph, empty where it has none."""
+    """Return a section of a graph, empty if it is missing."""
     try:
         plain = parse_yaml(data, GRAPH)[0].plain()
     except UserError:

@@ -1,4 +1,4 @@
-"""Where the messages of a channel that a replay needs are not in the log."""
+"""Find messages of a channel that a replay needs but the log does not hold."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from graphnav.runner.recording.kept_messages import SMALL_BYTES
 from graphnav.stage import Port
 
 
-class Hole(NamedTuple):
-    """Messages of a channel that are not in the log: how many, and the stamps between which they were published.
+class MissingMessages(NamedTuple):
+    """Missing messages of a channel: their number, and the timestamps between which they were published.
 
-    ``n_messages``: 0 where it is not known. ``after_us``: minus infinity where the first message is missing.
+    ``n_messages``: 0 if unknown. ``after_us``: minus infinity if the first message is missing.
     """
 
     n_messages: int
@@ -24,17 +24,21 @@ class Hole(NamedTuple):
     before_us: float
 
 
-def holes_of(channel: Channel, plan: Plan, contents: Contents) -> list[Hole]:
-    """Return where the messages of a played channel are missing."""
+def missing_messages(channel: Channel, plan: Plan, contents: Contents) -> list[MissingMessages]:
+    """Return the missing messages of a played channel."""
     messages = contents.messages[channel.name]
     port = _port(channel, plan.graph)
     if not messages:
         is_missing = (port is not None and not port.optional) or _has_effects(channel, plan, contents)
-        return [Hole(0, -math.inf, math.inf)] if is_missing else []
-    holes = _by_numbers(messages)
-    holes += [Hole(1, at_us, math.inf) for at_us in contents.damaged.get(channel.name, ()) if not _covers(holes, at_us)]
+        return [MissingMessages(0, -math.inf, math.inf)] if is_missing else []
+    missing = _by_numbers(messages)
+    missing += [
+        MissingMessages(1, at_us, math.inf)
+        for at_us in contents.damaged.get(channel.name, ())
+        if not _covers(missing, at_us)
+    ]
     is_regular = port is not None and not (port.optional or port.stamped) and plan.graph.node(channel.stage).is_source
-    return holes + (
+    return missing + (
         _regular_rest(channel, plan, contents) if is_regular else _large_rest(channel, port, plan, contents)
     )
 
@@ -47,7 +51,7 @@ def _port(channel: Channel, graph: Graph) -> Port | None:
 
 
 def _has_effects(channel: Channel, plan: Plan, contents: Contents) -> bool:
-    """Whether a stage that fires on the channel has published, so that the channel cannot have been silent."""
+    """Whether a stage that is fired by the channel has published, so that the channel was not silent."""
     return any(
         contents.messages[written.name]
         for node in plan.stepped.nodes
@@ -56,27 +60,27 @@ def _has_effects(channel: Channel, plan: Plan, contents: Contents) -> bool:
     )
 
 
-def _covers(holes: Sequence[Hole], at_us: float) -> bool:
-    return any(hole.after_us == at_us for hole in holes)
+def _covers(missing: Sequence[MissingMessages], at_us: float) -> bool:
+    return any(part.after_us == at_us for part in missing)
 
 
-def _by_numbers(messages: Sequence[Logged]) -> list[Hole]:
-    """Return the gaps in the numbers; a number that fits neither neighbour, while they fit each other, is damaged."""
-    holes: list[Hole] = []
+def _by_numbers(messages: Sequence[Logged]) -> list[MissingMessages]:
+    """Return the gaps in the sequence numbers; a number that fits neither of two matching neighbours is damaged."""
+    missing: list[MissingMessages] = []
     last_seq, last_us = -1, -math.inf
     for place, message in enumerate(messages):
         following = messages[place + 1].seq if place + 1 < len(messages) else None
         seq = last_seq + 1 if following == last_seq + 2 else message.seq
         if seq > last_seq + 1:
-            holes.append(Hole(seq - last_seq - 1, last_us, message.utime))
+            missing.append(MissingMessages(seq - last_seq - 1, last_us, message.utime))
         last_seq, last_us = max(seq, last_seq), message.utime
-    return holes
+    return missing
 
 
-def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[Hole]:
-    """Return the rest of a channel on which a source publishes at every firing, as its other channels tell.
+def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[MissingMessages]:
+    """Return the missing end of a channel on which a source publishes at every firing, from its other channels.
 
-    The last tick of the log is left out: a run that was killed may have ended within it.
+    The last tick of the log is left out: it may be incomplete if the run was killed.
     """
     node = plan.graph.node(channel.stage)
     last_us = contents.messages[channel.name][-1].utime
@@ -86,22 +90,22 @@ def _regular_rest(channel: Channel, plan: Plan, contents: Contents) -> list[Hole
         later[port.optional] |= {one.utime for one in messages if last_us < one.utime < contents.last_us}
     if not (later[True] or later[False]):
         return []
-    return [Hole(len(later[False]) if later[False] >= later[True] else 0, last_us, math.inf)]
+    return [MissingMessages(len(later[False]) if later[False] >= later[True] else 0, last_us, math.inf)]
 
 
-def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Contents) -> list[Hole]:
-    """Return the rest of a channel of which the log keeps nothing but the first message, because it is large.
+def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Contents) -> list[MissingMessages]:
+    """Return the missing end of a channel of which the log keeps only the first message, because it is large.
 
-    A source may publish a large message once, as it does a map, for stages that sample it.
+    A source may publish a large message only once, such as a map, for stages that sample it.
     """
     messages = contents.messages[channel.name]
     if not is_first_only(messages, contents):
         return []
     is_sampled = not any(i.channel == channel and i.port.is_plain for n in plan.stepped.nodes for i in n.inputs)
     is_once = is_sampled and (port is None or port.optional)
-    return [] if is_once else [Hole(0, messages[0].utime, math.inf)]
+    return [] if is_once else [MissingMessages(0, messages[0].utime, math.inf)]
 
 
 def is_first_only(messages: Sequence[Logged], contents: Contents) -> bool:
-    """Whether a log may hold nothing but the first message of a channel because it is large."""
+    """Whether a log may hold only the first message of a channel because it is large."""
     return len(messages) == 1 and messages[0].n_bytes >= SMALL_BYTES and messages[0].utime < contents.last_us

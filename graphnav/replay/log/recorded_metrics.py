@@ -1,4 +1,4 @@
-"""The metrics of a recorded run, from the summary in its folder."""
+"""Read the metrics of a recorded run from the summary in its folder."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from graphnav.runner.recording.run_recorded import SUMMARY
 
 
 def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
-    """Return the metrics by stage that the summary in the folder of a run holds, none without a readable one."""
+    """Return the metrics by stage in the summary of a run folder, empty without a readable one."""
     if log.name != LOG:
         return {}
     try:

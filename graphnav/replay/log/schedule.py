@@ -1,4 +1,4 @@
-"""The ticks of a replay: which messages of the log are published at which stamp."""
+"""Schedule the ticks of a replay: the messages of the log to publish at each timestamp."""
 
 from __future__ import annotations
 
@@ -13,18 +13,17 @@ from graphnav.replay.plan import Plan
 
 @dataclass
 class Tick:
-    """One stamp and what the log holds of it that no stage publishes which steps, by the stage that published it."""
+    """One timestamp and its recorded messages that are not published by stepping stages, by writer."""
 
     utime: int
     played: dict[str, list[Logged]] = field(default_factory=lambda: defaultdict(list))
 
 
 def ticks_of(plan: Plan, contents: Contents) -> list[Tick]:
-    """Return the ticks of a log in the order of their stamps.
+    """Return the ticks of a log in order of their timestamps.
 
-    A message belongs to the tick of its stamp. One with a stamp of its own belongs to the firing in which the log has
-    it: that of the tick before it in the file, unless its source or a stage behind it has published in that tick
-    already, else that of the tick after it.
+    A message belongs to the tick of its timestamp. A message with its own timestamp belongs to the tick before it in
+    the file, unless its source or a downstream stage has already published in that tick, else to the next one.
     """
     walk = _Walk(plan)
     for message in contents.order:
@@ -33,7 +32,7 @@ def ticks_of(plan: Plan, contents: Contents) -> list[Tick]:
 
 
 class _Walk:
-    """Goes through a log in the order of the file."""
+    """Iterates over a log in file order."""
 
     def __init__(self, plan: Plan) -> None:
         self.ticks: dict[int, Tick] = {}
@@ -46,7 +45,7 @@ class _Walk:
         }
         self._utime: int | None = None
         self._reached: dict[str, int] = {}
-        """The last port of each source that has published in this tick."""
+        """The last published port of each source in this tick."""
         self._is_past_sources = False
         self._waiting: list[Logged] = []
 
@@ -87,5 +86,5 @@ class _Walk:
 
 
 def _places(graph: Graph) -> Mapping[str, int]:
-    """Return the place of each channel among the outputs of its stage, by reference."""
+    """Return the index of each channel among the outputs of its stage, by reference."""
     return {channel.ref: place for node in graph.nodes for place, channel in enumerate(node.outputs.values())}

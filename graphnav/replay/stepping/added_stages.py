@@ -1,4 +1,4 @@
-"""Stages that a recorded live run did not have: the log does not say when they fire, the rule of live runs does."""
+"""Fire stages that a recorded live run did not have, by the firing rule of live runs."""
 
 from __future__ import annotations
 
@@ -11,25 +11,24 @@ from graphnav.live.live_unit import LiveUnit
 from graphnav.live.timer import Timer
 
 _MAX_GAP_S = 10.0
-"""Where a log says nothing for longer, the timers do not fire: its stamps may be damaged."""
+"""Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""
 
 
 class Due(NamedTuple):
-    """A firing: when, in seconds of the run, and what steps the stage, given the stamp of what it publishes."""
+    """A firing: its time, seconds of the run, and the stage."""
 
     at_s: float
     unit: LiveUnit
     utime: int | None
-    """The stamp of the set that it steps with, None where it publishes with the run's clock."""
+    """The timestamp of its set of inputs, None if it publishes with the run's clock."""
     fire: Callable[[int], str | None]
 
 
 class AddedStages:
-    """Says which stage is due, by the time of the log.
+    """Determines the next stage to fire, by log time.
 
-    Steps take no time. So a stage fires at the time of the message that completes the newest set of its plain inputs,
-    the one nearest to the end of the graph first; later where the set waits for a `Since` input. Timers count from
-    ``start_s``.
+    Steps take no time, so a stage fires at the time of the message that completes the newest set of its plain inputs,
+    stages near the end of the graph first; later if the set waits for a `Since` input. Timers start at ``start_s``.
     """
 
     def __init__(self, units: Sequence[LiveUnit], start_s: float) -> None:
@@ -38,7 +37,7 @@ class AddedStages:
         self._now_s = start_s
 
     def next_due(self, to_s: float) -> Due | None:
-        """Return the next firing up to a time, None if there is none until then."""
+        """Return the next firing up to a time, None if there is none."""
         for unit in self._units:
             if (due := self._ready(unit, self._now_s)) is not None:
                 return due

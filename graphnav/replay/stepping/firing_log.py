@@ -1,4 +1,4 @@
-"""The log of the replay of a live run, which replays like that of the run itself."""
+"""Write the log of a replayed live run, which can be replayed like that of the run itself."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from graphnav.runner.owned_stages import Sink
 
 
 class FiringLog:
-    """Writes what is played, what stages publish, and what they step with; events have the clock of the recorded run.
+    """Writes played messages, published messages and firings; events have the clock of the recorded run.
 
-    Messages are numbered anew: the log may lack some of those that the recorded one holds.
+    Messages are renumbered: the log may hold fewer of them than the recorded log.
     """
 
     def __init__(self, sink: Sink) -> None:
@@ -23,21 +23,21 @@ class FiringLog:
         self._n_firings = 0
 
     def copy(self, message: Logged, data: bytes) -> int:
-        """Write a message of the recorded log; return which one of its channel it is here."""
+        """Write a message of the recorded log; return its index on the channel in this log."""
         number = self._numbers[message.channel, message.place] = self._counts[message.channel]
         self._counts[message.channel] += 1
         self._sink.write(message.channel, message.at_us, data)
         return number
 
     def number_of(self, channel: str, place: int) -> int:
-        """Return which one of its channel a message of the recorded log is here, by its place there."""
+        """Return the index in this log of a message, by its index in the recorded log."""
         return self._numbers.get((channel, place), place)
 
     def publish(self, channel: str, at_us: int, data: bytes) -> None:
-        """Write a message that a stage published now."""
+        """Write a message published by a stage."""
         self._sink.write(channel, at_us, data)
 
     def fire(self, stage: str, at_us: int, utime: int, age_s: float, used: Sequence[Used]) -> None:
-        """Write what a stage stepped with; ``utime``: the stamp of the step."""
+        """Write a firing with its messages; ``utime``: the timestamp of the step."""
         self._sink.write(FIRED, at_us, encoded_firing(at_us, stage, utime, self._n_firings, age_s, used))
         self._n_firings += 1

@@ -1,4 +1,4 @@
-"""Repeats the firings of a live log: every step gets the messages that it got in the run."""
+"""Repeat the firings of a live log: every step gets the same messages as in the run."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ Deliver = Callable[[int, Message, float, float, int], None]
 
 
 class _Read(NamedTuple):
-    """A message that a stage steps with, and which one of its channel it is in the log of the replay."""
+    """A message of a step, and its index on the channel in the log of the replay."""
 
     message: Message
     number: int
 
 
 class FiringRunner(OwnedStages[Unit]):
-    """Owns the stages that step, and fires them in the order of the log.
+    """Owns the stepping stages, and fires them in log order.
 
-    A message of a played channel is that of the log, one of a stage that steps is what this stage published now with
-    the same stamp. A firing that lacks a message on a plain input, because its stage has not published it now, is left
-    out. Stages that the run did not have fire by the rule of `AddedStages`; inputs that a stage did not read in the
-    run are those of `NewPort`. ``begin_us``, ``start_us``: the run's clock when it began, and from when on stages fire.
-    ``log`` gets all that a replay of this replay needs.
+    Messages of played channels come from the log, those of stepping stages are the newly published ones of the same
+    timestamp. A firing is skipped if a message of a plain input was not published again. Stages that the run did not
+    have fire by the rule of `AddedStages`; inputs that a stage did not read in the run are `NewPort`s. ``begin_us``,
+    ``start_us``: the run's clock at its start, and the time from which stages fire. ``log`` receives everything that is
+    needed to replay this replay.
     """
 
     def __init__(
@@ -88,12 +88,12 @@ class FiringRunner(OwnedStages[Unit]):
         self._added = AddedStages(added, (start_us - begin_us) / 1e6)
 
     def replay(self) -> Iterator[int]:
-        """Repeat the firings; yield the run's clock at each one that is done, microseconds.
+        """Repeat the firings; yield the run's clock after each one, microseconds.
 
         Raises
         ------
         StageError
-            A stage raised, or returned what it may not.
+            A stage raised, or returned an invalid value.
         DecodeError
             A message of the log is damaged.
         """
@@ -113,7 +113,7 @@ class FiringRunner(OwnedStages[Unit]):
                 yield from self._fire_added(one.at_us)
 
     def _events(self) -> Iterator[Logged | Firing]:
-        """Yield the firings, before each one what the log holds up to then, as far as it is read or written."""
+        """Yield the firings, each one preceded by the messages up to then that are read or copied."""
         is_wanted = self._readers.__contains__ if self._log is None else lambda _: True
         messages = [one for one in self._logged.messages if is_wanted(one.channel)]
         place = 0
@@ -142,7 +142,7 @@ class FiringRunner(OwnedStages[Unit]):
         return (at_us - self._begin_us) / 1e6
 
     def _hear(self, logged: Logged) -> None:
-        """Take a message of the log."""
+        """Process a message of the log."""
         data = self._recording.event(logged.channel, logged.place).data
         number = logged.place if self._log is None else self._log.copy(logged, data)
         if logged.channel in self._readers:
@@ -150,7 +150,7 @@ class FiringRunner(OwnedStages[Unit]):
             self._deliver(logged.channel, logged.utime, message, self._run_s(logged.at_us), number)
 
     def _deliver(self, channel: str, utime: int, message: Message, birth_s: float, number: int) -> None:
-        """Give a message to stages that the log says nothing of; before the start only to those that sample it."""
+        """Deliver a message to added stages and inputs; before the start only to those that sample it."""
         for port, deliver in self._readers[channel]:
             if port.latest or self.utime >= self._start_us:
                 deliver(utime, message, birth_s, self._run_s(self.utime), number)
@@ -190,7 +190,7 @@ class FiringRunner(OwnedStages[Unit]):
                 self._log.fire(firing.stage, firing.at_us, firing.utime, firing.age_s, used)
 
     def _logged_value(self, port: Port, channel: Channel, logged: Sequence[Used]) -> tuple[Any, list[Used]]:
-        """Return what the log says that an input got, and which messages that is."""
+        """Return the recorded value of an input, and its messages."""
         read = [(self._read(channel, one), one) for one in logged]
         used = [one._replace(number=found.number if found else -1) for found, one in read if found or port.latest]
         if port.since:
@@ -213,7 +213,7 @@ class FiringRunner(OwnedStages[Unit]):
         return self._published.get(key) if self._awaited[key] else self._published.pop(key, None)
 
     def _copy(self, firing: Firing) -> None:
-        """Write the firing of a stage that does not step: a replay of this one may step it."""
+        """Write the firing of a stage that does not step, so that a replay of this replay can step it."""
         if self._log is None:
             return
         channels = self._logged.channels.get(firing.stage, {})

@@ -1,4 +1,4 @@
-"""How many messages were published on each channel."""
+"""Count the published messages by channel."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter
 
 
 class MessageCounts:
-    """A sink that counts."""
+    """A sink that counts messages."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
@@ -16,5 +16,5 @@ class MessageCounts:
         self._counts[channel] += 1
 
     def of(self, channel: str) -> int:
-        """Return how many there were on a channel."""
+        """Return the number of messages on a channel."""
         return self._counts[channel]

@@ -1,4 +1,4 @@
-"""An input that a recorded stage reads in the replay and did not read in the run."""
+"""An input of a recorded stage that is new in the replay."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ _MAX_STAMPS = 256
 
 
 class NewPort:
-    """Holds what arrived on such an input until its stage fires, as it did in the run.
+    """Holds the messages of a new input until its stage fires at a recorded time.
 
-    A plain one gives the message of the firing's stamp, `Latest` the newest one, `Since` those after the last firing.
+    A plain input gives the message of the firing's timestamp, `Latest` the newest one, `Since` those after the last
+    firing.
     """
 
     def __init__(self, port: Port) -> None:
@@ -24,16 +25,16 @@ class NewPort:
         self._waiting: list[tuple[Used, Message, float]] = []
 
     def deliver(self, utime: int, message: Message, birth_s: float, _now_s: float, number: int) -> None:
-        """Take a message; ``number``: which one of its channel it is, ``birth_s``: what its age is counted from."""
+        """Add a message; ``number``: its index on the channel, ``birth_s``: the time from which its age counts."""
         if self.port.latest:
             self._waiting.clear()
         self._waiting.append((Used(self.port.name, number, utime), message, birth_s))
         del self._waiting[: -(MAX_GATHERED if self.port.since else _MAX_STAMPS)]
 
     def take(self, stamp: int | None, now_s: float) -> tuple[Any, Sequence[Used]]:
-        """Return what the stage steps with, and which messages that is; ``stamp``: None for the newest message.
+        """Return the value for the step, and its messages; ``stamp``: None for the newest message.
 
-        What a plain input lacks is None.
+        A missing message of a plain input is None.
         """
         if self.port.latest:
             return self._sample(now_s)

@@ -1,15 +1,15 @@
-"""Numbers of messages from 0 on, in the log of a replay that does not begin at the beginning."""
+"""Renumber messages from 0 in the log of a replay that starts later than the recorded run."""
 
 from __future__ import annotations
 
 from graphnav.runner.owned_stages import Sink
 
 _SEQ = slice(16, 24)
-"""Where a message has its number, behind the fingerprint and the stamp."""
+"""Position of the sequence number, after the fingerprint and the timestamp."""
 
 
 class Renumbered:
-    """A sink that takes the first number of each channel off all of its numbers; gaps stay."""
+    """A sink that subtracts the first number of each channel; gaps are preserved."""
 
     def __init__(self, sink: Sink) -> None:
         self._sink = sink

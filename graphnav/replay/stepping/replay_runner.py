@@ -1,4 +1,4 @@
-"""Steps stages by the ticks of a log, what other stages published being played from it."""
+"""Step stages by the ticks of a log; messages of other stages are played from it."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from graphnav.stage import Stage
 
 
 class ReplayRunner(WiredStages):
-    """Owns the stages that step; each tick of the log is a tick, in the firing order of the entire graph.
+    """Owns the stepping stages; fires them tick by tick of the log, in the firing order of the complete graph.
 
     ``before``: messages from before the first of the ``ticks``, for stages that sample their channels. ``sinks`` take
-    what the stages publish, ``player_sinks`` what is played.
+    the published messages, ``player_sinks`` the played ones.
     """
 
     def __init__(
@@ -45,23 +45,23 @@ class ReplayRunner(WiredStages):
         self._firing_order = [*outside, *(node.name for node in (*plan.graph.sources, *plan.graph.order))]
 
     def close(self) -> None:
-        """Release what the stages hold, and the bus.
+        """Close the stages and the bus.
 
         Raises
         ------
         StageError
-            The first failure, once every stage was closed.
+            The first failure, after every stage was closed.
         """
         self._bus.close()
         super().close()
 
     def replay(self) -> Iterator[int]:
-        """Go through the ticks; yield the stamp of each one that is done, microseconds.
+        """Process the ticks; yield the timestamp of each one, microseconds.
 
         Raises
         ------
         StageError
-            A stage raised, or returned what it may not.
+            A stage raised, or returned an invalid value.
         DecodeError
             A message of the log is damaged.
         """
@@ -73,7 +73,7 @@ class ReplayRunner(WiredStages):
             yield tick.utime
 
     def _tick(self, tick: Tick) -> None:
-        """Play what belongs to a tick and fire the stages whose plain inputs are then complete."""
+        """Play the messages of a tick and fire the stages whose plain inputs are then complete."""
         self.utime = tick.utime
         for name in self._firing_order:
             for message in tick.played.get(name, ()):
@@ -82,7 +82,7 @@ class ReplayRunner(WiredStages):
                 self._fire_complete(unit, tick.utime)
 
     def _prime(self, message: Logged) -> None:
-        """Let stages that sample a channel know a message from before the first tick; it fires nothing in a replay."""
+        """Deliver a message from before the first tick to stages that sample its channel; it fires no stage."""
         name = message.channel
         data = self._recording.event(name, message.place).data
         readers = [
@@ -108,6 +108,6 @@ class ReplayRunner(WiredStages):
             self._bus.drain()
 
     def _publish(self, channel: Channel, utime: int, message: Message) -> None:
-        """Publish what a stage returned, unless the log has said it."""
+        """Publish the output of a stage, unless the channel is played."""
         if channel.name not in self._played:
             super()._publish(channel, utime, message)

@@ -1,4 +1,4 @@
-"""The columns that parts of an LCM type fill in a table, and errors for parts that it does not have."""
+"""Map field paths of an LCM type to table columns, with errors for unknown fields."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from graphnav.spy.fields.field_path import FieldPath, Index, Step, path_of
 
 _MAX_COLUMNS = 1000
 _MAX_SMALL = 16
-"""Arrays of a fixed size have a column for each element without being asked for, up to this size."""
+"""Arrays of a fixed size up to this have a column per element by default."""
 _MAX_DEPTH = 16
 _PLACE = Place("--field")
 
 
 def check_path(path: FieldPath, lcm_class: type) -> None:
-    """Raise UserError, naming what there is, where a type has no such part."""
+    """Raise UserError, listing the existing fields, if a type does not have a field."""
     _last(path, lcm_class)
 
 
 def columns_of(path: FieldPath, lcm_class: type) -> list[FieldPath]:
-    """Return a path for each number or string that a path stands for.
+    """Return a path for each number or string within a path.
 
     Raises
     ------
     UserError
-        The type has no such part, or how many elements it has differs from message to message.
+        The type does not have this field, or its number of elements varies between messages.
     """
     field = _last(path, lcm_class)
     indices = _choices(field, path.steps[-1].indices)
@@ -47,9 +47,9 @@ def columns_of(path: FieldPath, lcm_class: type) -> list[FieldPath]:
 
 
 def all_columns(lcm_class: type, steps: tuple[Step, ...] = ()) -> tuple[list[FieldPath], list[str]]:
-    """Return paths of all scalars and of the elements of small arrays, and the names of what is left out.
+    """Return paths of all scalars and of the elements of small arrays, and the names of omitted fields.
 
-    ``steps``: where in a message the type is nested.
+    ``steps``: the path of the nested type in a message.
     """
     columns: list[FieldPath] = []
     left_out: list[str] = []
@@ -70,7 +70,7 @@ def all_columns(lcm_class: type, steps: tuple[Step, ...] = ()) -> tuple[list[Fie
 
 
 def _last(path: FieldPath, lcm_class: type) -> Field:
-    """Return the field that a path ends at; raises UserError where there is none."""
+    """Return the last field of a path; raises UserError if it does not exist."""
     inside = lcm_class
     for number, step in enumerate(path.steps, start=1):
         fields = {field.name: field for field in fields_of(inside)}
@@ -99,7 +99,7 @@ def _check_indices(path: FieldPath, step: Step, field: Field) -> None:
     for dim, index in zip(field.dims, step.indices, strict=False):
         if isinstance(dim, int) and isinstance(index, int) and not -dim <= index < dim:
             what = f"'{path.text}': {step.name} is {_kind(field)}"
-            raise UserError.of(what, f"its elements there are 0 to {dim - 1}", _PLACE)
+            raise UserError.of(what, f"its elements on this axis are 0 to {dim - 1}", _PLACE)
 
 
 def _kind(field: Field) -> str:
@@ -107,7 +107,7 @@ def _kind(field: Field) -> str:
 
 
 def _choices(field: Field, indices: tuple[Index, ...]) -> list[Sequence[int]] | None:
-    """Return the elements on each axis of an array, None where their number differs from message to message."""
+    """Return the indices on each axis of an array, None if their number varies between messages."""
     found = [_on_axis(dim, index) for dim, index in itertools.zip_longest(field.dims, indices)]
     known = [elements for elements in found if elements is not None]
     return known if len(known) == len(found) else None

@@ -1,4 +1,4 @@
-"""The fields of a message as the lines of a tree: arrays summarised, and expandable down to single numbers."""
+"""The fields of a message as lines of a tree: arrays are summarised, and expandable to single numbers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAX_DEPTH = 16
 
 
 class FieldLine(NamedTuple):
-    """A line of the tree; ``is_open`` is None where there is nothing to expand."""
+    """A line of the tree; ``is_open`` is None for leaves."""
 
     path: Path
     depth: int
@@ -28,7 +28,7 @@ class FieldLine(NamedTuple):
 
 
 def field_lines(values: Mapping[str, Any], opened: Collection[Path]) -> list[FieldLine]:
-    """Return the lines of a message whose ``opened`` paths are expanded, 4000 at most."""
+    """Return the lines of a message with ``opened`` paths expanded, at most 4000."""
     lines: list[FieldLine] = []
     for line in _lines(values, (), opened):
         if len(lines) == _MAX_LINES:
@@ -63,7 +63,7 @@ def _children(value: Any) -> Iterator[tuple[str | int, Any]]:
 
 
 def _size(value: Any) -> int:
-    """Return how many children a value has."""
+    """Return the number of children of a value."""
     if isinstance(value, np.ndarray):
         return len(value) if value.ndim else 0
     return len(value) if isinstance(value, Mapping | tuple) else 0

@@ -20,7 +20,7 @@ _SLICE = re.compile(r"(-?\d{1,9})?:(-?\d{1,9})?(?::(\d{1,9}))?")
 
 
 class Missing(Enum):
-    """What is picked of an array that is too short."""
+    """The value of an element beyond the end of an array."""
 
     ELEMENT = "missing"
 
@@ -30,7 +30,7 @@ MISSING = Missing.ELEMENT
 
 @dataclass(frozen=True)
 class Step:
-    """One field of a path, and what is taken of it if it is an array."""
+    """One field of a path, with indices or slices for arrays."""
 
     name: str
     indices: tuple[Index, ...] = ()
@@ -38,13 +38,13 @@ class Step:
 
 @dataclass(frozen=True)
 class FieldPath:
-    """Where in a message something is; ``text`` is how it was written."""
+    """A path to a part of a message; ``text``: as written."""
 
     text: str
     steps: tuple[Step, ...]
 
     def pick(self, values: Mapping[str, Any]) -> Any:
-        """Return this part of a message's fields, MISSING where an array is too short."""
+        """Return this part of a message's fields, MISSING if an array is too short."""
         found: Any = values
         for step in self.steps:
             found = found[step.name]
@@ -57,13 +57,13 @@ class FieldPath:
 
 
 def path_of(steps: tuple[Step, ...]) -> FieldPath:
-    """Return the path of steps without slices, as a person would write it."""
+    """Return the path of steps without slices, in text form."""
     text = ".".join(step.name + "".join(f"[{index}]" for index in step.indices) for step in steps)
     return FieldPath(text, steps)
 
 
 def parse_field(text: str) -> FieldPath:
-    """Return the path that a person writes.
+    """Parse a path.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The fields of a message in few words: arrays summarised, never dumped."""
+"""Summarise the fields of a message: arrays by shape, range and mean."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from graphnav.errors import printable
 
 _LONGEST_TEXT = 60
 _FEW = 4
-"""So many numbers in a row, a force or a pose, are said as they are."""
+"""Arrays up to this length, such as forces and poses, are shown in full."""
 
 
 def summarised(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a message's fields in few words.
+    """Return a summary of a message's fields.
 
-    An array becomes its type, shape, least, mean and greatest, and its values where they are few; what marks validity
-    also its share of ones, floats that are not finite their share of finite ones. Long texts are cut. NaN and
-    infinities stay: `plain` makes JSON of it.
+    An array becomes its type, shape, minimum, mean and maximum, and its values if they are few; masks of valid cells
+    also their ratio of ones, floats that are not all finite their ratio of finite values. Long strings are cut. NaN and
+    infinities are kept: `plain` converts the summary to JSON-compatible values.
     """
     return {name: _summary(name, value) for name, value in values.items()}
 
 
 def declared(lcm_class: type) -> dict[str, Any]:
-    """Return the types of the fields of a message that was not heard yet, as its definition has them."""
+    """Return the declared types of the fields of a message that was not received yet."""
     return {
         field.name: {"type": field.primitive + "".join(f"[{dim}]" for dim in field.dims)}
         for field in fields_of(lcm_class)
@@ -35,7 +35,7 @@ def declared(lcm_class: type) -> dict[str, Any]:
 
 
 def described(summary: Mapping[str, Any], indent: str = "    ") -> list[str]:
-    """Return the lines that a person reads for `summarised` fields."""
+    """Return `summarised` fields as lines of text."""
     width = max((len(name) for name in summary), default=0)
     lines = []
     for name, value in summary.items():
@@ -47,7 +47,7 @@ def described(summary: Mapping[str, Any], indent: str = "    ") -> list[str]:
 
 
 def value_text(name: str, value: Any) -> str:
-    """Return one field as a person reads it: an array by shape, range and mean, a long text cut."""
+    """Return one field as text: an array by shape, range and mean, a long string cut."""
     return _text(_summary(name, value))
 
 
@@ -77,8 +77,8 @@ def _array(name: str, value: np.ndarray[Any, Any]) -> dict[str, Any]:
         summary["finite_ratio"] = share
         value = value[finite]
     if value.size:
-        least, greatest = value.min().item(), value.max().item()
-        summary |= {"min": least, "mean": float(value.mean(dtype=np.float64)), "max": greatest}
+        smallest, largest = value.min().item(), value.max().item()
+        summary |= {"min": smallest, "mean": float(value.mean(dtype=np.float64)), "max": largest}
     if name == "valid" or name.endswith("_valid"):
         summary["valid_ratio"] = float(np.count_nonzero(value)) / value.size
     return summary
@@ -94,13 +94,13 @@ def _text(value: Any) -> str:
     if "type" in value:
         return str(value["type"])
     shape = ", ".join(map(str, value["shape"]))
-    said = [f"{value['dtype']} ({shape})"]
+    parts = [f"{value['dtype']} ({shape})"]
     if "values" in value:
         return "[" + ", ".join(f"{number:.6g}" for number in value["values"]) + "]"
     if "min" in value and "valid_ratio" not in value:
-        said.append(f"{value['min']:.4g} to {value['max']:.4g}, mean {value['mean']:.4g}")
+        parts.append(f"{value['min']:.4g} to {value['max']:.4g}, mean {value['mean']:.4g}")
     if "valid_ratio" in value:
-        said.append(f"{100 * value['valid_ratio']:.1f} % valid")
+        parts.append(f"{100 * value['valid_ratio']:.1f} % valid")
     if "finite_ratio" in value:
-        said.append(f"{100 * value['finite_ratio']:.1f} % finite")
-    return "  ".join(said)
+        parts.append(f"{100 * value['finite_ratio']:.1f} % finite")
+    return "  ".join(parts)

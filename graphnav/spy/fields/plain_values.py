@@ -1,4 +1,4 @@
-"""A message's values with arrays as lists, complete."""
+"""Convert the complete values of a message to nested lists."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """Return a value with arrays as nested lists; numbers that JSON lacks become null."""
+    """Return a value with arrays as nested lists; non-finite numbers become null."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return _nested(value, plain)
 
 
 def nested(value: Any) -> Any:
-    """Return a value with arrays as nested lists, NaN and infinities included, for people."""
+    """Return a value with arrays as nested lists, including NaN and infinities."""
     return _nested(value, nested)
 
 

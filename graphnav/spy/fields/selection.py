@@ -1,4 +1,4 @@
-"""Parts of a channel's messages, as a person names them."""
+"""Select fields of a channel's messages by paths."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from graphnav.spy.fields.field_path import MISSING, FieldPath
 
 
 class Selection:
-    """The fields of messages that some paths name, all where there are no paths.
+    """The fields of messages selected by paths, all fields without paths.
 
-    The first message decides on the type; with paths, messages of any other type have nothing to be selected.
+    The first message determines the type; with paths, messages of other types are skipped.
     """
 
     def __init__(self, paths: Sequence[FieldPath]) -> None:
@@ -20,9 +20,9 @@ class Selection:
         self._lcm_class: type | None = None
 
     def of(self, lcm_class: type, values: Mapping[str, Any]) -> Mapping[str, Any] | None:
-        """Return what the paths name of a message, by path; None for a message of another type than the first.
+        """Return the selected values of a message, by path; None for a message of another type than the first.
 
-        An element that a message does not have is None. Raises UserError where the first type has no such field.
+        Missing elements are None. Raises UserError if the first type does not have a field.
         """
         if not self._paths:
             return values

@@ -1,1 +1,1 @@
-"""Pictures and bars as terminal characters and escape sequences."""
+"""Draw pictures and bars as terminal characters and escape sequences."""

@@ -1,4 +1,4 @@
-"""Pictures as characters: two pixels a cell, or shades where there is no colour."""
+"""Pictures as characters: two pixels per cell, or shades without colour."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.arrays import Bytes
 UPPER_HALF = "▀"
 _SHADES = np.array(list(" .:-=+*#%@"))
 _BITS = 5
-"""Colours are told to so many bits a channel, so that neighbours become one run and runs repeat."""
+"""Bits per colour channel: a coarse quantisation merges adjacent cells to runs, and runs repeat."""
 _COLOUR_BITS = 3 * _BITS
 _CHANNEL_MASK, _COLOUR_MASK = (1 << _BITS) - 1, (1 << _COLOUR_BITS) - 1
 
@@ -19,7 +19,7 @@ Rgb = tuple[int, int, int]
 
 
 class Run(NamedTuple):
-    """Neighbouring cells of equal colours above and below, 0 to 255 a channel."""
+    """Adjacent cells with the same upper and lower colours, 0 to 255 per channel."""
 
     length: int
     above: Rgb
@@ -27,14 +27,14 @@ class Run(NamedTuple):
 
 
 def half_blocks(picture: Bytes) -> list[list[int]]:
-    """Return the lines of a picture (rows, cols, 3), two of its rows a line; an odd last row is doubled.
+    """Return the lines of a picture (rows, cols, 3), two of its rows per line; an odd last row is doubled.
 
-    A line is a list of runs, each one integer, for `run_of`: few differ, so that what is made of one can be kept.
+    A line is a list of runs, each encoded as an integer for `run_of`, which makes them cheap to cache.
     """
     if len(picture) % 2:
         picture = np.concatenate([picture, picture[-1:]])
-    told = (picture >> (8 - _BITS)).astype(np.int64)
-    packed = told[..., 0] << 2 * _BITS | told[..., 1] << _BITS | told[..., 2]
+    quantised = (picture >> (8 - _BITS)).astype(np.int64)
+    packed = quantised[..., 0] << 2 * _BITS | quantised[..., 1] << _BITS | quantised[..., 2]
     cells = packed[0::2] << _COLOUR_BITS | packed[1::2]
     starts = np.ones(cells.shape, bool)
     starts[:, 1:] = cells[:, 1:] != cells[:, :-1]
@@ -46,13 +46,13 @@ def half_blocks(picture: Bytes) -> list[list[int]]:
 
 
 def run_of(packed: int) -> Run:
-    """Return the run that an integer of `half_blocks` stands for."""
+    """Decode a run of `half_blocks`."""
     above, below = packed >> _COLOUR_BITS & _COLOUR_MASK, packed & _COLOUR_MASK
     return Run(packed >> 2 * _COLOUR_BITS, _rgb(above), _rgb(below))
 
 
 def shades(picture: Bytes) -> list[str]:
-    """Return the lines of a picture (rows, cols, 3) in letters from dark to bright, two of its rows a line."""
+    """Return the lines of a picture (rows, cols, 3) in characters from dark to bright, two of its rows per line."""
     if len(picture) % 2:
         picture = np.concatenate([picture, picture[-1:]])
     gray = picture.astype(np.float32) @ np.array([0.299, 0.587, 0.114], np.float32)
@@ -61,7 +61,7 @@ def shades(picture: Bytes) -> list[str]:
 
 
 def _rgb(colour: int) -> Rgb:
-    """Return a packed colour so that the brightest is white."""
+    """Unpack a colour, scaled so that the brightest is white."""
     red, green, blue = (colour >> shift & _CHANNEL_MASK for shift in (2 * _BITS, _BITS, 0))
     return _widened(red), _widened(green), _widened(blue)
 

@@ -1,4 +1,4 @@
-"""Pictures by the graphics protocol of kitty: pixels for the terminal to scale, put on a rectangle of cells."""
+"""Pictures by kitty's graphics protocol: pixels that the terminal scales to a rectangle of cells."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _FAST = 1
 def put(picture: Bytes, image_id: int, rows: int, cols: int) -> str:
     """Return the sequences that show a picture (rows, cols, 3) on ``rows`` x ``cols`` cells, from the cursor on.
 
-    The cursor stays where it is, and the terminal answers nothing. ``image_id``: 1 to 2**32 - 1; an image that had it
-    before is replaced.
+    The cursor does not move, and the terminal does not answer. ``image_id``: 1 to 2**32 - 1; an existing image with
+    this id is replaced.
     """
     data = base64.standard_b64encode(zlib.compress(picture.tobytes(), _FAST)).decode("ascii")
     height, width = picture.shape[:2]
@@ -29,5 +29,5 @@ def put(picture: Bytes, image_id: int, rows: int, cols: int) -> str:
 
 
 def delete(image_id: int) -> str:
-    """Return the sequence that takes an image off the screen and out of the terminal's memory."""
+    """Return the sequence that deletes an image from the screen and from the terminal's memory."""
     return f"\x1b_Ga=d,d=I,q=2,i={image_id}\x1b\\"

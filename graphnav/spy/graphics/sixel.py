@@ -1,4 +1,4 @@
-"""Pictures as sixels: six rows of pixels a band, one line of characters for each colour of a band."""
+"""Pictures as sixels: bands of six pixel rows, one line of characters per colour of a band."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from PIL import Image
 from graphnav.arrays import Bytes, Doubles, Longs
 
 SCALES = (1, 2, 3, 6)
-"""How many dots of a terminal, down and right, a pixel may take: a band of six holds an integer number of them."""
+"""Allowed terminal dots per pixel, down and right: divisors of the six rows of a band."""
 MAX_COLOURS = 256
 _BAND = 6
 _FIRST = 63
 """The character of a column without a dot; a dot in row k of the band adds 2**k."""
 _MAX_DOTS = 4096
 _MAX_GRAYS = 64
-"""More of them would not be seen, and take longer to send."""
+"""More gray levels would not be visible, and take longer to send."""
 
 
 def sixels(picture: Bytes, scale: int = 1, n_colours: int = MAX_COLOURS) -> str:
     """Return the escape sequence that draws a picture (rows, cols, 3) with its upper left corner at the cursor.
 
-    ``scale``: dots of the terminal for a pixel, of `SCALES`; ``n_colours``: what the terminal has registers for. Every
-    dot of the picture is drawn, so what stood there before needs not be erased.
+    ``scale``: terminal dots per pixel, one of `SCALES`; ``n_colours``: the number of colour registers of the terminal.
+    Every dot of the picture is drawn, so previous content needs no erasing.
     """
     rows, cols = picture.shape[:2]
     if scale not in SCALES or not 0 < cols * scale <= _MAX_DOTS:
@@ -38,22 +38,22 @@ def sixels(picture: Bytes, scale: int = 1, n_colours: int = MAX_COLOURS) -> str:
 
 
 def _reduced(picture: Bytes, n_colours: int) -> tuple[Longs, Doubles]:
-    """Return the number of each pixel's colour (rows, cols), and the colours (n, 3), 0 to 255.
+    """Return the colour index of each pixel (rows, cols), and the colours (n, 3), 0 to 255.
 
-    Gray pictures get as many levels as there may be: the octree, which is fast, has 16 for them.
+    Gray pictures use the maximum number of levels: the octree, which is fast, has only 16 gray levels.
     """
     gray = picture[..., 0]
     if np.array_equal(gray, picture[..., 1]) and np.array_equal(gray, picture[..., 2]):
         levels = np.linspace(0, 255, min(n_colours, _MAX_GRAYS))
         nearest = np.rint(np.arange(256) * (len(levels) - 1) / 255).astype(np.int64)
         return nearest[gray], np.repeat(levels[:, None], 3, axis=1)
-    n_most = min(n_colours, MAX_COLOURS)
-    reduced = Image.fromarray(picture).quantize(n_most, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    max_levels = min(n_colours, MAX_COLOURS)
+    reduced = Image.fromarray(picture).quantize(max_levels, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     return np.asarray(reduced).astype(np.int64), np.array(reduced.getpalette(), np.float64).reshape(-1, 3)
 
 
 def _bands(indices: Longs, scale: int, n_colours: int) -> str:
-    """Return the picture's bands: every colour of a band in a line of its own, all lines at the same place."""
+    """Return the picture's bands: one line per colour of a band, all lines at the same position."""
     dots = _dots(indices, scale, n_colours)
     band_of_line, colour_of_line = np.nonzero(dots.any(axis=2))
     lines = dots[band_of_line, colour_of_line]
@@ -80,7 +80,7 @@ def _bands(indices: Longs, scale: int, n_colours: int) -> str:
 
 
 def _dots(indices: Longs, scale: int, n_colours: int) -> Bytes:
-    """Return the dots (bands, colours, cols) of each colour in each band, a bit a row."""
+    """Return the dots (bands, colours, cols) of each colour in each band, one bit per row."""
     rows, cols = indices.shape
     rows_a_band = _BAND // scale
     n_bands = -(-rows // rows_a_band)

@@ -1,4 +1,4 @@
-"""The health of runs: what each said of itself last, and for how long it has been silent."""
+"""Track the health of runs: the newest status of each run, and how long it has been silent."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Any
 from graphnav.codec import DecodeError, decode, fingerprint
 from graphnav.messages import About, GuardState, Status
 from graphnav.record import ABOUT
-from graphnav.spy.feed import Heard
+from graphnav.spy.feed import Received
 
 STATUS_SILENT_S = 2.5
-"""A run that sends a status every second is silent after this time without one."""
+"""A run, which sends a status every second, is silent after this time without one."""
 GUARD_SILENT_S = 1.0
-"""A guard that sends its state many times a second is silent after this time without one."""
+"""A guard, which sends its state many times a second, is silent after this time without one."""
 
 MAX_RUNS = 32
-"""Of more runs, or guards, those that were silent for longest are forgotten: any program may invent names."""
+"""Beyond this number the runs and guards that were silent for longest are dropped, to bound memory."""
 
 _STATUS, _GUARD = fingerprint(Status.lcm_class), fingerprint(GuardState.lcm_class)
 
@@ -26,11 +26,11 @@ _STATUS, _GUARD = fingerprint(Status.lcm_class), fingerprint(GuardState.lcm_clas
 class RunHealth:
     """One run: its newest status, None before the first, with that message's stamp (microseconds) and number.
 
-    ``heard_s``: when the status arrived, or the run was first heard of, on the clock of the arrivals.
+    ``received_s``: the arrival of the status, or of the first message of the run, on the arrival clock.
     """
 
     run_id: str
-    heard_s: float
+    received_s: float
     status: Status | None = None
     utime: int = 0
     seq: int = 0
@@ -41,15 +41,15 @@ class GuardHealth:
     """The newest state of a guard, its stamp (microseconds) and when it arrived."""
 
     channel: str
-    heard_s: float
+    received_s: float
     state: GuardState
     utime: int
 
 
 class Health:
-    """Runs by id and guards by channel, the newest 32 of each; everything else that goes by is left aside.
+    """Runs by id and guards by channel, the newest 32 of each; other messages are ignored.
 
-    ``clock`` returns the time now in seconds on the clock of the arrivals; without one, as for a log, none is silent.
+    ``clock`` returns the current time, seconds, on the arrival clock; without a clock, as for a log, none is silent.
     """
 
     def __init__(self, clock: Callable[[], float] | None = None) -> None:
@@ -59,7 +59,7 @@ class Health:
 
     @property
     def is_complete(self) -> bool:
-        """Whether there is a run, and every run that was heard of has sent a status."""
+        """Whether there is a run, and every known run has sent a status."""
         return bool(self.runs) and all(run.status is not None for run in self.runs.values())
 
     @property
@@ -67,41 +67,41 @@ class Health:
         """Whether any run has sent a status."""
         return any(run.status is not None for run in self.runs.values())
 
-    def hear(self, heard: Heard) -> bool:
-        """Take a message; return whether it was a status. One that cannot be decoded is left aside."""
+    def receive(self, received: Received) -> bool:
+        """Process a message; return whether it was a status. Undecodable messages are ignored."""
         try:
-            if heard.data[:8] == _STATUS:
-                utime, seq, status = decode(Status, heard.data)
-                self._keep_run(RunHealth(status.run_id, heard.at_s, status, utime, seq))
+            if received.data[:8] == _STATUS:
+                utime, seq, status = decode(Status, received.data)
+                self._keep_run(RunHealth(status.run_id, received.at_s, status, utime, seq))
                 return True
-            if heard.data[:8] == _GUARD:
-                utime, _, state = decode(GuardState, heard.data)
-                self.guards.pop(heard.channel, None)
-                self.guards[heard.channel] = GuardHealth(heard.channel, heard.at_s, state, utime)
+            if received.data[:8] == _GUARD:
+                utime, _, state = decode(GuardState, received.data)
+                self.guards.pop(received.channel, None)
+                self.guards[received.channel] = GuardHealth(received.channel, received.at_s, state, utime)
                 _bound(self.guards)
-            elif heard.channel == ABOUT and (run_id := decode(About, heard.data)[2].run_id):
-                self._keep_run(self.runs.get(run_id) or RunHealth(run_id, heard.at_s))
+            elif received.channel == ABOUT and (run_id := decode(About, received.data)[2].run_id):
+                self._keep_run(self.runs.get(run_id) or RunHealth(run_id, received.at_s))
         except DecodeError:
             pass
         return False
 
     def _keep_run(self, run: RunHealth) -> None:
-        """Keep a run as the one that was heard last."""
+        """Store a run as the newest one."""
         self.runs.pop(run.run_id, None)
         self.runs[run.run_id] = run
         _bound(self.runs)
 
     def silent_s(self, of: RunHealth | GuardHealth) -> float | None:
-        """Return how long ago something was heard of a run or guard; None in a log."""
-        return None if self._clock is None else max(0.0, self._clock() - of.heard_s)
+        """Return the time since the last message of a run or guard; None for a log."""
+        return None if self._clock is None else max(0.0, self._clock() - of.received_s)
 
     def is_silent(self, of: RunHealth | GuardHealth) -> bool:
-        """Whether a run or guard no longer sends what it sends regularly."""
+        """Whether a run or guard has stopped sending its regular messages."""
         limit_s = STATUS_SILENT_S if isinstance(of, RunHealth) else GUARD_SILENT_S
         return (self.silent_s(of) or 0.0) > limit_s
 
 
 def _bound(newest_last: dict[str, Any]) -> None:
-    """Drop what was heard of longest ago."""
+    """Drop the oldest entries."""
     while len(newest_last) > MAX_RUNS:
         del newest_last[next(iter(newest_last))]

@@ -1,4 +1,4 @@
-"""The health of runs for programs."""
+"""The health of runs as JSON."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from graphnav.spy.health.health import GuardHealth, Health, RunHealth
 
 
 def health_as_json(health: Health, feed: str) -> dict[str, Any]:
-    """Return all that every run and guard said last; ``silent_s`` is null in a log."""
+    """Return the newest messages of every run and guard; ``silent_s`` is null for a log."""
     return {
         "feed": feed,
         "runs": [_run(health, health.runs[run_id]) for run_id in sorted(health.runs)],

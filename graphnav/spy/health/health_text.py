@@ -1,4 +1,4 @@
-"""The health of runs for people."""
+"""The health of runs as text."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from graphnav.messages import Status
 from graphnav.spy.health.health import GuardHealth, Health, RunHealth
 
 _FORGET_S = 10.0
-"""A run that is silent for longer is told in one line."""
+"""A run that is silent for longer is shown in one line."""
 _INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
 _OUTPUT = ("output", "channel", "", "sent", "latency p50", "p99", "max")
 _STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
 _STRINGS = {"stage", "uses", "input", "channel", "output", "fault", "rejected"}
-"""Columns that become narrower where a table is too wide; numbers stay complete."""
+"""Columns that shrink if a table is too wide; numbers are never cut."""
 _WIDE_COLS = 100
 """Narrower terminals show fewer columns."""
 _WIDE_ONLY = {_INPUT: {"channel", "offset"}, _STAGE: {"uses", "deadline"}}
@@ -28,7 +28,7 @@ _WRAPPED = {"fault", "rejected"}
 
 
 def health_as_text(health: Health, width_cols: int) -> RenderableType:
-    """Return what guards and runs said last, for a terminal of ``width_cols`` columns, the most important first.
+    """Return the newest messages of guards and runs, for a terminal of ``width_cols`` columns, most important first.
 
     Guards come before the runs, runs with motor outputs before others, inputs and outputs before stages. Silent runs
     come last, are marked as silent, and their metrics are dim.
@@ -123,14 +123,14 @@ def _output(one: Mapping[str, Any]) -> Sequence[Text]:
 
 
 def _guard(health: Health, guard: GuardHealth) -> Text:
-    """Return a line for the guard and one for each cause."""
+    """Return one line for the guard and one per cause."""
     state = guard.state
     text = Text.assemble(("guard ", "bold"), (shown_name(guard.channel), "bold"), "  ")
     if health.is_silent(guard):
         return text.append(f"no state for {health.silent_s(guard):.1f} s", "bold red")
-    move, advance = ("may move", "green"), ("may turn, not go forward", "yellow")
+    move, advance = ("may move", "green"), ("may turn, not advance", "yellow")
     text.append(*(("may not move", "bold red") if not state.may_move else move if state.may_advance else advance))
-    text.append(", an override drives" if state.overridden else "")
+    text.append(", override active" if state.overridden else "")
     text.append(", stopped until it is armed again" if state.stopped else "")
     for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):
         text.append(f"\n    {shown_name(cause)}: {shown_name(port)}")
@@ -153,7 +153,7 @@ def _table(headings: Sequence[str], rows: Sequence[Sequence[Text]], style: str, 
 
 
 def _unbroken(text: Text) -> Text:
-    """Cut a text, with an ellipsis, where its column is too narrow."""
+    """Cut a string, with an ellipsis, if its column is too narrow."""
     text.no_wrap, text.overflow = True, "ellipsis"
     return text
 

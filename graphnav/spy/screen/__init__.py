@@ -1,4 +1,4 @@
-"""``graphnav spy`` on a full screen: the table of channels, and one channel with its fields, plots and picture."""
+"""The full-screen ``graphnav spy``: a table of channels, and a view of one channel: fields, plots, picture."""
 
 from graphnav.spy.feed import Feed
 from graphnav.spy.screen.app import SpyApp
@@ -11,5 +11,5 @@ __all__ = ["SpyApp", "painters", "run_app", "watch_of"]
 
 
 def watch_of(feed: Feed) -> LiveWatch | LogWatch:
-    """Return what watches a feed; raises LogError where it is a log that cannot be read."""
+    """Return the watch of a feed; raises LogError if a log cannot be read."""
     return LiveWatch(feed) if feed.is_live else LogWatch(feed)

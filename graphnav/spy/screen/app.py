@@ -28,7 +28,7 @@ _LOG_ONLY = {"play", "step", "skip"}
 
 
 class SpyApp(App[None]):
-    """Shows a watch that was started; what is saved and recorded goes to ``folder``."""
+    """Shows a started watch; pictures and recordings are saved to ``folder``."""
 
     CSS_PATH = "spy.tcss"
     ENABLE_COMMAND_PALETTE = False
@@ -37,9 +37,9 @@ class SpyApp(App[None]):
         Binding("space", "freeze", "freeze"),
         Binding("space", "play", "play"),
         Binding("comma", "step(-1)", "step", key_display=",."),
-        Binding("full_stop", "step(1)", "step on", show=False),
+        Binding("full_stop", "step(1)", "step forward", show=False),
         Binding("less_than_sign", "skip(-1.0)", "1 s back", show=False),
-        Binding("greater_than_sign", "skip(1.0)", "1 s on", show=False),
+        Binding("greater_than_sign", "skip(1.0)", "1 s forward", show=False),
         Binding("r", "record", "record"),
         Binding("w", "save", "save"),
         Binding("q", "quit", "quit"),
@@ -65,7 +65,7 @@ class SpyApp(App[None]):
         self.set_interval(_TICK_S, self._play_on)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Return whether a key means something: freezing is for what is live, stepping for logs."""
+        """Return whether a key is active: freezing is for live feeds, stepping for logs."""
         del parameters
         return action not in (_LOG_ONLY if self._watch.is_live else _LIVE_ONLY)
 
@@ -74,7 +74,7 @@ class SpyApp(App[None]):
         self.leave()
 
     def leave(self, return_code: int = 0) -> None:
-        """Leave the terminal as it was; what is not in the cells would outlive the screen."""
+        """Remove raw pictures, which would outlive the screen, and exit."""
         self._session.is_frozen = True
         for screen in self.screen_stack[-1:]:
             for view in screen.query(PictureView):
@@ -82,12 +82,12 @@ class SpyApp(App[None]):
         self.exit(return_code=return_code)
 
     def action_freeze(self) -> None:
-        """Let the view stand still, or go on."""
+        """Freeze or unfreeze the view."""
         self._session.is_frozen = not self._session.is_frozen
         self._show()
 
     def action_play(self) -> None:
-        """Go through the log as fast as it was recorded, from its begin where its end is shown; or pause."""
+        """Play the log in real time, from the beginning if it is at the end; or pause."""
         if not isinstance(self._watch, LogWatch):
             return
         self._session.is_playing = not self._session.is_playing
@@ -97,7 +97,7 @@ class SpyApp(App[None]):
         self._show()
 
     def action_step(self, count: int) -> None:
-        """Go on or back by messages: of the channel that is open, else by stamps."""
+        """Step by messages of the open channel, else by timestamps."""
         if isinstance(self._watch, LogWatch):
             self._session.is_playing = False
             screen = self.screen
@@ -105,13 +105,13 @@ class SpyApp(App[None]):
             self._show()
 
     def action_skip(self, seconds: float) -> None:
-        """Go on or back by seconds."""
+        """Step by seconds."""
         if isinstance(self._watch, LogWatch):
             self._watch.go_to(self._watch.at_s + seconds)
             self._show()
 
     def action_record(self) -> None:
-        """Begin to record all channels, or end it."""
+        """Start or stop recording all channels."""
         if not isinstance(self._watch, LiveWatch):
             return
         if self._watch.recording is not None:
@@ -125,7 +125,7 @@ class SpyApp(App[None]):
         self._show()
 
     def action_save(self) -> None:
-        """Save what the screen shows, and the picture in its own size, as PNG."""
+        """Save the screen, and the picture in its original size, as PNG."""
         screen = self.screen
         name = screen.channel_name if isinstance(screen, ChannelScreen) else "channels"
         path = self._folder / f"spy-{re.sub(r'[^A-Za-z0-9._-]', '_', name)}-{_time()}.png"
@@ -145,7 +145,7 @@ class SpyApp(App[None]):
         self._session.is_playing = self._watch.at_s < self._watch.end_s
 
     def _show(self) -> None:
-        """Bring the screen up to date at once."""
+        """Update the screen immediately."""
         screen = self.screen
         if isinstance(screen, ChannelScreen):
             screen.show(at_once=True)

@@ -1,4 +1,4 @@
-"""The screen of one channel: its fields, its picture, its numbers over time."""
+"""The screen of one channel: fields, picture, plots."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from graphnav.arrays import Bytes
 from graphnav.errors import CatalogError, DrawingError, shown_name
 from graphnav.messages import Message
 from graphnav.pictures import drawing
-from graphnav.spy.report import size_of
 from graphnav.spy.screen.field_tree import FieldTree
 from graphnav.spy.screen.picture_view import PictureView
 from graphnav.spy.screen.plot_view import MAX_CURVES, PlotView
 from graphnav.spy.screen.reason_line import ReasonLine
 from graphnav.spy.screen.session import Session
+from graphnav.spy.traffic_report import size_of
 from graphnav.spy.watch.series import Path, Series, measures_of, path_text
 from graphnav.spy.watch.silence_reasons import losses
 from graphnav.spy.watch.watch import Sample
 
 _PICTURE_S = 0.2
 _TEXT_EVERY = 2
-"""Fields are written at every second picture, plots at every third one."""
+"""Fields are updated with every second picture, plots with every third one."""
 _PLOT_EVERY = 3
 _FEW_CURVES = 3
 _VIEWS = ("picture", "plot", "both")
@@ -36,7 +36,7 @@ _ROWS_FOR_BOTH = 34
 
 
 class ChannelScreen(Screen[None]):
-    """One channel, up to date."""
+    """The live view of one channel."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,backspace", "leave", "back", key_display="Esc"),
@@ -50,7 +50,7 @@ class ChannelScreen(Screen[None]):
         self._session = session
         self.channel_name = name
         self.picture: Bytes | None = None
-        """The picture that is shown."""
+        """The displayed picture."""
         self._series = Series()
         self._plotted: list[Path] = []
         self._has_chosen = False
@@ -73,18 +73,18 @@ class ChannelScreen(Screen[None]):
         yield Footer()
 
     def on_mount(self) -> None:
-        """Begin to refresh."""
+        """Start refreshing."""
         self.query_one("#picture").display = False
         self.set_focus(self.query_one(FieldTree))
         self.set_interval(_PICTURE_S, self.show)
-        self._draw_anew()
+        self._redraw()
 
     def on_resize(self) -> None:
-        """Draw in the new size."""
-        self._draw_anew()
+        """Redraw in the new size."""
+        self._redraw()
 
     def show(self, *, at_once: bool = False) -> None:
-        """Bring the screen up to date, unless the view is frozen or hidden; ``at_once`` draws all of it."""
+        """Update the screen, unless the view is frozen or hidden; ``at_once`` redraws everything."""
         if not self.is_active:
             return
         self._turn += 1
@@ -107,19 +107,19 @@ class ChannelScreen(Screen[None]):
         if at_once or self._turn % _PLOT_EVERY == 1:
             self._show_plot()
 
-    def _draw_anew(self) -> None:
-        """Draw everything when the layout is done."""
+    def _redraw(self) -> None:
+        """Redraw everything after the layout."""
         self.call_after_refresh(self.show, at_once=True)
 
     def _show_texts(self, sample: Sample | None) -> None:
         watch = self._session.watch
         channel = watch.channel(self.channel_name)
-        said = [shown_name(self.channel_name)]
+        parts = [shown_name(self.channel_name)]
         if channel is not None:
-            said.append(shown_name(channel.type_name or "unknown type"))
-            said += [f"{channel.count} messages", size_of(channel.last_bytes)] if channel.count else []
-            said += [losses(channel)] if losses(channel) else []
-        self.query_one("#channel", Static).update(Text("  ".join(said), "bold"), layout=False)
+            parts.append(shown_name(channel.type_name or "unknown type"))
+            parts += [f"{channel.count} messages", size_of(channel.last_bytes)] if channel.count else []
+            parts += [losses(channel)] if losses(channel) else []
+        self.query_one("#channel", Static).update(Text("  ".join(parts), "bold"), layout=False)
         self.query_one(ReasonLine).say(watch.why_empty(self.channel_name))
         values = None if sample is None else self._session.moment.values(sample.data)
         if values is not None and sample is not self._shown:
@@ -130,7 +130,7 @@ class ChannelScreen(Screen[None]):
             self.query_one(FieldTree).show(values, self._plotted)
 
     def _show_picture(self, sample: Sample) -> None:
-        """Draw the newest message; the view is hidden where its type has no picture."""
+        """Draw the newest message; the view is hidden if its type has no picture."""
         view = self.query_one(PictureView)
         try:
             with drawing():
@@ -153,22 +153,22 @@ class ChannelScreen(Screen[None]):
         return self._session.pictures.draw(message, context)
 
     def _lay_out(self, *, has_picture: bool) -> None:
-        """Show picture and plot as there are such and as there is room."""
+        """Show picture and plot, depending on availability and space."""
         picture, plot = self.query_one("#picture"), self.query_one("#plot")
         shows_picture = has_picture and self._chosen_view != "plot"
         shows_plot = not has_picture or self._chosen_view != "picture"
         if picture.display != shows_picture or plot.display != shows_plot:
             picture.display, plot.display = shows_picture, shows_plot
-            self._draw_anew()
+            self._redraw()
 
     @property
     def _chosen_view(self) -> str:
-        """What v chose, else what there is room for."""
+        """The view selected by v, else a default for the available space."""
         is_tall = self.size.height >= _ROWS_FOR_BOTH
         return self._view or ("both" if is_tall and self._plotted else "picture")
 
     def _collect(self, sample: Sample) -> None:
-        """Take the numbers of all messages since the last time; of large ones, which are not kept, the newest."""
+        """Collect the numbers of all messages since the last update; of large messages only the newest is kept."""
         if sample.at_s < self._series.newest_s:
             self._series.clear()
         moment = self._session.moment
@@ -200,11 +200,11 @@ class ChannelScreen(Screen[None]):
         self.action_expand()
 
     def action_plot(self) -> None:
-        """Plot the number at the cursor, or no longer."""
+        """Toggle the plot of the number at the cursor."""
         tree = self.query_one(FieldTree)
         field = tree.chosen
         if field is None or not field.is_number:
-            self.notify("this field is not a number: expand it, or choose another one", severity="warning")
+            self.notify("this field is not a number: expand it, or select another one", severity="warning")
             return
         self._has_chosen = True
         if field.path in self._plotted:
@@ -212,7 +212,9 @@ class ChannelScreen(Screen[None]):
         elif len(self._plotted) < MAX_CURVES:
             self._plotted.append(field.path)
         else:
-            self.notify(f"{MAX_CURVES} fields are plotted already: p at one of them takes it away", severity="warning")
+            self.notify(
+                f"{MAX_CURVES} fields are already plotted: press p on one of them to remove it", severity="warning"
+            )
         self._shown = None
         self.show(at_once=True)
 

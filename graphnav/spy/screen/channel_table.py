@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from rich.segment import Segment
 
 from graphnav.spy.screen.columns import GAP, NAME, Column, fitted, layout
-from graphnav.spy.screen.lines import HEADING, PLAIN, QUIET, WARNING, Line, Lines
+from graphnav.spy.screen.line_list import HEADING, PLAIN, QUIET, WARNING, Line, Lines
 from graphnav.spy.watch.row import Row
 
 _WARNED = {"drops", "undec."}
 
 
 class ChannelTable(Lines):
-    """One line a channel; the cursor stays on its channel while lines come, go and change places."""
+    """One line per channel; the cursor stays on its channel while lines are added, removed and sorted."""
 
     def __init__(self, *, id: str | None = None) -> None:  # noqa: A002, Textual's name
         super().__init__(id=id)
@@ -31,7 +31,7 @@ class ChannelTable(Lines):
 
     @property
     def n_shown(self) -> int:
-        """How many channels the filter lets through."""
+        """The number of channels that pass the filter."""
         return len(self._names)
 
     def show(self, rows: Sequence[Row]) -> None:
@@ -40,7 +40,7 @@ class ChannelTable(Lines):
         self._draw(self.chosen)
 
     def filter_by(self, pattern: str) -> None:
-        """Show the channels whose name or type holds a pattern, in letters of either case."""
+        """Show the channels whose name or type contains a pattern, ignoring case."""
         self.pattern = pattern.casefold()
         self._draw(self.chosen)
 
@@ -53,12 +53,12 @@ class ChannelTable(Lines):
         self._draw(self.chosen)
 
     def reverse(self) -> None:
-        """Turn the order around."""
+        """Reverse the order."""
         self.is_reversed = not self.is_reversed
         self._draw(self.chosen)
 
     def on_resize(self) -> None:
-        """Show the columns that there is room for."""
+        """Show the columns that fit."""
         self._draw(self.chosen)
 
     def _draw(self, chosen: str | None) -> None:

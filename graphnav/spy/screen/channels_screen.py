@@ -16,7 +16,7 @@ from graphnav.spy.screen.reason_line import ReasonLine
 from graphnav.spy.screen.session import Session
 
 _TABLE_S = 0.5
-"""A table that is drawn more often costs more than it tells."""
+"""The interval of the table's updates."""
 
 
 class ChannelsScreen(Screen[None]):
@@ -50,11 +50,11 @@ class ChannelsScreen(Screen[None]):
         self.call_after_refresh(self.show)
 
     def on_screen_resume(self) -> None:
-        """Show what has changed while a channel was open."""
+        """Show the changes since a channel was opened."""
         self.show()
 
     def show(self) -> None:
-        """Bring table and heading up to date, unless the view is frozen or hidden."""
+        """Update table and heading, unless the view is frozen or hidden."""
         if not self.is_active:
             return
         watch, table = self._session.watch, self.query_one(ChannelTable)
@@ -65,7 +65,7 @@ class ChannelsScreen(Screen[None]):
         table.show(rows)
         reason = watch.why_empty(None)
         if not reason and rows and not table.n_shown:
-            reason = f"none of {len(rows)} channels has '{table.pattern}' in its name or type: Esc shows all"
+            reason = f"no name or type of {len(rows)} channels contains '{table.pattern}': Esc shows all"
         self.query_one(ReasonLine).say(reason)
 
     def action_open(self) -> None:

@@ -1,4 +1,4 @@
-"""The columns of the table: fixed widths, and which of them a terminal has room for."""
+"""The columns of the table, and the selection that fits a terminal."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rich.cells import cell_len, set_cell_size
 
 from graphnav.errors import shown_name
 from graphnav.spy.graphics.sparkline import sparkline
-from graphnav.spy.report import size_of
+from graphnav.spy.traffic_report import size_of
 from graphnav.spy.watch.row import Row
 
 GAP = 1
@@ -20,7 +20,7 @@ _MAX_COUNT = 10**7
 
 @dataclass(frozen=True)
 class Column:
-    """A column: what it shows of a row, as a string of any length, and what rows are sorted by."""
+    """A column: its string for a row, and its sort key."""
 
     heading: str
     width: int
@@ -29,12 +29,12 @@ class Column:
     is_left: bool = False
 
     def cell(self, row: Row, width: int) -> str:
-        """Return the column's part of a line."""
+        """Return the column's cell of a line."""
         return fitted(self.text(row), width, is_left=self.is_left)
 
 
 class Bars(Column):
-    """The column of the rate's bars, the newest at its right end."""
+    """The column of rate bars, the newest at its right end."""
 
     def cell(self, row: Row, width: int) -> str:
         """Return the newest bars that fit."""
@@ -42,7 +42,7 @@ class Bars(Column):
 
 
 def fitted(text: str, width: int, *, is_left: bool) -> str:
-    """Return a text as exactly ``width`` cells, cut with an ellipsis where it is longer."""
+    """Return a string as exactly ``width`` cells, cut with an ellipsis if it is longer."""
     length = cell_len(text)
     if length > width:
         return set_cell_size(text, max(width - 1, 0)) + "…"[:width]
@@ -50,7 +50,7 @@ def fitted(text: str, width: int, *, is_left: bool) -> str:
 
 
 def _number(value: float | None, digits: int = 1) -> str:
-    """Return a number of four significant places or so, a dash where there is none."""
+    """Format a number with about four significant digits, None as a dash."""
     if value is None:
         return "-"
     return f"{value:.{digits}f}" if abs(value) < 1e5 else f"{value:.3g}"
@@ -61,7 +61,7 @@ def _ms(value: float | None) -> str:
 
 
 def age_text(age_s: float | None) -> str:
-    """Return an age as people read it: tenths of seconds below a minute, then minutes, then hours."""
+    """Format an age: tenths of seconds below a minute, then minutes, then hours."""
     if age_s is None:
         return "-"
     if age_s < 59.95:
@@ -70,7 +70,7 @@ def age_text(age_s: float | None) -> str:
 
 
 def _low(value: float | None) -> float:
-    """Return what an unknown number is sorted as: below all others."""
+    """Return a sort key by which unknown numbers are below all others."""
     return -1e300 if value is None else value
 
 
@@ -87,7 +87,7 @@ def _bandwidth(row: Row) -> str:
 
 
 def _count(value: int) -> str:
-    """Return a count, a dash for none; one that would be cut is rounded."""
+    """Format a count, None as a dash; a count that does not fit is rounded."""
     if not value:
         return "-"
     return str(value) if value < _MAX_COUNT else f"{value:.1e}"
@@ -123,7 +123,7 @@ _ORDER = {heading: place for place, heading in enumerate((*_IN_ORDER, "drops", "
 def layout(width: int) -> list[tuple[Column, int]]:
     """Return the columns that fit ``width`` cells with their widths, from left to right.
 
-    The name and the bars are always there and share what is left over.
+    The name and the bars are always shown and share the remaining width.
     """
     left = width - NAME.width - SPARK.width - GAP
     shown = []

@@ -10,7 +10,7 @@ from rich.style import Style
 
 from graphnav.spy.fields.field_lines import FieldLine, field_lines
 from graphnav.spy.screen.columns import fitted
-from graphnav.spy.screen.lines import HEADING, PLAIN, QUIET, Line, Lines
+from graphnav.spy.screen.line_list import HEADING, PLAIN, QUIET, Line, Lines
 from graphnav.spy.watch.series import Path
 
 _NAME = Style(color="cyan")
@@ -20,7 +20,7 @@ _MAX_NAME = 24
 
 
 class FieldTree(Lines):
-    """The fields of the newest message; what is expanded stays so from message to message."""
+    """The fields of the newest message; fields stay expanded from message to message."""
 
     def __init__(self, *, id: str | None = None) -> None:  # noqa: A002, Textual's name
         super().__init__(id=id)
@@ -35,7 +35,7 @@ class FieldTree(Lines):
         return self._fields[self.cursor] if self.cursor < len(self._fields) else None
 
     def show(self, values: Mapping[str, Any], plotted: Collection[Path]) -> None:
-        """Show a message, with marks at the fields that are plotted."""
+        """Show a message, with marks at plotted fields."""
         self._values, self._plotted = values, plotted
         self._draw()
 
@@ -47,7 +47,7 @@ class FieldTree(Lines):
             self._draw()
 
     def on_resize(self) -> None:
-        """Use the new width."""
+        """Redraw in the new width."""
         self._draw()
 
     def _draw(self) -> None:

@@ -1,4 +1,4 @@
-"""Numbers over time, several on one plot, in braille dots."""
+"""A widget that plots numbers over time in braille dots."""
 
 from __future__ import annotations
 
@@ -11,36 +11,36 @@ from rich.text import Text
 from textual.widgets import Static
 
 _COLOURS = (2, 3, 6, 5, 1, 4)
-"""Of the terminal's own: green, yellow, cyan, magenta, red, blue."""
+"""Colours of the terminal's palette: green, yellow, cyan, magenta, red, blue."""
 MAX_CURVES = len(_COLOURS)
 _BESIDE_COLS, _BELOW_ROWS = 20, 3
-"""What the axes and the legend take."""
+"""The size of the axes and the legend."""
 _HEAD_LINES = 2
-"""What the plot has above its curves: the vertical axis's name and a limit."""
+"""The lines above the curves: the name of the vertical axis and its limit."""
 _MIN_COLS, _MIN_ROWS = 10, 3
 _NO_DOTS = "\u2800"
-"""Braille's blank, which many fonts do not draw as wide as a space."""
+"""The braille blank, which many fonts draw narrower or wider than a space."""
 _LARGEST = 1e300
-"""Differences of larger numbers are not finite."""
+"""Differences of larger numbers may overflow."""
 
 Points = Sequence[tuple[float, float]]
 
 
 class PlotView(Static):
-    """Curves with a legend that names each one's newest number."""
+    """Curves with a legend that shows their newest values."""
 
     def show(self, curves: Mapping[str, Points], from_s: float, *, with_colour: bool) -> None:
-        """Plot curves by name, points of times and numbers, over seconds since ``from_s``."""
+        """Plot curves by name, given as points of time and value, over seconds since ``from_s``."""
         text = plot_text(curves, from_s, self.size.width, self.size.height, with_colour=with_colour)
         self.update(text, layout=False)
 
     def say(self, text: str) -> None:
-        """Show a text in place of a plot."""
+        """Show a message in place of a plot."""
         self.update(Text(text), layout=False)
 
 
 def plot_text(curves: Mapping[str, Points], from_s: float, cols: int, rows: int, *, with_colour: bool) -> Text:
-    """Return a plot of ``cols`` x ``rows`` cells, six curves at most; of little room only the legend."""
+    """Return a plot of ``cols`` x ``rows`` cells with at most six curves; in little space only the legend."""
     drawn = [(name, _drawable(points, from_s)) for name, points in list(curves.items())[:MAX_CURVES]]
     drawn = [(name, points) for name, points in drawn if points]
     legend = Text("  ").join(
@@ -71,14 +71,14 @@ def _drawable(points: Points, from_s: float) -> list[tuple[float, float]]:
 
 
 def _limits(values: Sequence[float]) -> tuple[float, float]:
-    """Return limits with room: equal ones are no interval."""
+    """Return limits with a margin, different even if all values are equal."""
     low, high = min(values), max(values)
     room = 0.05 * (high - low) or max(abs(low) * 0.05, 0.5)
     return low - room, high + room
 
 
 def _label(value: float, chars: int, delta: float, left: bool = False) -> str:  # noqa: FBT001, FBT002, plotille's signature
-    """Return an axis label of ``chars`` letters; ``delta``: the axis's length, told in steps of a hundredth."""
+    """Return an axis label of ``chars`` characters; ``delta``: the axis's length, shown in steps of a hundredth."""
     digits = 0 if not delta or not math.isfinite(delta) else max(0, 2 - math.floor(math.log10(abs(delta))))
     text = f"{value:.{min(digits, 9)}f}" if abs(value) < 1e6 and digits <= 6 else f"{value:.3g}"
     return text[:chars].ljust(chars) if left else text[:chars].rjust(chars)

@@ -1,4 +1,4 @@
-"""The line that says why there is nothing to see."""
+"""A line that explains why a view is empty."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from textual.widgets import Static
 
 
 class ReasonLine(Static):
-    """Takes room only while there is a reason; laid out anew only where that changes, as it costs much."""
+    """Takes space only while there is a reason; layout changes, which are expensive, only then."""
 
     def __init__(self) -> None:
         super().__init__(markup=False)
@@ -15,7 +15,7 @@ class ReasonLine(Static):
         self.display = False
 
     def say(self, reason: str) -> None:
-        """Show a reason, nothing for an empty one."""
+        """Show a reason; an empty one hides the line."""
         if reason != self._reason:
             self._reason = reason
             self.display = bool(reason)

@@ -1,4 +1,4 @@
-"""Runs the full-screen spy until its user leaves, or a signal ends it."""
+"""Run the full-screen spy until the user quits or a signal ends it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.spy.screen.app import SpyApp
 def run_app(app: SpyApp) -> int:
     """Run the app; return the exit status: 0, or 128 + N after signal N.
 
-    After SIGTERM and SIGHUP the terminal is as it was before. A second signal ends the program at once.
+    After SIGTERM and SIGHUP the terminal is restored. A second signal ends the program immediately.
     """
     asyncio.run(_run(app))
     return app.return_code or 0

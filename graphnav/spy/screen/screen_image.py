@@ -1,4 +1,4 @@
-"""A screen as a picture: cell by cell, in the letters that Matplotlib brings."""
+"""Render a screen as a picture, cell by cell, in Matplotlib's font."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from graphnav.spy.screen.picture_view import PictureView
 _FONT = Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSansMono.ttf"
 _FONT_PX = 16
 _CELL_PX = (10, 20)
-"""Columns and rows of pixels of a cell: one letter of the font."""
+"""Columns and rows of pixels of a cell: one character of the font."""
 _BASE_PX = 1
 _BRAILLE = 0x2800
 _DOTS = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (0, 3), (1, 3))
@@ -33,7 +33,7 @@ Rgb = tuple[int, int, int]
 
 
 def screen_image(screen: Screen[Any]) -> Image.Image:
-    """Return what a screen shows."""
+    """Return a screen as a picture."""
     image = blank_screen(screen.size)
     draw_cells(image, cells_of(screen))
     for view in screen.query(PictureView):
@@ -48,7 +48,7 @@ def blank_screen(size: tuple[int, int]) -> Image.Image:
 
 
 def draw_cells(image: Image.Image, cells: Iterable[tuple[int, int, Segment]]) -> None:
-    """Draw what stands on a screen, as `cells_of` tells it."""
+    """Draw the content of a screen, given by `cells_of`."""
     cols_px, rows_px = _CELL_PX
     draw = ImageDraw.Draw(image)
     font = ImageFont.truetype(str(_FONT), _FONT_PX)
@@ -57,7 +57,7 @@ def draw_cells(image: Image.Image, cells: Iterable[tuple[int, int, Segment]]) ->
 
 
 def cells_of(screen: Screen[Any]) -> Iterator[tuple[int, int, Segment]]:
-    """Yield column, row and segment of everything that the visible widgets draw, what lies above others last."""
+    """Yield column, row and segment of all visible widgets, those in upper layers last."""
     for widget in sorted(screen.walk_children(Widget), key=_is_above):
         if widget.is_container or not widget.is_on_screen or not widget.display:
             continue
@@ -72,7 +72,7 @@ def cells_of(screen: Screen[Any]) -> Iterator[tuple[int, int, Segment]]:
 
 
 def _paste_picture(image: Image.Image, view: PictureView) -> None:
-    """Put a picture that is not in the cells where the terminal shows it, in its own proportions."""
+    """Paste a raw picture, which is not in the cells, at its place, with its aspect ratio."""
     place, picture = view.place, view.picture
     if place is None or picture is None:
         return
@@ -84,7 +84,7 @@ def _paste_picture(image: Image.Image, view: PictureView) -> None:
 
 
 def _is_above(widget: Widget) -> bool:
-    """Whether a widget lies in a layer of its own, as notifications do."""
+    """Whether a widget has its own layer, as notifications do."""
     return any(isinstance(node, Widget) and node.layer != "default" for node in widget.ancestors_with_self)
 
 
@@ -106,7 +106,7 @@ def _draw_segment(draw: ImageDraw.ImageDraw, font: ImageFont.FreeTypeFont, x: in
 
 
 def _draw_dots(draw: ImageDraw.ImageDraw, x: int, y: int, dots: int, colour: Rgb) -> None:
-    """Draw a letter of braille, which the font lacks: two columns of four dots."""
+    """Draw a braille character, which the font does not have: two columns of four dots."""
     cols_px, rows_px = _CELL_PX
     for bit, (col, row) in enumerate(_DOTS):
         if dots >> bit & 1:
@@ -115,7 +115,7 @@ def _draw_dots(draw: ImageDraw.ImageDraw, x: int, y: int, dots: int, colour: Rgb
 
 
 def _colours(style: Style) -> tuple[Rgb, Rgb | None]:
-    """Return the colours of letters and ground; None for the ground of the screen."""
+    """Return the foreground and background colours; None for the screen's background."""
     fore = _rgb(style.color, is_fore=True) or MONOKAI.foreground_color
     back = _rgb(style.bgcolor, is_fore=False)
     ground = back or MONOKAI.background_color

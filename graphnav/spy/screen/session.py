@@ -1,4 +1,4 @@
-"""What the screens share: the watch, how its messages are decoded and drawn, and whether the view stands still."""
+"""The state shared by the screens: the watch, decoding and drawing, freezing and playing."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from graphnav.spy.watch.moment import Moment
 class Session:
     """One use of the full-screen spy.
 
-    ``is_frozen``: the view stands still, and what is heard meanwhile is kept all the same. ``is_playing``: a log goes
-    on by itself. ``new_painter`` makes what draws the pictures of a view.
+    ``is_frozen``: the view is frozen, while messages are still received. ``is_playing``: a log is playing.
+    ``new_painter`` creates the painter of a view.
     """
 
     def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog, new_painter: Callable[[], Painter]) -> None:
@@ -32,7 +32,7 @@ class Session:
         self.is_frozen = self.is_playing = False
 
     def heading(self) -> Text:
-        """Return what there is to say of the feed and of the view."""
+        """Return the description of the feed and of the view."""
         text = Text("graphnav spy  ", "bold") + Text(self.watch.heading())
         for is_so, word in ((self.is_frozen, "FROZEN"), (self.is_playing, "PLAYING")):
             if is_so:

@@ -1,1 +1,1 @@
-"""Watch a feed or a log: channels, their newest messages, series."""
+"""Watch a feed or a log: channels, newest messages, series of numbers."""

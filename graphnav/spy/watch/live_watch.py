@@ -1,4 +1,4 @@
-"""A multicast group that is being watched, from a thread of its own."""
+"""Watch a multicast group in a separate thread."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from pathlib import Path
 from graphnav.bus import require_route, with_defaults
 from graphnav.errors import GraphnavError, shown_name
 from graphnav.record import ABOUT, ThreadedLogWriter
-from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed import Feed, Received
 from graphnav.spy.feed_listener import FeedListener
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch.row import Row, row_of
-from graphnav.spy.watch.silence_reasons import nothing_heard, why_empty
+from graphnav.spy.watch.silence_reasons import nothing_received, why_empty
 from graphnav.spy.watch.watch import Memory, Sample
 
 _MAX_NAMED = 3
 
 
 class LiveWatch:
-    """Hears everything that a live feed carries.
+    """Receives all messages of a live feed.
 
-    The thread that listens takes no longer than it needs to count a message and to keep it; whoever looks may be slow.
-    ``failure`` says why it ended before its time, empty if it did not.
+    The receive thread only counts and stores messages; the viewer may be slow. ``failure``: why it ended early, empty
+    if it did not.
     """
 
     is_live = True
@@ -39,33 +39,33 @@ class LiveWatch:
 
     @property
     def version(self) -> object:
-        """The number of messages that were heard."""
+        """The number of received messages."""
         return self._memory.traffic.count
 
     @property
     def origin_s(self) -> float:
-        """Now, on the clock of the arrivals."""
+        """The current time on the arrival clock."""
         return time.monotonic()
 
     def start(self) -> None:
-        """Begin to listen; raises BusError where there is no multicast route."""
+        """Start receiving; raises BusError if there is no multicast route."""
         require_route(with_defaults(self.name))
         self._listener.start()
 
     def close(self) -> None:
-        """Stop listening, and recording."""
+        """Stop receiving and recording."""
         self._listener.close()
         self.stop_recording()
 
     def rows(self) -> list[Row]:
-        """Return the channels, in the order in which they were first heard of."""
+        """Return the channels, in order of their first message or announcement."""
         now_s = time.monotonic()
         with self._memory.lock:
             channels = self._memory.traffic.channels.values()
             return [row_of(channel, now_s, self._clock_offset_s, channel.silent_s) for channel in channels]
 
     def channel(self, name: str) -> ChannelTraffic | None:
-        """Return what is known of a channel."""
+        """Return the statistics of a channel."""
         return self._memory.traffic.channels.get(name)
 
     def newest(self, name: str) -> Sample | None:
@@ -73,7 +73,7 @@ class LiveWatch:
         return self._memory.newest(name)
 
     def recent(self, name: str, after_s: float) -> list[Sample]:
-        """Return the kept messages of a channel that came after ``after_s``, oldest first."""
+        """Return the stored messages of a channel that arrived after ``after_s``, oldest first."""
         return self._memory.recent(name, after_s)
 
     def names_of(self, lcm_class: type) -> list[str]:
@@ -81,7 +81,7 @@ class LiveWatch:
         return self._memory.names_of(lcm_class)
 
     def why_empty(self, name: str | None) -> str:
-        """Return why there is nothing new of a channel, or of any."""
+        """Return why there are no new messages of a channel, or of any."""
         for_s = time.monotonic() - self._begin_s
         channel = self.channel(name) if name is not None else None
         with self._memory.lock:
@@ -89,50 +89,50 @@ class LiveWatch:
                 return self.failure
             if channel is not None:
                 return why_empty(channel, for_s)
-            return "" if self._memory.traffic.channels else nothing_heard(self.name, for_s)
+            return "" if self._memory.traffic.channels else nothing_received(self.name, for_s)
 
     def heading(self) -> str:
-        """Return the feed, its channels and runs, what the kernel dropped, all counts, and what is recorded.
+        """Return a line about the feed, its channels and runs, dropped packets, counts, and the recording.
 
-        In short words, that they are seen in 80 columns.
+        Short, to fit 80 columns.
         """
         with self._memory.lock:
             traffic = self._memory.traffic
-            said = [self.name.partition("?")[0], f"{len(traffic.channels)} channels"]
+            parts = [self.name.partition("?")[0], f"{len(traffic.channels)} channels"]
             if traffic.runs:
-                said.append(_named(traffic.current_runs(time.monotonic())))
+                parts.append(_named(traffic.current_runs(time.monotonic())))
             if dropped := self._feed.dropped_packets():
-                said.append(f"{dropped} dropped")
-            said.append(f"{traffic.count} messages")
+                parts.append(f"{dropped} dropped")
+            parts.append(f"{traffic.count} messages")
             if traffic.undecodable:
-                said.append(f"{traffic.undecodable} undecodable")
+                parts.append(f"{traffic.undecodable} undecodable")
             if traffic.overflow:
-                said.append(f"{traffic.overflow} messages of further channels not kept")
+                parts.append(f"{traffic.overflow} messages of further channels not kept")
         if self._writer is not None:
-            said.append(self._writer.failure or f"recording {self._writer.path.name}: {_recorded(self._writer)}")
+            parts.append(self._writer.failure or f"recording {self._writer.path.name}: {_recorded(self._writer)}")
         if self.failure:
-            said.append(self.failure)
-        return "  ".join(said)
+            parts.append(self.failure)
+        return "  ".join(parts)
 
     @property
     def recording(self) -> Path | None:
-        """The log that is being written, None where none is."""
+        """The log being recorded, None without one."""
         return self._writer.path if self._writer is not None else None
 
     def record(self, path: Path) -> None:
-        """Write everything that is heard from now on to a log, what the run says of itself first.
+        """Record all messages from now on to a log, preceded by the description of the run.
 
-        Raises OSError where the file cannot be opened.
+        Raises OSError if the file cannot be opened.
         """
         writer = ThreadedLogWriter(path)
         about = self._memory.newest(ABOUT)
         with self._memory.lock:
             if about is not None:
-                self._write(writer, Heard(ABOUT, about.data, time.monotonic()))
+                self._write(writer, Received(ABOUT, about.data, time.monotonic()))
             self._writer = writer
 
     def stop_recording(self) -> str:
-        """Close the log that is being written; return what it holds, empty where there is none."""
+        """Close the log being recorded; return a description of its content, empty without one."""
         with self._memory.lock:
             writer, self._writer = self._writer, None
         if writer is None:
@@ -143,20 +143,20 @@ class LiveWatch:
     def _fail(self, error: GraphnavError | OSError) -> None:
         self.failure = str(error)
 
-    def _take(self, heard: Heard) -> None:
-        self._memory.hear(heard)
+    def _take(self, received: Received) -> None:
+        self._memory.receive(received)
         if self._writer is not None:
             with self._memory.lock:
                 if self._writer is not None:
-                    self._write(self._writer, heard)
+                    self._write(self._writer, received)
 
-    def _write(self, writer: ThreadedLogWriter, heard: Heard) -> None:
-        """Record a message at the time of day at which it arrived, as lcm-logger does."""
-        writer.write(heard.channel, round((heard.at_s + self._clock_offset_s) * 1e6), heard.data)
+    def _write(self, writer: ThreadedLogWriter, received: Received) -> None:
+        """Record a message with the wall time of its arrival, as lcm-logger does."""
+        writer.write(received.channel, round((received.at_s + self._clock_offset_s) * 1e6), received.data)
 
 
 def _named(runs: list[str]) -> str:
-    """Return which runs there are, a few by name."""
+    """Return a phrase about the runs, a few by name."""
     names = ", ".join(map(shown_name, runs[:_MAX_NAMED]))
     more = f" and {len(runs) - _MAX_NAMED} more" if len(runs) > _MAX_NAMED else ""
     return f"run {names}" if len(runs) == 1 else f"{len(runs)} runs: {names}{more}"

@@ -1,4 +1,4 @@
-"""A log that is being looked at, at a moment that can be moved."""
+"""Watch a log at an adjustable time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from graphnav.record import Recording
-from graphnav.spy.feed import Feed, Heard
+from graphnav.spy.feed import Feed, Received
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch.row import Row, row_of
 from graphnav.spy.watch.silence_reasons import why_empty
@@ -19,11 +19,11 @@ _MAX_RECENT_BYTES = 4_000_000
 
 
 class LogWatch:
-    """The channels of a log, and the newest message of each at the moment ``at_s``, which begins at the log's end.
+    """The channels of a log, and the newest message of each at the time ``at_s``, initially the log's end.
 
-    The table is that of all the log, filled while a thread reads it.
+    The table covers the complete log, and is filled while a thread reads it.
 
-    Raises LogError where the log cannot be read.
+    Raises LogError if the log cannot be read.
     """
 
     is_live = False
@@ -41,11 +41,11 @@ class LogWatch:
         self._thread = threading.Thread(target=self._read, name="graphnav spy log", daemon=True)
 
     def start(self) -> None:
-        """Begin to read."""
+        """Start reading."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop reading and let go of the file."""
+        """Stop reading and close the file."""
         self._closing.set()
         if self._thread.is_alive():
             self._thread.join()
@@ -53,12 +53,12 @@ class LogWatch:
 
     @property
     def version(self) -> object:
-        """The moment, and how much was read."""
+        """The current time, and the number of events read."""
         return self._at_s, len(self._all_times)
 
     @property
     def origin_s(self) -> float:
-        """The log's begin."""
+        """The beginning of the log."""
         return self.begin_s
 
     @property
@@ -73,15 +73,15 @@ class LogWatch:
 
     @property
     def at_s(self) -> float:
-        """The moment that is looked at."""
+        """The current time."""
         return self.end_s if self._at_s is None else self._at_s
 
     def go_to(self, at_s: float) -> None:
-        """Look at another moment, within the log."""
+        """Move to another time, within the log."""
         self._at_s = min(max(at_s, self.begin_s), self.end_s)
 
     def step(self, name: str | None, count: int) -> None:
-        """Go ``count`` messages on, or back: of a channel, or stamps of the whole log where ``name`` is None."""
+        """Step by ``count`` messages of a channel, or by timestamps of all channels if ``name`` is None."""
         with self._lock:
             times = self._all_times if name is None else self._times.get(name)
             if not times:
@@ -96,27 +96,27 @@ class LogWatch:
             self._at_s = times[min(max(place, 0), len(times) - 1)]
 
     def rows(self) -> list[Row]:
-        """Return the channels, in the order of the log."""
+        """Return the channels, in log order."""
         with self._lock:
             now_s, at_s = self.end_s, self.at_s
             return [self._row(channel, now_s, at_s) for channel in self._traffic.channels.values()]
 
     def channel(self, name: str) -> ChannelTraffic | None:
-        """Return what is known of a channel."""
+        """Return the statistics of a channel."""
         return self._traffic.channels.get(name)
 
     def newest(self, name: str) -> Sample | None:
-        """Return the newest message of a channel at the moment that is looked at."""
+        """Return the newest message of a channel at the current time."""
         place = self._place(name)
         return None if place is None else self._sample(name, place)
 
     def recent(self, name: str, after_s: float) -> list[Sample]:
-        """Return the last messages of a channel up to that moment that came after ``after_s``: 600, or 4 MB."""
+        """Return the last messages of a channel between ``after_s`` and the current time: at most 600, or 4 MB."""
         place = self._place(name)
         if place is None:
             return []
-        most = min(KEPT_MESSAGES, _MAX_RECENT_BYTES // (len(self._sample(name, place).data) + 1) + 1)
-        first = max(place + 1 - most, bisect_right(self._times[name], after_s, 0, place + 1))
+        max_messages = min(KEPT_MESSAGES, _MAX_RECENT_BYTES // (len(self._sample(name, place).data) + 1) + 1)
+        first = max(place + 1 - max_messages, bisect_right(self._times[name], after_s, 0, place + 1))
         return [self._sample(name, index) for index in range(first, place + 1)]
 
     def names_of(self, lcm_class: type) -> list[str]:
@@ -125,28 +125,28 @@ class LogWatch:
             return [name for name, channel in self._traffic.channels.items() if channel.lcm_class is lcm_class]
 
     def why_empty(self, name: str | None) -> str:
-        """Return why there is nothing of a channel at this moment, or in the log."""
+        """Return why a channel has no message at the current time, or in the log."""
         channel = self.channel(name) if name is not None else None
         if channel is None:
             return "" if self._traffic.channels or self._thread.is_alive() else f"{self.name} is empty"
         if not channel.count:
-            return "announced, and not recorded: the log holds none of its messages"
+            return "announced, but not recorded: the log holds none of its messages"
         place = self._place(channel.name)
         if place is None:
-            return f"its first message comes at {self._times[channel.name][0] - self.begin_s:.2f} s"
+            return f"its first message is at {self._times[channel.name][0] - self.begin_s:.2f} s"
         return why_empty(channel, 0.0)
 
     def heading(self) -> str:
-        """Return the log, the moment, and what is missing."""
-        said = [self.name, f"{len(self._traffic.channels)} channels"]
-        said.append(f"at {self.at_s - self.begin_s:.2f} of {self.end_s - self.begin_s:.2f} s")
+        """Return a line about the log, the current time, and missing data."""
+        parts = [self.name, f"{len(self._traffic.channels)} channels"]
+        parts.append(f"at {self.at_s - self.begin_s:.2f} of {self.end_s - self.begin_s:.2f} s")
         if self._thread.is_alive():
-            said.append("reading")
+            parts.append("reading")
         if self._traffic.overflow:
-            said.append(f"{self._traffic.overflow} messages of further channels not kept")
-        if self._recording.torn is not None:
-            said.append(str(self._recording.torn))
-        return "  ".join(said)
+            parts.append(f"{self._traffic.overflow} messages of further channels not kept")
+        if self._recording.truncated is not None:
+            parts.append(str(self._recording.truncated))
+        return "  ".join(parts)
 
     def _read(self) -> None:
         for event in self._recording.events():
@@ -154,7 +154,7 @@ class LogWatch:
                 return
             at_s = event.utime / 1e6
             with self._lock:
-                self._traffic.hear(Heard(event.channel, event.data, at_s))
+                self._traffic.receive(Received(event.channel, event.data, at_s))
                 if event.channel in self._traffic.channels:
                     self._times.setdefault(event.channel, array("d")).append(at_s)
                     self._all_times.append(at_s)
@@ -166,7 +166,7 @@ class LogWatch:
         return replace(row, age_s=at_s - times[place - 1] if times and place else None)
 
     def _place(self, name: str) -> int | None:
-        """Return the index of the newest message of a channel at this moment, None before the first."""
+        """Return the index of the newest message of a channel at the current time, None before the first."""
         with self._lock:
             times = self._times.get(name)
             place = bisect_right(times, self.at_s) if times else 0

@@ -1,4 +1,4 @@
-"""The messages of the moment that is looked at, decoded when they are asked for."""
+"""Decode the newest messages of a watch on demand."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _MAX_POINTS = 20_000
 
 
 class Moment:
-    """Decodes the newest messages of a watch, and remembers where the robot was while someone asks for it.
+    """Decodes the newest messages of a watch, and tracks the robot's path while it is used.
 
-    ``with_colour``: whether pictures may tell by colours.
+    ``with_colour``: whether pictures may use colours.
     """
 
     with_colour = True
@@ -40,7 +40,7 @@ class Moment:
         self._path_us = 0
 
     def values(self, data: bytes) -> dict[str, Any] | None:
-        """Return the fields of a message, None where its type is not known or it is damaged."""
+        """Return the fields of a message, None if its type is unknown or it is damaged."""
         lcm_class = type_of(data)
         if lcm_class is None:
             return None
@@ -49,9 +49,9 @@ class Moment:
         return None
 
     def message(self, data: bytes) -> Message | None:
-        """Return a message as ours, also one that an adapter reads; None where there is no such class or it is damaged.
+        """Return a decoded message, also through an adapter; None if its type has no message class or it is damaged.
 
-        Raises what the message's class or the adapter raises for fields that it cannot use, ValueError above all.
+        Raises the exceptions of the message class or adapter for unusable fields, usually ValueError.
         """
         lcm_class, values = type_of(data), self.values(data)
         if lcm_class is None or values is None:
@@ -62,11 +62,11 @@ class Moment:
         return self._readers[lcm_class].from_lcm(values) if lcm_class in self._readers else None
 
     def context(self, rows: int, cols: int, *, with_legend: bool) -> PictureContext:
-        """Return what a picture of this moment is drawn with."""
+        """Return the context for pictures."""
         return PictureContext(rows, cols, self.find, self.path_m, with_legend, self.with_colour)
 
     def find(self, kind: type[M], /) -> M | None:
-        """Return the newest message of a type, of the first channel that carries it."""
+        """Return the newest message of a type, from the first channel of this type."""
         theirs = [lcm_class for lcm_class, adapter in self._readers.items() if issubclass(adapter.message, kind)]
         for lcm_class in (kind.lcm_class, *theirs):
             for name in self._watch.names_of(lcm_class):
@@ -78,7 +78,7 @@ class Moment:
         return None
 
     def path_m(self) -> Doubles:
-        """Return where the robot was, float64 (n, 2), x_m and y_m; begun anew where its clock goes back."""
+        """Return the robot's path, float64 (n, 2), x_m and y_m; restarts if its timestamps go back."""
         name = next(iter(self._watch.names_of(State.lcm_class)), None)
         newest = None if name is None else self._watch.newest(name)
         if name is None or newest is None:

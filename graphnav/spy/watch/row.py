@@ -1,4 +1,4 @@
-"""What the table says of one channel."""
+"""One row of the table: the statistics of a channel."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from graphnav.spy.traffic import ChannelTraffic
 
 @dataclass(frozen=True)
 class Row:
-    """One channel; None is what is not known.
+    """The statistics of one channel; unknown values are None.
 
-    ``rate_hz``: by the messages' own stamps. ``min_s`` to ``std_s``: of their periods. ``n_bytes``: of the newest
-    message. ``drops``: gaps in the numbers. ``age_s``: since the newest arrived. ``counts``: messages of each of the
-    last seconds, oldest first.
+    ``rate_hz``: by timestamps. ``min_s`` to ``std_s``: of their periods. ``n_bytes``: of the newest message. ``drops``:
+    gaps in the sequence numbers. ``age_s``: since the newest message arrived. ``counts``: messages in each of the last
+    seconds, oldest first.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Row:
 
 
 def row_of(channel: ChannelTraffic, now_s: float, clock_offset_s: float, age_s: float | None) -> Row:
-    """Return what is known of a channel at ``now_s`` on the clock of the arrivals; ``age_s``: of its newest message."""
+    """Return the row of a channel at ``now_s`` on the arrival clock; ``age_s``: of its newest message."""
     periods = channel.published
     return Row(
         name=channel.name,

@@ -1,4 +1,4 @@
-"""The numbers of a channel over time, for plots."""
+"""Time series of a channel's numbers, for plots."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ import numpy as np
 from graphnav.spy.watch.watch import KEPT_MESSAGES, Sample
 
 Path = tuple[str | int, ...]
-"""Where a value is in a message: names of fields and indices."""
+"""The path to a value in a message: field names and indices."""
 
 _MAX_NUMBERS = 64
 _MAX_DEPTH = 4
 _FEW = 4
-"""The elements of an array of so many numbers, a force or a pose, are numbers of their own."""
+"""The elements of arrays up to this size, such as forces and poses, are separate numbers."""
 _MAX_INTEGER = 1 << 64
 _ENVELOPE = {"utime", "seq"}
 
 
 def path_text(path: Path) -> str:
-    """Return a path as people write it: ``stages[0].p50_ms``."""
+    """Return a path in text form: ``stages[0].p50_ms``."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).removeprefix(".")
 
 
 def numbers_of(values: Mapping[str, Any]) -> dict[Path, float]:
-    """Return the scalar numbers of a message, 64 at most, what is not finite included; stamp and number are none."""
+    """Return the scalar numbers of a message, at most 64, except timestamp and sequence number."""
     return {path: float(number) for path, number in _first_numbers(values)}
 
 
 def measures_of(values: Mapping[str, Any]) -> list[Path]:
-    """Return where the numbers are that a message measures something by: those that are not integers."""
+    """Return the paths of a message's measurements: its numbers that are not integers."""
     return [path for path, number in _first_numbers(values) if isinstance(number, float)]
 
 
@@ -73,7 +73,7 @@ class Series:
         self._points.clear()
 
     def add(self, decoded: Iterable[tuple[Sample, Mapping[str, Any] | None]]) -> None:
-        """Take messages, oldest first, with their fields; None where one could not be decoded."""
+        """Add messages, oldest first, with their fields; None for undecodable ones."""
         for sample, values in decoded:
             self.newest_s = sample.at_s
             for path, number in numbers_of(values or {}).items():
@@ -86,9 +86,9 @@ class Series:
 
     @property
     def paths(self) -> list[Path]:
-        """What can be plotted, in the order of the message."""
+        """The paths that can be plotted, in message order."""
         return list(self._points)
 
     def points(self, path: Path) -> list[tuple[float, float]]:
-        """Return times (seconds) and numbers, without those that are not finite."""
+        """Return times (seconds) and finite numbers."""
         return [point for point in self._points.get(path, ()) if math.isfinite(point[1])]

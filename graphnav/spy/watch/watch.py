@@ -1,4 +1,4 @@
-"""What a viewer looks at: all channels of a feed, their newest messages and what is kept of the ones before."""
+"""The data of a viewer: all channels of a feed, their newest messages and stored older ones."""
 
 from __future__ import annotations
 
@@ -7,68 +7,68 @@ from collections import deque
 from typing import NamedTuple, Protocol, TypeVar
 
 from graphnav.messages import Message
-from graphnav.spy.feed import Heard
+from graphnav.spy.feed import Received
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch.row import Row
 
 M = TypeVar("M", bound=Message)
 
 KEPT_MESSAGES = 600
-"""Of each channel so many messages are kept for plots and paths, if they are small."""
+"""The number of small messages stored per channel for plots and paths."""
 KEPT_BYTES = 512
 
 
 class Sample(NamedTuple):
-    """A message: when it arrived, or was recorded (seconds on the feed's clock), and its bytes."""
+    """A message: its time of arrival or recording (seconds on the feed's clock), and its bytes."""
 
     at_s: float
     data: bytes
 
 
 class Watch(Protocol):
-    """A feed that is being watched, live or recorded; all methods may be called from any one thread."""
+    """A watched feed, live or recorded; all methods may be called from any one thread."""
 
     name: str
     is_live: bool
 
     @property
     def version(self) -> object:
-        """What differs from what it was before where there is anything new to see."""
+        """A value that changes whenever there is new data."""
 
     @property
     def origin_s(self) -> float:
-        """What times are told from: now where it is live, the begin of a log."""
+        """The origin of displayed times: now if live, the beginning of a log."""
 
     def start(self) -> None:
-        """Begin to listen, or to read."""
+        """Start receiving or reading."""
 
     def close(self) -> None:
-        """Let go of the network or the file."""
+        """Close the network or the file."""
 
     def rows(self) -> list[Row]:
-        """Return the channels, in the order in which they were first heard of."""
+        """Return the channels, in order of their first message or announcement."""
 
     def channel(self, name: str) -> ChannelTraffic | None:
-        """Return what is known of a channel."""
+        """Return the statistics of a channel."""
 
     def newest(self, name: str) -> Sample | None:
         """Return the newest message of a channel."""
 
     def recent(self, name: str, after_s: float) -> list[Sample]:
-        """Return the kept messages of a channel that came after ``after_s``, oldest first."""
+        """Return the stored messages of a channel that arrived after ``after_s``, oldest first."""
 
     def names_of(self, lcm_class: type) -> list[str]:
         """Return the channels that carry a type."""
 
     def why_empty(self, name: str | None) -> str:
-        """Return why there is nothing of a channel, or of any: empty where there is something and it is new."""
+        """Return why there are no new messages of a channel, or of any; empty if there are."""
 
     def heading(self) -> str:
-        """Return what there is to say of the feed in few words."""
+        """Return a short line about the feed."""
 
 
 class Memory:
-    """Traffic and kept messages, guarded by a lock: one thread hears, another one looks."""
+    """Traffic and stored messages, guarded by a lock: one thread receives, another one reads."""
 
     def __init__(self, traffic: Traffic) -> None:
         self.traffic = traffic
@@ -76,18 +76,18 @@ class Memory:
         self._newest: dict[str, Sample] = {}
         self._kept: dict[str, deque[Sample]] = {}
 
-    def hear(self, heard: Heard) -> None:
-        """Take a message; of channels beyond the limit nothing is kept."""
+    def receive(self, received: Received) -> None:
+        """Store a message, unless its channel is beyond the limit."""
         with self.lock:
-            self.traffic.hear(heard)
-            if heard.channel not in self.traffic.channels:
+            self.traffic.receive(received)
+            if received.channel not in self.traffic.channels:
                 return
-            sample = Sample(heard.at_s, heard.data)
-            self._newest[heard.channel] = sample
-            if len(heard.data) <= KEPT_BYTES:
-                kept = self._kept.get(heard.channel)
+            sample = Sample(received.at_s, received.data)
+            self._newest[received.channel] = sample
+            if len(received.data) <= KEPT_BYTES:
+                kept = self._kept.get(received.channel)
                 if kept is None:
-                    kept = self._kept[heard.channel] = deque(maxlen=KEPT_MESSAGES)
+                    kept = self._kept[received.channel] = deque(maxlen=KEPT_MESSAGES)
                 kept.append(sample)
 
     def newest(self, name: str) -> Sample | None:
@@ -96,7 +96,7 @@ class Memory:
             return self._newest.get(name)
 
     def recent(self, name: str, after_s: float) -> list[Sample]:
-        """Return the kept messages that came after ``after_s``, oldest first."""
+        """Return the stored messages that arrived after ``after_s``, oldest first."""
         with self.lock:
             kept = self._kept.get(name, ())
             return [sample for sample in kept if sample.at_s > after_s]

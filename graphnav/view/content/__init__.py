@@ -1,1 +1,1 @@
-"""The content of the page, as JSON can hold it."""
+"""The content of the page as JSON-compatible values."""

@@ -1,4 +1,4 @@
-"""The boxes of a graph that a run announces; nothing that it names is loaded but the ports of installed stages."""
+"""Make the boxes of an announced graph, without loading code except installed stages."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _MAX_NAME = 128
 
 @dataclass(frozen=True)
 class AnnouncedGraph:
-    """What is drawn of a graph.
+    """The drawing data of a graph.
 
-    ``names``: by the reference of a channel (``stage.port``) the LCM channels on which its messages may come.
+    ``names``: by the reference of a channel (``stage.port``) the LCM channels of its messages.
     """
 
     about: str
@@ -32,12 +32,12 @@ class AnnouncedGraph:
 
 
 def announced_graph(about: About, catalog: Catalog) -> AnnouncedGraph:
-    """Return what a run says of its graph; what is not understood is left out.
+    """Return the graph announced by a run; unknown parts are left out.
 
     Raises
     ------
     UserError
-        It is not a graph, or too large to be drawn.
+        The announcement is not a graph, or too large to be drawn.
     """
     words = parse_yaml(about.graph_yaml.encode(), "graphnav.about")[0].plain()
     stages = _mapping(words, "stages")
@@ -49,8 +49,10 @@ def announced_graph(about: About, catalog: Catalog) -> AnnouncedGraph:
     reader = _Reader(catalog, _mapping(words, "channels"), inputs, outputs, about.channels)
     boxes = _wired([*reader.inputs(), *(reader.stage(name, stages[name]) for name in stages), *reader.outputs()])
     refs = [port.channel.ref for box in boxes for port in box.outputs]
-    said = words.get("about") if isinstance(words, dict) else None
-    return AnnouncedGraph(said if isinstance(said, str) else "", boxes, {ref: reader.names(ref) for ref in refs})
+    about_text = words.get("about") if isinstance(words, dict) else None
+    return AnnouncedGraph(
+        about_text if isinstance(about_text, str) else "", boxes, {ref: reader.names(ref) for ref in refs}
+    )
 
 
 class _Reader:
@@ -68,21 +70,21 @@ class _Reader:
         self._channels = channels
 
     def names(self, ref: str) -> tuple[str, ...]:
-        """Return the LCM channels on which the messages of a channel may come."""
+        """Return the LCM channels of the messages of a channel."""
         named = [self._renamed.get(ref, ref)]
         named += [_mapping(section, ref).get("channel") for section in (self._inputs, self._outputs)]
         return tuple(dict.fromkeys(name for name in named if isinstance(name, str))) or (ref,)
 
     def stage(self, name: str, words: Any) -> Box:
-        """Return the box of a stage; of one that is not installed, with the ports that the wires tell."""
+        """Return the box of a stage; the ports of a stage that is not installed are derived from the wires."""
         use = words.get("use") if isinstance(words, dict) else None
         wires = {port: ref for port, ref in _mapping(words, "in").items() if isinstance(ref, str)}
         try:
             stage_class = self._catalog.stage(str(use))
         except CatalogError:
             inputs = tuple(InPort(port, _channel(ref)) for port, ref in wires.items())
-            told = [ref for ref in self._channels if ref.rpartition(".")[0] == name]
-            outputs = tuple(self._output(ref, Message) for ref in told[:_MAX_PORTS])
+            ports_of_stage = [ref for ref in self._channels if ref.rpartition(".")[0] == name]
+            outputs = tuple(self._output(ref, Message) for ref in ports_of_stage[:_MAX_PORTS])
             return Box(name, name, str(use)[:_MAX_NAME], "stage" if wires else "source", inputs[:_MAX_PORTS], outputs)
         ports = ports_of(stage_class)
         return Box(
@@ -95,7 +97,7 @@ class _Reader:
         )
 
     def inputs(self) -> Iterator[Box]:
-        """Yield a box for each program that sends inputs."""
+        """Yield one box per group of inputs."""
         refs: dict[str, list[str]] = {}
         for ref in self._inputs:
             if stem := ref.rpartition(".")[0]:
@@ -106,7 +108,7 @@ class _Reader:
             yield Box(stem, stem, "log" if is_log else "input", "input", outputs=ports)
 
     def outputs(self) -> Iterator[Box]:
-        """Yield a box for each output."""
+        """Yield one box per output."""
         for ref in self._outputs:
             words = _mapping(self._outputs, ref)
             use = "motor output" if words.get("motor") is True else "output"
@@ -125,7 +127,7 @@ class _Reader:
 
 
 def _wired(boxes: list[Box]) -> tuple[Box, ...]:
-    """Return the boxes without wires that no box writes; the first one is a source if there is no other."""
+    """Return the boxes without wires from missing writers; the first one becomes a source if there is no other."""
     written = {port.channel.ref for box in boxes for port in box.outputs}
     kept: list[Box] = []
     for box in {box.key: box for box in boxes}.values():
@@ -145,6 +147,6 @@ def _channel(ref: str, message: type[Message] = Message) -> Channel:
 
 
 def _mapping(words: Any, key: str) -> dict[str, Any]:
-    """Return a section, empty where there is none; only entries whose names are as long as names can be."""
+    """Return a section, empty if missing, without entries with too long names."""
     found = words.get(key) if isinstance(words, dict) else None
     return {name: item for name, item in found.items() if 0 < len(name) <= _MAX_NAME} if isinstance(found, dict) else {}

@@ -1,4 +1,4 @@
-"""The newest message of the channel that a page shows: fields, plot, values under the cursor, picture."""
+"""Details of the open channel's newest message: fields, plot, values under the cursor, picture."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav.arrays import Bytes
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of
 from graphnav.messages import Message
 from graphnav.pictures import PictureContext, Pictures
-from graphnav.spy import Heard, plain, summarised
+from graphnav.spy import Received, plain, summarised
 from graphnav.view.content.moment import Moment
 from graphnav.view.message_types import Kind
 
@@ -23,28 +23,28 @@ _ROWS, _COLS = 480, 640
 _MAX_SERIES = 12
 _MAX_VALUES = 4
 _NOT_PLOTTED = {"utime", "seq", "interval_us", "step_px", "rows", "cols", "channels", "size"}
-"""The envelope, and what tells the shape of arrays."""
+"""The envelope and the sizes of arrays."""
 
 
 @dataclass(frozen=True)
 class Cursor:
-    """Where the cursor is on a picture: shares of its width and height."""
+    """The position of the cursor on a picture, as fractions of its width and height."""
 
     x_ratio: float
     y_ratio: float
 
 
 def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
-    """Return fields, plotted points and values under the cursor; None where the newest cannot be decoded."""
+    """Return fields, plotted points and values under the cursor; None if the newest message cannot be decoded."""
     values = _fields(moment.kind, moment.newest)
     if values is None:
         return None
     series = _series(values)
     points = []
-    for heard in moment.points:
-        if (found := _fields(moment.kind, heard)) is not None:
+    for received in moment.points:
+        if (found := _fields(moment.kind, received)) is not None:
             plotted = _series(found)
-            points.append([heard.at_s, *(plotted.get(name) for name in series)])
+            points.append([received.at_s, *(plotted.get(name) for name in series)])
     return {
         "fields": plain(summarised(values)),
         "series": list(series),
@@ -55,9 +55,9 @@ def details_of(moment: Moment, cursor: Cursor | None) -> dict[str, Any] | None:
 
 
 def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
-    """Return the newest message as PNG; None where no plugin draws its type.
+    """Return the newest message as PNG; None if no plugin draws its type.
 
-    Raises GraphnavError where it cannot be drawn.
+    Raises GraphnavError if it cannot be drawn.
     """
     message = _message(moment.kind, moment.newest)
     if message is None:
@@ -74,23 +74,23 @@ def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
     return None if picture is None else _png(picture)
 
 
-def _fields(kind: Kind, heard: Heard) -> dict[str, Any] | None:
+def _fields(kind: Kind, received: Received) -> dict[str, Any] | None:
     try:
-        return codec_of(kind.lcm_class).decode(heard.data)
+        return codec_of(kind.lcm_class).decode(received.data)
     except DecodeError:
         return None
 
 
-def _message(kind: Kind, heard: Heard) -> Message | None:
+def _message(kind: Kind, received: Received) -> Message | None:
     message_class = message_class_of(kind.lcm_class)
     try:
-        return None if message_class is None else decode(message_class, heard.data)[2]
+        return None if message_class is None else decode(message_class, received.data)[2]
     except DecodeError:
         return None
 
 
 def _series(values: Mapping[str, Any]) -> dict[str, float]:
-    """Return the numbers that are plotted: scalars, and the elements of arrays of a few."""
+    """Return the plotted numbers: scalars, and the elements of small arrays."""
     series: dict[str, float] = {}
     for name, value in values.items():
         if name in _NOT_PLOTTED or name.startswith("n_"):
@@ -105,7 +105,7 @@ def _series(values: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _under_cursor(moment: Moment, cursor: Cursor) -> dict[str, Any] | None:
-    """Return the cell of the message's grids below the cursor, and its values."""
+    """Return the grid cell under the cursor, and its values."""
     message = _message(moment.kind, moment.newest)
     grids = {name: getattr(message, name) for name in message.grid} if message else {}
     if not grids:

@@ -1,4 +1,4 @@
-"""The map of the world as data for the page: outlines in metres."""
+"""The map of the world as JSON-compatible values: outlines in metres."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MAX_VERTICES = 20_000
 
 
 def floor_map(data: bytes) -> dict[str, Any] | None:
-    """Return bodies, goal, start and footprint; None where the message is not a map or too large to be drawn."""
+    """Return bodies, goal, start and footprint; None if the message is not a map or too large to be drawn."""
     try:
         world = decode(Map, data)[2]
     except DecodeError:

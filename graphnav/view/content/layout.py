@@ -1,4 +1,4 @@
-"""The drawing of an announced graph as data for the page: the same boxes and paths as ``graphnav draw``."""
+"""The drawing of an announced graph as JSON-compatible values: the same boxes and paths as ``graphnav draw``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from graphnav.view.content.announced_graph import AnnouncedGraph
 
 _SIZES = Sizes(char=7.2, min_chars=17, row=28.0, gap_x=88.0, foot=30.0)
 _LABEL = 50.0
-"""Room for rate, latency and losses on every wire and behind the last box, and for the time of a step in every box."""
+"""Space for rate, latency and losses on every wire and after the last box, and for the step time in every box."""
 
 
 def layout_of(graph: AnnouncedGraph) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What the details of one channel are made of: its messages, and those of other channels at the same moment."""
+"""The messages for the details of one channel, and those of other channels with the same timestamp."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphnav.arrays import Doubles
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.channel import WatchedChannel
 from graphnav.view.message_types import Kind
 from graphnav.view.watch import Watch
@@ -18,22 +18,22 @@ from graphnav.view.watch import Watch
 class Moment:
     """The newest message of a channel and its type, and the messages to plot.
 
-    ``others``: by LCM type a message of each, of the same stamp where there is one, for what is drawn below the newest.
-    ``path_m``: where the robot was, (n, 2).
+    ``others``: one message per LCM type, with the same timestamp if there is one, for combined pictures. ``path_m``:
+    the robot's path, (n, 2).
     """
 
     kind: Kind
-    newest: Heard
-    points: list[Heard]
+    newest: Received
+    points: list[Received]
     others: Mapping[type, bytes]
     path_m: Doubles
 
 
 def moment_of(watch: Watch, channel: WatchedChannel, after: int) -> Moment | None:
-    """Return what there is of a channel, with the points behind message ``after``; None where nothing can be shown."""
+    """Return the messages of a channel, with the points after message ``after``; None if nothing can be shown."""
     if channel.kind is None or channel.newest is None:
         return None
-    points = [heard for number, heard in channel.history if number > after]
+    points = [received for number, received in channel.history if number > after]
     if not channel.history and channel.count > after:
         points = [channel.newest]
     stamp = _stamp(channel)
@@ -48,7 +48,7 @@ def moment_of(watch: Watch, channel: WatchedChannel, after: int) -> Moment | Non
 
 
 def _stamp(channel: WatchedChannel) -> int | None:
-    """Return the stamp of the newest message that is kept."""
+    """Return the timestamp of the newest stored message."""
     if channel.kind is None or channel.newest is None:
         return None
     stamped = channel.kind.stamp(channel.newest.data)

@@ -1,4 +1,4 @@
-"""A running graph, or a log, served over Foxglove's WebSocket protocol."""
+"""Serve a running graph, or a log, over Foxglove's WebSocket protocol."""
 
 from graphnav.view.foxglove.live_feed import LiveFeed
 from graphnav.view.foxglove.log_player import LogPlayer

@@ -1,4 +1,4 @@
-"""Messages on their way from whoever hears them to whoever shows them: bounded, the oldest give way."""
+"""A bounded queue of messages between the receive thread and the server; the oldest are dropped."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 _MAX_BYTES = 32 << 20
 _PER_MESSAGE_BYTES = 256
-"""What the queue itself needs of each message."""
+"""Memory overhead of a queued message."""
 
 
 class Arrival(NamedTuple):
-    """A message; ``utime``: when it arrived, or where in the log it is, microseconds.
+    """A message; ``utime``: its arrival, or its time in the log, microseconds.
 
-    ``is_past``: it only counts for what is drawn later, as the poses of the path behind the robot.
+    ``is_past``: it is not shown itself, but used by later pictures, such as the poses of the robot's path.
     """
 
     channel: str
@@ -24,14 +24,14 @@ class Arrival(NamedTuple):
 
     @property
     def n_bytes(self) -> int:
-        """What it takes in memory."""
+        """Its size in memory."""
         return len(self.data) + _PER_MESSAGE_BYTES
 
 
 class Batch(NamedTuple):
-    """What came since the last time; ``is_jump``: at another place of the log than what came before.
+    """The messages since the last batch; ``is_jump``: whether the log has jumped to another time.
 
-    ``n_dropped``: messages that came too fast to be kept.
+    ``n_dropped``: messages dropped by the queue.
     """
 
     arrivals: list[Arrival]
@@ -49,13 +49,13 @@ class Arrivals:
         self._is_jump = False
 
     def put(self, arrival: Arrival) -> None:
-        """Hand over a message; returns at once."""
+        """Queue a message; returns immediately."""
         with self._changed:
             self._append(arrival)
             self._changed.notify()
 
     def jump(self, arrivals: list[Arrival]) -> None:
-        """Forget what waits, and go on from another place of the log, where these are what was said before."""
+        """Clear the queue and continue at another time of the log, preceded by these earlier messages."""
         with self._changed:
             self._waiting.clear()
             self._n_bytes = 0
@@ -65,7 +65,7 @@ class Arrivals:
             self._changed.notify()
 
     def take(self, timeout_s: float) -> Batch:
-        """Return all that waits, after waiting for something."""
+        """Wait for messages and return all of them."""
         with self._changed:
             if not self._waiting and not self._is_jump:
                 self._changed.wait(timeout_s)
@@ -76,7 +76,7 @@ class Arrivals:
             return batch
 
     def wake(self) -> None:
-        """Let whoever waits for messages look at what else there is to do."""
+        """Wake the thread that waits in `take`."""
         with self._changed:
             self._changed.notify()
 

@@ -1,4 +1,4 @@
-"""Turns the messages that are heard into Foxglove's, those that somebody has subscribed to."""
+"""Convert received messages with subscribers to Foxglove messages."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from graphnav.export.message_types import MessageTypes
 from graphnav.messages import About, Map, Message, Odometry, State
 from graphnav.pictures import Pictures
 from graphnav.record import ABOUT
-from graphnav.spy import Heard
+from graphnav.spy import Received
 from graphnav.view.announcements import Announcements
 from graphnav.view.foxglove.arrivals import Arrival, Batch
-from graphnav.view.foxglove.heard_past import HeardPast
 from graphnav.view.foxglove.losses import Losses, Reason
+from graphnav.view.foxglove.message_history import MessageHistory
 from graphnav.view.foxglove.shown_channels import ShownChannel, ShownChannels
 from graphnav.view.message_types import Kinds
 
@@ -30,10 +30,10 @@ _POSE_TOPICS = (POSE_TOPIC, TRANSFORM_TOPIC)
 
 
 class Converter:
-    """Logs to the topics of ``foxglove`` what belongs there of the messages; one thread calls it.
+    """Converts messages and logs them to the topics of ``foxglove``; used by one thread.
 
-    A message is decoded only if a client has subscribed to one of its topics. Whatever it holds, nothing is raised.
-    ``source``: what the lines of text call the feed.
+    A message is decoded only if a client has subscribed to one of its topics. Invalid messages never raise. ``source``:
+    the name of the feed in lines of text.
     """
 
     def __init__(self, foxglove: FoxgloveChannels, catalog: Catalog, source: str) -> None:
@@ -41,7 +41,7 @@ class Converter:
         self._foxglove, self._source = foxglove, source
         self._types = MessageTypes(catalog)
         self.channels = ShownChannels(foxglove, self._types)
-        self._past = HeardPast(self._types)
+        self._past = MessageHistory(self._types)
         self._messages = MessageEntries(Pictures(catalog), self._past)
         self._lines = Lines()
         self._kinds = Kinds()
@@ -54,20 +54,20 @@ class Converter:
             foxglove.offer(topic)
 
     def show(self, batch: Batch) -> None:
-        """Show what came; of a channel's messages that came at once, only the newest is drawn."""
+        """Show a batch; only the newest message of each channel is drawn."""
         if batch.is_jump:
-            self._begin_anew()
+            self._reset()
             self.losses.forget_messages()
         if batch.n_dropped:
             self.losses.add(Reason.TOO_FAST, n=batch.n_dropped)
         newest = {arrival.channel: arrival for arrival in batch.arrivals}
         for arrival in batch.arrivals:
-            self._hear(arrival, is_drawn=newest[arrival.channel] is arrival)
+            self._receive(arrival, is_drawn=newest[arrival.channel] is arrival)
         if self._foxglove.is_wanted(LOG_TOPIC):
             self._tell(self.losses.due())
 
     def show_again(self, topics: Collection[str]) -> None:
-        """Show the newest of topics that clients have just subscribed to."""
+        """Show the newest message of newly subscribed topics."""
         wanted = [topic for topic in topics if self._foxglove.is_wanted(topic)]
         shown = {channel.name: channel for topic in wanted if (channel := self.channels.of_topic(topic)) is not None}
         for channel in shown.values():
@@ -84,14 +84,14 @@ class Converter:
             self._show_path()
 
     def tell(self, lines: Iterable[Line]) -> None:
-        """Tell lines of text."""
+        """Log lines of text."""
         for line in lines:
             self._foxglove.add(line)
 
-    def _hear(self, arrival: Arrival, *, is_drawn: bool) -> None:
+    def _receive(self, arrival: Arrival, *, is_drawn: bool) -> None:
         self._now_us = arrival.utime
         if arrival.channel == ABOUT:
-            self._hear_about(arrival)
+            self._receive_about(arrival)
         kind = self._kinds.of(arrival.data)
         if kind is None:
             self.losses.add(Reason.UNKNOWN_TYPE, arrival.channel)
@@ -99,37 +99,37 @@ class Converter:
         if len(arrival.data) < kind.min_bytes:
             self.losses.add(Reason.UNDECODABLE, arrival.channel)
             return
-        channel = self.channels.hear(arrival, kind.lcm_class)
+        channel = self.channels.receive(arrival, kind.lcm_class)
         if channel is None:
             self.losses.add(Reason.UNTRACKED)
             return
         if channel.message_type is not None:
-            self._past.hear(arrival, kind.lcm_class, channel.message_type)
+            self._past.receive(arrival, kind.lcm_class, channel.message_type)
         if not arrival.is_past:
             self._show(channel, arrival, self._wanted(channel, is_drawn=is_drawn))
             self._show_along(channel, arrival)
 
-    def _hear_about(self, arrival: Arrival) -> None:
-        """Notice a new run: what it announces takes the place of what the run before announced."""
-        about = self._announcements.hear(Heard(arrival.channel, arrival.data, arrival.utime / 1e6))
+    def _receive_about(self, arrival: Arrival) -> None:
+        """Detect a new run, whose announcement replaces the previous one."""
+        about = self._announcements.receive(Received(arrival.channel, arrival.data, arrival.utime / 1e6))
         if about is None or (self._about is not None and about.run_id == self._about.run_id):
             return
         if self._about is not None:
-            self._begin_anew()
+            self._reset()
         self._about = about
         self.channels.announce(about, arrival.utime)
         if self._foxglove.is_wanted(LOG_TOPIC):
             self._tell([text for text in [heading(about)] if text], Level.INFO)
 
-    def _begin_anew(self) -> None:
-        """Forget what was before: another run, or another place in the log."""
+    def _reset(self) -> None:
+        """Clear the history, for another run or another time of the log."""
         self._past.forget()
         self.channels.forget_newest()
         self._lines = Lines()
         self._path_due_s = 0.0
 
     def _wanted(self, channel: ShownChannel, *, is_drawn: bool) -> list[str]:
-        """Return the topics for which a channel's messages are to be decoded."""
+        """Return the topics for which a channel's messages must be decoded."""
         topics = list(channel.topics if is_drawn else channel.topics[:1])
         if channel.message_type in LINE_TYPES:
             topics.append(LOG_TOPIC)
@@ -142,7 +142,7 @@ class Converter:
             self._show(channel, channel.newest, topics)
 
     def _show(self, channel: ShownChannel, arrival: Arrival, topics: list[str]) -> None:
-        """Show a message of a channel on some of the topics that it belongs to."""
+        """Show a message of a channel on some of its topics."""
         if not topics:
             return
         try:
@@ -181,7 +181,7 @@ class Converter:
             self.losses.add(Reason.UNDRAWN, channel.name, self._messages.undrawn[channel.name])
 
     def _show_along(self, channel: ShownChannel, arrival: Arrival) -> None:
-        """Show what follows from a message beside its own topics: a new map, the path until now."""
+        """Show what a message changes on other topics: the map, the path."""
         if channel.name == self._past.channel_of(Map) and self._world != (channel.name, arrival.data):
             self._world = channel.name, arrival.data
             if self._foxglove.is_wanted(MAP_TOPIC) or self._foxglove.is_wanted(ROBOT_TOPIC):
@@ -193,7 +193,7 @@ class Converter:
                 self._show_path()
 
     def _show_world(self) -> None:
-        """Show the map and the robot that it tells of."""
+        """Show the map and the robot's shape."""
         world = self._past.find(Map)
         if world is not None:
             self._foxglove.add(World(self._now_us, world))

@@ -1,4 +1,4 @@
-"""What clients ask for, noted by the threads of the SDK for the thread that serves; nothing is done there."""
+"""Record the requests of clients, in threads of the SDK, for the server's thread."""
 
 from __future__ import annotations
 
@@ -13,47 +13,47 @@ _STATUS = {Status.PLAYING: "Playing", Status.PAUSED: "Paused", Status.ENDED: "En
 
 
 class Listener:
-    """Implements the SDK's ``ServerListener`` as far as clients may ask for something.
+    """Implements the SDK's ``ServerListener`` for subscriptions and playback control.
 
-    ``websocket``: the module ``foxglove.websocket``. ``wake``: called when there is something to do.
+    ``websocket``: the module ``foxglove.websocket``. ``wake``: called on each request.
     """
 
     def __init__(self, websocket: Any, player: LogPlayer | None, wake: Callable[[], None]) -> None:
         self._websocket, self._player, self._wake = websocket, player, wake
         self._lock = threading.Lock()
-        self._asked: set[str] = set()
-        self.told: Playback | None = None
+        self._new_topics: set[str] = set()
+        self.sent: Playback | None = None
 
-    def asked(self) -> set[str]:
-        """Return the topics that clients have subscribed to since the last time."""
+    def new_topics(self) -> set[str]:
+        """Return the topics subscribed since the last call."""
         with self._lock:
-            asked, self._asked = self._asked, set()
-            return asked
+            topics, self._new_topics = self._new_topics, set()
+            return topics
 
     def on_subscribe(self, _client: Any, channel: Any) -> None:
-        """Note a topic; a log begins to play with the first one."""
+        """Record a topic; a log starts playing with the first one."""
         with self._lock:
-            self._asked.add(channel.topic)
+            self._new_topics.add(channel.topic)
         if self._player is not None:
             self._player.begin()
         self._wake()
 
     def on_unsubscribe(self, _client: Any, _channel: Any) -> None:
-        """Do nothing: whether a topic is wanted is asked with every message."""
+        """Do nothing: subscriptions are checked for every message."""
 
-    def on_playback_control_request(self, asked: Any) -> Any:
-        """Play, pause, seek; returns the answer, which goes to all clients."""
+    def on_playback_control_request(self, request: Any) -> Any:
+        """Play, pause, seek; return the new state, which is sent to all clients."""
         if self._player is None:
             return None
-        seek_us = None if asked.seek_time is None else asked.seek_time // 1000 - self._player.begin_us
-        is_play = asked.playback_command == self._websocket.PlaybackCommand.Play
-        playback = self._player.obey(Request(is_play, asked.playback_speed, seek_us))
-        self.told = playback
+        seek_us = None if request.seek_time is None else request.seek_time // 1000 - self._player.begin_us
+        is_play = request.playback_command == self._websocket.PlaybackCommand.Play
+        playback = self._player.apply(Request(is_play, request.playback_speed, seek_us))
+        self.sent = playback
         self._wake()
-        return self.state_of(playback, did_seek=seek_us is not None, request_id=asked.request_id)
+        return self.state_of(playback, did_seek=seek_us is not None, request_id=request.request_id)
 
     def state_of(self, playback: Playback, *, did_seek: bool = False, request_id: str | None = None) -> Any:
-        """Return where a log is being played as the SDK tells it to clients."""
+        """Return the playback state as a message of the SDK."""
         assert self._player is not None
         return self._websocket.PlaybackState(
             status=getattr(self._websocket.PlaybackStatus, _STATUS[playback.status]),

@@ -1,16 +1,16 @@
-"""A multicast group as it arrives, heard by a thread that does nothing else."""
+"""Receive a multicast group in a separate thread."""
 
 from __future__ import annotations
 
 from graphnav.errors import GraphnavError, one_line
-from graphnav.spy import Feed, FeedListener, Heard
+from graphnav.spy import Feed, FeedListener, Received
 from graphnav.view.foxglove.arrivals import Arrival, Arrivals
 
 
 class LiveFeed:
-    """Listens on a group; it may start before anything is published there, and outlives those who publish.
+    """Receives a group; it may start before any publisher, and outlives publishers.
 
-    ``failure`` says what ended it, empty while it goes on.
+    ``failure``: the error that ended it, empty while it runs.
     """
 
     def __init__(self, feed: Feed) -> None:
@@ -22,21 +22,21 @@ class LiveFeed:
         self._listener = FeedListener(feed, self._take, self._fail, "graphnav-foxglove")
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Start receiving."""
         self._listener.start()
 
     def close(self) -> None:
-        """Stop listening."""
+        """Stop receiving."""
         self._listener.close()
 
     def newly_dropped_packets(self) -> int:
-        """Return how many packets the kernel has dropped since the last time, before they could be heard."""
+        """Return the number of packets dropped by the kernel since the last call."""
         before, self._n_dropped = self._n_dropped, self._feed.dropped_packets()
         return self._n_dropped - before
 
-    def _take(self, heard: Heard) -> None:
-        utime = round((heard.at_s + self._epoch_s) * 1e6)
-        self.arrivals.put(Arrival(heard.channel, utime, heard.data))
+    def _take(self, received: Received) -> None:
+        utime = round((received.at_s + self._epoch_s) * 1e6)
+        self.arrivals.put(Arrival(received.channel, utime, received.data))
 
     def _fail(self, error: GraphnavError | OSError) -> None:
         self.failure = one_line(error)

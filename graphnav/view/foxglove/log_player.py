@@ -1,4 +1,4 @@
-"""A log, played by a thread: play, pause, seek, speed."""
+"""Play a log in a thread: play, pause, seek, speed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from graphnav.codec import message_class_of
 from graphnav.export.entries.run_entries import MAX_UTIME
 from graphnav.export.log_pass import POSES
-from graphnav.player import Pace
+from graphnav.player import PlaybackClock
 from graphnav.record import Recording
 from graphnav.view.foxglove.arrivals import Arrival, Arrivals
 from graphnav.view.foxglove.playback import Playback, Request, Status
@@ -17,14 +17,14 @@ from graphnav.view.foxglove.playback import Playback, Request, Status
 _MAX_POSES = 4000
 _MAX_WAIT_S = 0.2
 _BLOCK = 256
-"""So many events are handed over at once, before anything else is looked at."""
+"""The maximum number of events handed over before requests are handled."""
 
 
 class LogPlayer:
-    """Plays a log, at first standing at its beginning; times count from there, in microseconds.
+    """Plays a log, initially paused at its beginning; times are microseconds from there.
 
-    ``begin_us`` is added to them for viewers: the stamp of the first event, 0 where no viewer could show that. Whoever
-    shows the messages may call all methods from any thread. Raises LogError where the file cannot be read.
+    ``begin_us`` is added to them for viewers: the timestamp of the first event, 0 if out of range for viewers. All
+    methods are thread-safe. Raises LogError if the file cannot be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -38,7 +38,7 @@ class LogPlayer:
         self.duration_us = timeline.duration_us
         first_us = self.recording.begin_us
         self.begin_us = first_us if 0 <= first_us < MAX_UTIME - self.duration_us else 0
-        self._pace = Pace()
+        self._pace = PlaybackClock()
         self._pace.pause()
         self._next = self._jumps = 0
         self._is_jump_due = True
@@ -54,16 +54,16 @@ class LogPlayer:
 
     @property
     def state(self) -> Playback:
-        """Where the log is being played."""
+        """The playback state."""
         with self._changed:
             return self._state()
 
     def start(self) -> None:
-        """Show the beginning."""
+        """Start the thread, paused at the beginning."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop, and let go of the file."""
+        """Stop, and close the file."""
         with self._changed:
             self._is_closing = True
             self._changed.notify()
@@ -71,7 +71,7 @@ class LogPlayer:
         self.recording.close()
 
     def begin(self) -> None:
-        """Play, unless that was asked for before."""
+        """Play, unless a request came before."""
         with self._changed:
             if not self._is_begun:
                 self._is_begun = True
@@ -79,8 +79,8 @@ class LogPlayer:
                 self._pace.resume()
                 self._changed.notify()
 
-    def obey(self, request: Request) -> Playback:
-        """Do what is asked for, as far as it can be done; return what is so from now on."""
+    def apply(self, request: Request) -> Playback:
+        """Apply a request within limits; return the new state."""
         with self._changed:
             self._is_begun = True
             seek_us = request.seek_us
@@ -126,7 +126,7 @@ class LogPlayer:
         return min(max(self._pace.wait_s(self._at_us[self._next]), 0.0), _MAX_WAIT_S)
 
     def _jump(self, at_us: float) -> None:
-        """Hand over the last message of each channel until then, after the poses that make the path until there."""
+        """Hand over the last message of each channel up to a time, preceded by the poses of the path."""
         self._is_jump_due = False
         self._next = bisect_right(self._at_us, at_us)
         past: set[int] = set()

@@ -1,4 +1,4 @@
-"""Where a log is being played, as Foxglove's playback controls ask for it and are told."""
+"""The playback state of a log, and requests of Foxglove's playback controls."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _MIN_SPEED_RATIO, _MAX_SPEED_RATIO = 0.01, 100.0
 
 
 class Status(Enum):
-    """Whether the time of the log goes on."""
+    """Whether the log is playing."""
 
     PLAYING = "playing"
     PAUSED = "paused"
@@ -19,9 +19,9 @@ class Status(Enum):
 
 @dataclass(frozen=True)
 class Playback:
-    """Where a log is being played: microseconds from its beginning, seconds of the log per second.
+    """The playback state: microseconds from the beginning of the log, seconds of the log per second.
 
-    ``jump`` grows with every jump.
+    ``jump``: the number of jumps.
     """
 
     status: Status
@@ -32,14 +32,14 @@ class Playback:
 
 @dataclass(frozen=True)
 class Request:
-    """What a client asks for; ``seek_us`` is None where it stays where it is."""
+    """A request of a client; ``seek_us``: None without a jump."""
 
     is_play: bool
     speed_ratio: float
     seek_us: int | None = None
 
     def speed_after(self, speed_ratio: float) -> float:
-        """Return the speed that is asked for, within limits; the one before where it is not a speed."""
+        """Return the requested speed, within limits; the previous speed if it is invalid."""
         if not math.isfinite(self.speed_ratio) or self.speed_ratio <= 0:
             return speed_ratio
         return min(max(self.speed_ratio, _MIN_SPEED_RATIO), _MAX_SPEED_RATIO)

@@ -1,4 +1,4 @@
-"""The server of Foxglove's WebSocket protocol, by Foxglove's own SDK."""
+"""Serve Foxglove's WebSocket protocol with Foxglove's SDK."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from graphnav.view.web.hosts import bracketed
 _WAIT_S = 0.05
 _COUNT_S = 1.0
 _BACKLOG = 512
-"""So many messages wait for a client that reads slowly; then the oldest are dropped."""
+"""The queue length for a slow client; beyond it the oldest messages are dropped."""
 
 
 class FoxgloveServer:
     """Serves one feed to Foxglove, or to any other client of the protocol ``foxglove.sdk.v1``.
 
-    Raises UserError where the SDK is not installed.
+    Raises UserError if the SDK is not installed.
     """
 
     def __init__(self, source: LiveFeed | LogPlayer, catalog: Catalog) -> None:
@@ -46,14 +46,14 @@ class FoxgloveServer:
     def serve(self, host: str, port: int, ready: Callable[[str, str], None], ending: threading.Event) -> None:
         """Serve until ``ending`` is set.
 
-        ``ready`` gets the address to connect to, and that of Foxglove's web app which then connects to it.
+        ``ready`` is called with the address to connect to, and that of Foxglove's web app connected to it.
 
         Raises
         ------
         OSError
             It cannot listen there.
         UserError
-            The SDK cannot, for another reason.
+            The SDK fails for another reason.
         """
         context = self._foxglove.Context()
         converter = Converter(FoxgloveChannels(context), self._catalog, self._source.name)
@@ -88,7 +88,7 @@ class FoxgloveServer:
 
     def _loop(self, server: Any, converter: Converter, listener: Listener, ending: threading.Event) -> None:
         failure = ""
-        told = self._player.state if self._player is not None else None
+        sent = self._player.state if self._player is not None else None
         count_due_s = time.monotonic()
         while not ending.is_set():
             if isinstance(self._source, LiveFeed) and (now_s := time.monotonic()) >= count_due_s:
@@ -97,31 +97,31 @@ class FoxgloveServer:
                     converter.losses.add(Reason.DROPPED, n=n_dropped)
             batch = self._source.arrivals.take(_WAIT_S)
             converter.show(batch)
-            if asked := listener.asked():
-                converter.show_again(asked)
-            if told is not None:
-                told = self._tell_playback(server, converter, listener, told)
+            if topics := listener.new_topics():
+                converter.show_again(topics)
+            if sent is not None:
+                sent = self._tell_playback(server, converter, listener, sent)
             if self._source.failure != failure:
                 failure = self._source.failure
                 converter.losses.add(Reason.FEED, why=failure)
 
-    def _tell_playback(self, server: Any, converter: Converter, listener: Listener, told: Playback) -> Playback:
-        """Tell clients the time of the log, and what of its playing they have not been told yet."""
+    def _tell_playback(self, server: Any, converter: Converter, listener: Listener, sent: Playback) -> Playback:
+        """Send clients the time of the log, and its playback state if that has changed."""
         player = self._player
         assert player is not None
         now = player.state
         server.broadcast_time((player.begin_us + now.at_us) * 1000)
-        answered, listener.told = listener.told, None
-        told = answered or told
-        if (now.status, now.speed_ratio) != (told.status, told.speed_ratio):
-            server.broadcast_playback_state(listener.state_of(now, did_seek=now.jump != told.jump))
-        if now.status is Status.ENDED and told.status is not Status.ENDED:
+        answered, listener.sent = listener.sent, None
+        sent = answered or sent
+        if (now.status, now.speed_ratio) != (sent.status, sent.speed_ratio):
+            server.broadcast_playback_state(listener.state_of(now, did_seek=now.jump != sent.jump))
+        if now.status is Status.ENDED and sent.status is not Status.ENDED:
             converter.tell(outcome_lines(player.recording, player.begin_us, player.begin_us + player.duration_us))
         return now
 
 
 def _prepare(converter: Converter, player: LogPlayer) -> None:
-    """Offer the channels of a log before they are played, and note what is damaged."""
+    """Offer the channels of a log before it is played, and report its damage."""
     for name, lcm_class in player.recording.channels.items():
         if lcm_class is not None:
             converter.channels.offer(name, lcm_class, player.begin_us)
@@ -130,7 +130,7 @@ def _prepare(converter: Converter, player: LogPlayer) -> None:
 
 
 def _probe(host: str, port: int) -> None:
-    """Raise OSError, with its number, where the address cannot be bound: the SDK gives only a string."""
+    """Raise OSError, with its number, if the address cannot be bound: the SDK gives only a string."""
     family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     with socket.socket(family, kind, protocol) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

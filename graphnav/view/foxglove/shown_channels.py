@@ -1,4 +1,4 @@
-"""The LCM channels that are on offer: their types, their topics, their newest messages; all of it bounded."""
+"""The LCM channels offered to clients: types, topics, newest messages, with bounded memory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav.messages import About, Message
 from graphnav.view.foxglove.arrivals import Arrival
 
 _MAX_CHANNELS = 240
-"""Their topics are told to a client at once, and may not be more than the SDK's queue for it holds."""
+"""All topics are sent to a client at once, and must fit the SDK's queue."""
 _FORGET_US = 60_000_000
 _FORGET_EVERY_US = 1_000_000
 _MAX_KEPT_BYTES = 64 << 20
@@ -27,11 +27,11 @@ class ShownChannel:
     message_type: type[Message] | None
     topics: tuple[str, ...]
     newest: Arrival | None = None
-    heard_us: int = field(default=0)
+    received_us: int = field(default=0)
 
 
 class ShownChannels:
-    """At most 240 channels, by name and by topic; the silent ones give way to new ones, all to announced ones."""
+    """At most 240 channels, by name and by topic; new channels replace silent ones, announced ones any others."""
 
     def __init__(self, foxglove: FoxgloveChannels, types: MessageTypes) -> None:
         self._foxglove, self._types = foxglove, types
@@ -49,19 +49,19 @@ class ShownChannels:
         """Return a channel."""
         return self._by_name.get(name)
 
-    def hear(self, arrival: Arrival, lcm_class: type) -> ShownChannel | None:
-        """Return the channel of a message, on offer from now on; None when full."""
+    def receive(self, arrival: Arrival, lcm_class: type) -> ShownChannel | None:
+        """Return the channel of a message, offered from now on; None when full."""
         channel = self.offer(arrival.channel, lcm_class, arrival.utime)
         if channel is None:
             return None
-        channel.heard_us = arrival.utime
+        channel.received_us = arrival.utime
         self._kept_bytes -= channel.newest.n_bytes if channel.newest else 0
         channel.newest = arrival if self._kept_bytes + arrival.n_bytes <= _MAX_KEPT_BYTES else None
         self._kept_bytes += channel.newest.n_bytes if channel.newest else 0
         return channel
 
     def offer(self, name: str, lcm_class: type, now_us: int) -> ShownChannel | None:
-        """Offer the topics of a channel, in place of those of another type that it had; None where there is no room."""
+        """Offer the topics of a channel, replacing those of a previous type; None when full."""
         channel = self._by_name.get(name)
         if channel is not None and channel.lcm_class is lcm_class:
             return channel
@@ -80,25 +80,25 @@ class ShownChannels:
         return channel
 
     def announce(self, about: About, now_us: int) -> None:
-        """Offer what a new run announces, in place of what the run before announced."""
-        told = dict(zip(about.channels[:_MAX_CHANNELS], about.types, strict=False))
-        for name in self._announced - told.keys():
+        """Offer the channels announced by a new run, replacing those of the previous run."""
+        announced = dict(zip(about.channels[:_MAX_CHANNELS], about.types, strict=False))
+        for name in self._announced - announced.keys():
             self.withdraw(name)
-        self._announced = set(told)
-        for name, type_name in told.items():
-            # of a deeper name the search alone would import the package
+        self._announced = set(announced)
+        for name, type_name in announced.items():
+            # searching for a deeper name would import the package
             lcm_class = type_named(type_name) if type_name.count(".") == 1 else None
             if lcm_class is not None:
                 self.offer(name, lcm_class, now_us)
 
     def forget_newest(self) -> None:
-        """Let go of all messages: they are of another place in the log, or of another run."""
+        """Drop all messages, for another time of the log or another run."""
         for channel in self._by_name.values():
             channel.newest = None
         self._kept_bytes = 0
 
     def withdraw(self, name: str) -> None:
-        """End the topics of a channel."""
+        """Close the topics of a channel."""
         channel = self._by_name.pop(name, None)
         if channel is None:
             return
@@ -108,21 +108,21 @@ class ShownChannels:
         self._foxglove.withdraw_channel(name)
 
     def _make_room(self, name: str, now_us: int) -> bool:
-        """Withdraw what is silent; for a channel that the run announced, else one that it did not announce."""
+        """Withdraw silent channels; for an announced channel, otherwise one that was not announced."""
         if self._forget_silent(now_us):
             return True
         others = [channel for channel in self._by_name.values() if channel.name not in self._announced]
         if name not in self._announced or not others:
             return False
-        self.withdraw(min(others, key=lambda channel: channel.heard_us).name)
+        self.withdraw(min(others, key=lambda channel: channel.received_us).name)
         return True
 
     def _forget_silent(self, now_us: int) -> bool:
-        """Withdraw the channels that are silent for a minute; return whether there are any."""
+        """Withdraw the channels that were silent for a minute; return whether there were any."""
         if now_us - self._forgot_us < _FORGET_EVERY_US:
             return False
         self._forgot_us = now_us
-        silent = [channel.name for channel in self._by_name.values() if now_us - channel.heard_us > _FORGET_US]
+        silent = [channel.name for channel in self._by_name.values() if now_us - channel.received_us > _FORGET_US]
         for name in silent:
             self.withdraw(name)
         return bool(silent)

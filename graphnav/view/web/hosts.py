@@ -1,4 +1,4 @@
-"""Which requests are this server's own: a page of another site must not reach it, by no name that it gives us."""
+"""Check the Host and Origin headers, so that pages of other sites cannot reach this server."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _HTTP = 80
 
 
 class Hosts:
-    """The names by which the page may be asked for.
+    """The host names accepted in requests.
 
-    On this machine only those of the loopback interface: a name that somebody's DNS leads here (DNS rebinding) is
-    refused. On all interfaces any address, which no DNS can forge, and the machine's own name.
+    On the loopback interface only its own names: other DNS names that resolve to it (DNS rebinding) are rejected. On
+    all interfaces any IP address, which DNS cannot forge, and the machine's host name.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -27,14 +27,14 @@ class Hosts:
             self._names.add(socket.gethostname().lower())
 
     def admits(self, hosts: Sequence[str]) -> bool:
-        """Whether the Host headers of a request, which has to be one, name this server."""
+        """Whether a request has exactly one Host header, which names this server."""
         found = _HOST.fullmatch(hosts[0].lower()) if len(hosts) == 1 else None
         if found is None or int(found[2] or _HTTP) != self._port:
             return False
         return found[1] in self._names or (self._is_everywhere and _address(found[1].strip("[]")) is not None)
 
     def admits_origin(self, origins: Sequence[str], host: str) -> bool:
-        """Whether a request comes from the page that this server gave out under the name ``host``."""
+        """Whether a request comes from the page served under the name ``host``."""
         return len(origins) == 1 and origins[0].lower() == f"http://{host.lower()}"
 
 
@@ -45,14 +45,14 @@ def is_loopback(host: str) -> bool:
 
 
 def url_of(host: str, port: int) -> str:
-    """Return where a browser on this machine finds the page."""
+    """Return the URL of the page for a browser on this machine."""
     address = _address(host)
     shown = "127.0.0.1" if address is not None and address.is_unspecified else bracketed(host)
     return f"http://{shown}:{port}/"
 
 
 def bracketed(host: str) -> str:
-    """Return an address as URLs have it."""
+    """Return an address in URL notation."""
     return f"[{host}]" if ":" in host else host
 
 

@@ -1,4 +1,4 @@
-"""The files of the page and the headers that they are served with."""
+"""The files of the page and their HTTP headers."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ SECURITY_HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-"""Nothing is loaded, sent or framed but by this server's own pages; what comes over LCM cannot become a script."""
+"""Restricts loading, sending and framing to this server's pages; LCM data cannot become a script."""
 
 
 class PageFile(NamedTuple):
-    """A file as it is sent."""
+    """A file and its content type."""
 
     content_type: str
     body: bytes
 
 
 def page_files() -> Mapping[str, PageFile]:
-    """Return every file of the page by its route; there are no other routes but that of the updates."""
+    """Return every file of the page by its route; the only other route is that of the updates."""
     found = {}
     for file in files("graphnav.view.web").joinpath("page").iterdir():
         content_type = _TYPES.get(file.name[file.name.rfind(".") :])

@@ -1,4 +1,4 @@
-"""What a page asks for, checked: a browser may send anything."""
+"""Parse and validate the requests of a page."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ACTIONS = ("play", "pause", "seek", "step", "speed")
 
 @dataclass(frozen=True)
 class View:
-    """What is on a page: the channel that is open, whether the map is, the run, where the cursor is on the picture."""
+    """The view of a page: the open channel, whether the map is open, the run, the cursor on the picture."""
 
     channel: str | None = None
     with_map: bool = False
@@ -26,59 +26,62 @@ class View:
 
 @dataclass(frozen=True)
 class Shown:
-    """The page has drawn everything up to an update of this number."""
+    """Acknowledges that the page has drawn all updates up to this number."""
 
     number: int
 
 
 @dataclass(frozen=True)
-class LogOrder:
-    """What to do with the log: "play", "pause", "seek" (s), "step" (1 or -1), "speed" (ratio)."""
+class LogCommand:
+    """A playback command: "play", "pause", "seek" (s), "step" (1 or -1), "speed" (ratio)."""
 
     action: str
     value: float = 0.0
 
 
-class OrderError(GraphnavError):
-    """What came is not an order."""
+class RequestError(GraphnavError):
+    """A page sent an invalid request."""
 
 
-def parse_order(text: str | bytes) -> View | Shown | LogOrder:
-    """Return what a page sent; raises OrderError for anything else."""
+def parse_request(text: str | bytes) -> View | Shown | LogCommand:
+    """Parse a request of a page; raises RequestError if it is invalid."""
     try:
-        said = json.loads(text)
+        request = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise OrderError("not JSON") from error
-    if not isinstance(said, dict):
-        raise OrderError("not a mapping")
-    match said.get("kind"):
+        raise RequestError("not JSON") from error
+    if not isinstance(request, dict):
+        raise RequestError("not a mapping")
+    match request.get("kind"):
         case "view":
             return View(
-                _name(said.get("channel")), said.get("map") is True, _name(said.get("run")), _cursor(said.get("cursor"))
+                _name(request.get("channel")),
+                request.get("map") is True,
+                _name(request.get("run")),
+                _cursor(request.get("cursor")),
             )
         case "shown":
-            return Shown(int(_number(said.get("number"))))
-        case "log" if said.get("action") in _ACTIONS:
-            return LogOrder(said["action"], _number(said.get("value", 0)))
-    raise OrderError("an unknown kind of order")
+            return Shown(int(_number(request.get("number"))))
+        case "log" if request.get("action") in _ACTIONS:
+            return LogCommand(request["action"], _number(request.get("value", 0)))
+    raise RequestError("an unknown kind of request")
 
 
 def _name(value: Any) -> str | None:
     if value is None or (isinstance(value, str) and len(value) <= _MAX_NAME):
         return value
-    raise OrderError("not a name")
+    raise RequestError("not a name")
 
 
 def _number(value: Any) -> float:
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e15 and math.isfinite(value):
         return float(value)
-    raise OrderError("not a number")
+    raise RequestError("not a number")
 
 
 def _cursor(value: Any) -> Cursor | None:
     if value is None:
         return None
     if not isinstance(value, list) or len(value) != 2:
-        raise OrderError("not a place")
+        raise RequestError("not a position")
     x_ratio, y_ratio = map(_number, value)
     return Cursor(x_ratio, y_ratio) if 0 <= x_ratio < 1 and 0 <= y_ratio < 1 else None

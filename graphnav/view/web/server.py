@@ -1,4 +1,4 @@
-"""The server of the page: its files over HTTP, its updates over a WebSocket of the same origin."""
+"""Serve the page: files over HTTP, updates over a WebSocket of the same origin."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ from graphnav.view.session import Session
 from graphnav.view.source import Source
 from graphnav.view.web.hosts import Hosts, url_of
 from graphnav.view.web.page_files import SECURITY_HEADERS, page_files
-from graphnav.view.web.page_requests import LogOrder, OrderError, Shown, View, parse_order
+from graphnav.view.web.page_requests import LogCommand, RequestError, Shown, View, parse_request
 
 T = TypeVar("T")
 
 UPDATES = "/updates"
 _MAX_PAGES = 8
-_MAX_ORDER_BYTES = 4096
+_MAX_REQUEST_BYTES = 4096
 _UPDATE_S = 0.2
 _CLOSE_S = 1.0
-"""How long a browser that hangs can hold up the end."""
+"""The maximum wait for a hanging browser at shutdown."""
 
 
 class PageServer:
     """Serves the page of one source to up to 8 browsers.
 
-    Each page gets an update at most 5 times a second, and the next one only when it has drawn the last: a slow browser
-    holds up nothing but itself. One thread makes all updates.
+    Each page gets at most 5 updates per second, and the next one only after it has drawn the last, so that a slow
+    browser delays only itself. One thread makes all updates.
     """
 
     def __init__(self, source: Source, catalog: Catalog) -> None:
@@ -53,14 +53,14 @@ class PageServer:
         self._log.propagate = False
 
     async def serve(self, host: str, port: int, ready: Callable[[str], None]) -> None:
-        """Serve until cancelled; ``ready`` gets the page's address. Raises OSError where it cannot listen."""
+        """Serve until cancelled; ``ready`` is called with the page's address. Raises OSError if it cannot listen."""
         async with serve(
             self._page,
             host,
             port,
             process_request=self._answer,
             compression=None,
-            max_size=_MAX_ORDER_BYTES,
+            max_size=_MAX_REQUEST_BYTES,
             max_queue=4,
             close_timeout=_CLOSE_S,
             server_header=None,
@@ -73,18 +73,18 @@ class PageServer:
 
     def _answer(self, _connection: ServerConnection, request: Request) -> Response | None:
         """Return the response to a request, None for one that may become the WebSocket of a page."""
-        asked = request.headers.get_all("Host")
-        if self._hosts is None or not self._hosts.admits(asked):
+        hosts = request.headers.get_all("Host")
+        if self._hosts is None or not self._hosts.admits(hosts):
             return _response(HTTPStatus.FORBIDDEN)
         if request.path == UPDATES:
-            if not self._hosts.admits_origin(request.headers.get_all("Origin"), asked[0]):
+            if not self._hosts.admits_origin(request.headers.get_all("Origin"), hosts[0]):
                 return _response(HTTPStatus.FORBIDDEN)
             return _response(HTTPStatus.SERVICE_UNAVAILABLE) if self._n_pages >= _MAX_PAGES else None
         file = self._files.get(request.path)
         return _response(HTTPStatus.NOT_FOUND) if file is None else _response(HTTPStatus.OK, *file)
 
     async def _page(self, connection: ServerConnection) -> None:
-        """Serve one open page until it leaves, or sends what is not an order."""
+        """Serve one page until it disconnects or sends an invalid request."""
         self._n_pages += 1
         page = _Page(Session(self._source, self._catalog, self._pictures))
         try:
@@ -97,7 +97,7 @@ class PageServer:
             self._n_pages -= 1
 
     async def _send(self, connection: ServerConnection, page: _Page) -> None:
-        """Send an update whenever the page has drawn the last one, and something has changed."""
+        """Send an update whenever the page has drawn the last one and data have changed."""
         await connection.send(page.session.greeting())
         number = 0
         while True:
@@ -110,19 +110,19 @@ class PageServer:
             await asyncio.sleep(_UPDATE_S)
 
     async def _receive(self, connection: ServerConnection, page: _Page) -> None:
-        """Take the page's orders; end the connection, by an exception, when it ends."""
+        """Handle the page's requests; raises an exception when the connection ends."""
         while True:
             try:
-                order = parse_order(await connection.recv())
-            except OrderError:
+                command = parse_request(await connection.recv())
+            except RequestError:
                 await connection.close(CloseCode.POLICY_VIOLATION)
                 continue
-            if isinstance(order, View):
-                page.session.view = order
-            elif isinstance(order, Shown):
-                page.drawn = order.number
+            if isinstance(command, View):
+                page.session.view = command
+            elif isinstance(command, Shown):
+                page.drawn = command.number
             elif isinstance(self._source, LogSource):
-                await self._work(_obey, self._source, order, page.session.view.channel)
+                await self._work(_apply, self._source, command, page.session.view.channel)
 
     async def _work(self, function: Callable[..., T], *arguments: Any) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._worker, function, *arguments)
@@ -130,26 +130,26 @@ class PageServer:
 
 @dataclass
 class _Page:
-    """An open page: what it is sent, and the number of the update that it has drawn last."""
+    """An open page: its session, and the number of the last drawn update."""
 
     session: Session
     drawn: int = 0
 
 
-def _obey(log: LogSource, order: LogOrder, channel: str | None) -> None:
-    """Do what a page asks of the log; the open channel is what a step goes by."""
+def _apply(log: LogSource, command: LogCommand, channel: str | None) -> None:
+    """Apply a page's playback command; steps follow the open channel."""
     with log.lock:
-        match order.action:
+        match command.action:
             case "play":
                 log.play()
             case "pause":
                 log.pause()
             case "seek":
-                log.seek(order.value)
+                log.seek(command.value)
             case "step":
-                log.step(1 if order.value > 0 else -1, channel)
-            case "speed" if order.value in SPEEDS:
-                log.speed_ratio = order.value
+                log.step(1 if command.value > 0 else -1, channel)
+            case "speed" if command.value in SPEEDS:
+                log.speed_ratio = command.value
 
 
 def _response(

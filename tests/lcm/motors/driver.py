@@ -69,7 +69,7 @@ def _end_with(sender: MotorSender) -> dict[str, Callable[[], object]]:
         "exit in a thread": _exit_in_thread,
         "abort": os.abort,
         "segfault": _segfault,
-        "torn frame": lambda: _tear_frame(sender),
+        "truncated frame": lambda: _tear_frame(sender),
         "fork": _fork_and_die,
         "close": sender.close,
         "hold the GIL": _hold_gil,

@@ -35,7 +35,7 @@ def stopped(listener: Listener, child: int, end_s: float) -> None:
 
 @pytest.mark.parametrize(
     "ending",
-    ["return", "raise", "sys.exit", "os._exit", "abort", "segfault", "torn frame", "exit in a thread", "close"],
+    ["return", "raise", "sys.exit", "os._exit", "abort", "segfault", "truncated frame", "exit in a thread", "close"],
 )
 def test_a_program_that_ends_by_itself(ending: str, drive: Start, listener: Listener) -> None:
     child, end_s = last_words(drive(ending))

@@ -117,7 +117,7 @@ def test_a_log_that_is_cut_short_says_so(record: Record, tmp_path: Path, capsys:
     path = record(frames=12).path
     path.write_bytes(path.read_bytes()[:-100])
     assert main(["figure", str(path), "--at", "0.5s"]) == 0
-    assert "is not whole; the pictures show the rest" in capsys.readouterr().err
+    assert "is truncated; the pictures show the rest" in capsys.readouterr().err
 
 
 def test_what_no_camera_saw_cannot_be_drawn(record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -209,7 +209,7 @@ def test_cut_anywhere_a_log_gives_what_is_complete(log_file: Path, tmp_path: Pat
             twists = [s.message.v_mps for s in log.messages("sensor.twist")] if "sensor.twist" in log.channels else []
             assert twists == [float(k + 1) for k in range(len(twists))]
             counts.append(sum(channel.n_messages for channel in log.channels.values()))
-            assert len(log.damage) == (0 if size in {0, len(data)} or not log._recording.torn else 1)
+            assert len(log.damage) == (0 if size in {0, len(data)} or not log._recording.truncated else 1)
     assert counts == sorted(counts)
     assert counts[-1] <= n_events
 
@@ -279,5 +279,5 @@ def test_a_log_of_another_program_is_timed_by_its_events(tmp_path: Path) -> None
             log.to_pandas("OTHER")
         with pytest.raises(UserError, match=r"^the type of channel 'OTHER'"):
             log.at("OTHER", 1.0)
-        with pytest.raises(graphnav.GraphnavError, match="does not say which graph made it"):
+        with pytest.raises(graphnav.GraphnavError, match="does not hold the graph that produced it"):
             _ = log.graph

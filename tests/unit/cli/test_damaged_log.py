@@ -15,7 +15,7 @@ from graphnav.record import LogWriter
 @pytest.mark.parametrize(
     ("words", "error"),
     [
-        (["replay"], "does not say which graph made it: it holds no readable 'graphnav.about'"),
+        (["replay"], "does not hold the graph that produced it: no readable 'graphnav.about'"),
         (["figure"], "holds nothing to draw"),
         (["export", "--to", "csv", "-o", "tables"], "holds no messages"),
     ],
@@ -30,6 +30,6 @@ def test_the_damage_is_told_before_the_error(
     log.write_bytes(log.read_bytes()[:-1])
     assert main([words[0], str(log), *words[1:]]) == 2
     told = capsys.readouterr().err.splitlines()
-    assert told[0] == "cut.lcmlog is damaged: the last event, 80 bytes from byte 0, is not whole"
+    assert told[0] == "cut.lcmlog is damaged: the last event, 80 bytes from byte 0, is truncated"
     assert told[1] == "  'graphnav info' tells more"
     assert told[2] == f"cut.lcmlog {error}"

@@ -42,7 +42,7 @@ def test_a_run_goes_on_and_is_drawn(tmp_path: Path, lines: int, stderr: int) -> 
     files = {"run.lcmlog", "graph.yaml", "summary.json", "map.png", "panels.png"}
     assert {path.name for path in out.iterdir()} == files
     assert json.loads((out / "summary.json").read_text())["outcome"] == "timeout"
-    assert Recording(out / "run.lcmlog").torn is None
+    assert Recording(out / "run.lcmlog").truncated is None
 
 
 def test_a_run_that_fails_has_its_own_status_and_says_why(tmp_path: Path) -> None:

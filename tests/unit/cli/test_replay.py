@@ -118,7 +118,7 @@ def test_a_hostile_description_loads_nothing_and_is_printed_as_text(
     Path("evil.py").write_text("raise SystemExit('imported')")
     Path("evil.yaml").write_text("plugins: [evil.py]\nstages: {}\n")
     said = {
-        "extends: evil.yaml\nstages: {}\n": "the graph of this log extends another one",
+        "extends: evil.yaml\nstages: {}\n": "the graph of this log extends another graph",
         "plugins: [evil.py]\nstages: {}\n": "the graph of this log needs the plugin 'evil.py'",
         'stages: {a: {use: "\\e[31mx.y"}}\n': "there is no family '\\x1b[31mx'",
         "stages: [": "hostile.lcmlog (graphnav.about):1:10: YAML: ",
@@ -140,7 +140,7 @@ def test_the_log_of_the_replay(folder: Path, capsys: pytest.CaptureFixture[str])
     assert main(["replay", "again.lcmlog", "--plugin", "mine.py", "--json"]) == 0
     capsys.readouterr()
     assert main(["replay", str(folder), "-o", "again.lcmlog"]) == 2
-    assert capsys.readouterr().err == "again.lcmlog exists already\n  choose another file with -o\n"
+    assert capsys.readouterr().err == "again.lcmlog already exists\n  choose another file with -o\n"
     assert main(["replay", str(folder), "-o", "no/again.lcmlog"]) == 2
     assert capsys.readouterr().err.startswith("cannot write no/again.lcmlog: No such file or directory\n")
 
@@ -149,8 +149,8 @@ def test_the_log_of_the_replay(folder: Path, capsys: pytest.CaptureFixture[str])
     ("words", "said"),
     [
         (["--cold"], "--cold begins at --from with fresh state, but there is no --from\n  add --from S\n"),
-        (["--from", "9s"], "run/run.lcmlog ends at 2.00 s\n  --from 9 is behind that\n"),
-        (["--play", "sum"], "no stage is left that steps: every channel is played\n  leave out some of --play\n"),
+        (["--from", "9s"], "run/run.lcmlog ends at 2.00 s\n  --from 9 is after the end\n"),
+        (["--play", "sum"], "no stage is left to step: every channel is played\n  leave out some of --play\n"),
         (["--play", "sun.twist"], "--play: the graph has no channel 'sun.twist'\n  did you mean 'sum.twist'?\n"),
         (["--set", "sum=mine.dice"], None),
         (["--graph", "none.yaml"], "none.yaml: there is no such graph\n"),
@@ -200,5 +200,5 @@ def test_what_is_no_log_is_refused(folder: Path, capsys: pytest.CaptureFixture[s
 def test_a_source_that_is_swapped_is_played_all_the_same(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["replay", str(folder), "--set", "dice.rate_hz=5"]) == 0
     assert capsys.readouterr().err == (
-        "dice: what --set says of it changes nothing, because it does not step in this replay\n"
+        "dice: --set has no effect on this stage, because it does not step in this replay\n"
     )

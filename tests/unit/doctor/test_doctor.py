@@ -19,9 +19,9 @@ import pytest
 from graphnav.bus import FRAGMENT_BYTES, RECEIVE_BUFFER_BYTES
 from graphnav.catalog import Catalog
 from graphnav.cli import main
-from graphnav.doctor import Finding, examine
-from graphnav.doctor.held_bytes import ReceiveBuffer, try_receive_buffer
+from graphnav.doctor import Finding, run_checks
 from graphnav.doctor.message_sizes import message_sizes
+from graphnav.doctor.receive_buffer import ReceiveBuffer, try_receive_buffer
 from graphnav.graph import load_graph
 
 PYTHON = sys.executable
@@ -108,10 +108,10 @@ def test_sizes_of_a_live_graph_are_those_that_come_in_and_leave() -> None:
 
 
 def told_of(graph: str, buffer: ReceiveBuffer, monkeypatch: pytest.MonkeyPatch) -> Finding:
-    """Return what is said of the receive buffer of a machine that grants some other one."""
+    """Return the finding about the receive buffer of a machine that grants another size."""
     monkeypatch.setattr("graphnav.doctor.network.try_receive_buffer", lambda: buffer)
     loaded = load_graph(graph, Catalog())
-    return next(finding for finding in examine(loaded) if finding.subject == "receive buffer")
+    return next(finding for finding in run_checks(loaded) if finding.subject == "receive buffer")
 
 
 def test_a_buffer_is_compared_with_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -191,7 +191,7 @@ def test_the_terminal_is_asked_and_left_as_it_was(attributes: bytes, kitty: byte
 def test_no_terminal_is_not_asked() -> None:
     done = subprocess.run([GRAPHNAV, "doctor", "--json"], stdin=subprocess.DEVNULL, capture_output=True, check=False)
     told = {finding["subject"]: finding for finding in json.loads(done.stdout)}
-    assert told["terminal graphics"]["seen"] == "not asked: this is not run from a terminal"
+    assert told["terminal graphics"]["seen"] == "not checked: not a terminal"
 
 
 def test_a_network_without_multicast_is_told_with_what_makes_a_route() -> None:

@@ -1,4 +1,4 @@
-"""What every message keeps to."""
+"""Properties of all messages."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ def test_messages_are_frozen() -> None:
 
 
 def test_a_message_without_an_lcm_type_is_refused() -> None:
-    with pytest.raises(DeclarationError, match=r"message Nameless names no LCM type: write class Nameless\(Message"):
+    with pytest.raises(
+        DeclarationError, match=r"message Nameless does not name its LCM type: write class Nameless\(Message"
+    ):
 
         class Nameless(Message):
             """No type."""

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graphnav.errors import BusError
-from graphnav.player import Chosen, Pace, Player
+from graphnav.player import EventSelection, PlaybackClock, Player
 from graphnav.record import Event
 
 LEFT, RIGHT = b"\x1b[D", b"\x1b[C"
@@ -45,12 +45,12 @@ class World:
         """Return a player of one message at each of the times, named by their places."""
         at_us = array("q", [round(1e6 * time_s) for time_s in times_s])
         numbers = array("q", range(len(at_us)))
-        chosen = Chosen(numbers, at_us, frozenset("x"), at_us[0], at_us[-1])
+        selection = EventSelection(numbers, at_us, frozenset("x"), at_us[0], at_us[-1])
         return Player(
-            chosen,
+            selection,
             lambda number: Event(str(number), 0, bytes(size)),
             self.send,
-            Pace(speed, lambda: self.now_s),
+            PlaybackClock(speed, lambda: self.now_s),
             notice=self.notices.append,
             now_s=lambda: self.now_s,
             **options,
@@ -152,7 +152,7 @@ def test_a_keyboard_that_ends_ends_it() -> None:
     assert world.sent == [(0, "0")]
 
 
-def test_a_loop_begins_anew_at_the_end() -> None:
+def test_a_loop_restarts_at_the_end() -> None:
     world = World([(2.6, b"q")])
     world.player([0.5, 1.0, 1.5], loop=True).play(world)
     assert world.sent == [(at_s, str(k % 3)) for k, at_s in enumerate([0, 0.5, 1, 1, 1.5, 2, 2, 2.5])]

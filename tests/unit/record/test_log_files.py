@@ -22,7 +22,7 @@ SAID = encode(About("stages: {}\n", "", "cafe", 7, (), ()), 0, 0)
 def events(path: Path) -> list[tuple[str, int]]:
     """Return the channels and stamps of a log."""
     with Recording(path) as recording:
-        assert (recording.torn, recording.damaged) == (None, [])
+        assert (recording.truncated, recording.damaged) == (None, [])
         return [(event.channel, event.utime) for event in recording.events()]
 
 
@@ -107,14 +107,14 @@ def test_the_newest_files_are_kept(tmp_path: Path) -> None:
 def test_a_disk_that_is_nearly_full_ends_it(tmp_path: Path) -> None:
     free = iter([10_000_000, 999])
     log = LogFiles(tmp_path / "log", free_quota_bytes=1000, free_bytes=lambda _: next(free, 999))
-    with pytest.raises(LogError, match="999 bytes are free on its disk, less than --quota asks for"):
+    with pytest.raises(LogError, match="999 bytes are free on its disk, less than --quota requires"):
         fill(log)
     log.close()
     assert log.n_bytes < 300_000, "it looks again when so much was written, however fast"
 
 
 def test_a_disk_that_is_nearly_full_from_the_beginning_gets_no_file(tmp_path: Path) -> None:
-    with pytest.raises(LogError, match="999 bytes are free on its disk, less than --quota asks for"):
+    with pytest.raises(LogError, match="999 bytes are free on its disk, less than --quota requires"):
         LogFiles(tmp_path / "log", free_quota_bytes=1000, free_bytes=lambda _: 999)
     assert list(tmp_path.iterdir()) == []
 
@@ -122,7 +122,7 @@ def test_a_disk_that_is_nearly_full_from_the_beginning_gets_no_file(tmp_path: Pa
 def test_a_full_disk_is_an_error_and_the_log_is_complete(tmp_path: Path, disk_of: DiskOf) -> None:
     with disk_of(10_000):
         log = LogFiles(tmp_path / "log", Split(n_bytes=50_000))
-        with pytest.raises(LogError, match="File too large; the log ends whole after 9 events"):
+        with pytest.raises(LogError, match="File too large; the log holds 9 complete events"):
             fill(log)
         log.close()
     assert log.n_events == len(events(log.paths[0])) == 9

@@ -36,14 +36,14 @@ def damaged(record: Record, tmp_path: Path) -> tuple[bytes, Path]:
 def test_a_log_cut_at_any_byte_has_no_differences(damaged: tuple[bytes, Path], made: Made) -> None:
     data, path = damaged
     path.write_bytes(data)
-    whole = made(path)
+    complete = made(path)
     begin = data.index(bytes.fromhex("eda1da01"), 4)
     n_compared = []
     for size in range(begin, len(data)):
         path.write_bytes(data[:size])
         try:
             with Recording(path) as recording:
-                result = replay(recording, whole, ReplayOptions())
+                result = replay(recording, complete, ReplayOptions())
         except UserError:
             n_compared.append(0)
             continue

@@ -33,10 +33,10 @@ def test_small_messages_only(record: Record, again: Again) -> None:
     with pytest.raises(UserError) as caught:
         again(log)
     assert str(caught.value) == (
-        f"{log} lacks messages that mean read:\n"
+        f"{log} is missing messages that mean read:\n"
         "  robot.image: all but 1, the first after 0.00 s\n"
         "  record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
-        "or play what these stages publish with --play"
+        "or play the outputs of these stages with --play"
     )
     result = again(log, play=["mean"])
     assert result.is_equal
@@ -98,7 +98,7 @@ def test_a_log_of_two_runs_is_refused(record: Record, again: Again, tmp_path: Pa
         for at_us in (10**15, 2 * 10**15):
             for event in recording.events():
                 writer.write(event.channel, at_us + event.utime, event.data)
-    with pytest.raises(UserError, match=r"two\.lcmlog holds several runs: '.*' goes back from 3\.00 s to 0\.00 s"):
+    with pytest.raises(UserError, match=r"two\.lcmlog holds several runs: '.*' jumps back from 3\.00 s to 0\.00 s"):
         again(tmp_path / "two.lcmlog")
 
 
@@ -121,7 +121,9 @@ def test_pictures_that_the_tap_thinned(record: Record, again: Again, tmp_path: P
 
 def test_a_log_that_does_not_say_its_graph(record: Record, again: Again, rewrite: Rewrite, tmp_path: Path) -> None:
     log = rewrite(record(), lambda channel, _: channel != ABOUT)
-    with pytest.raises(UserError, match=r"does not say which graph made it: .*\n  name the graph with --graph FILE"):
+    with pytest.raises(
+        UserError, match=r"does not hold the graph that produced it: .*\n  name the graph with --graph FILE"
+    ):
         again(log)
     assert again(log, graph=tmp_path / "run.yaml").is_equal
 
@@ -133,11 +135,11 @@ def test_a_channel_of_another_type(record: Record, again: Again, tmp_path: Path)
         "run: {until_s: 3}\nchannels: {robot.odometry: robot.image, robot.image: robot.odometry}\n"
         "stages:\n  robot: {use: again.robot}\n  mean: {use: again.mean, in: {image: robot.image}}\n"
     )
-    with pytest.raises(UserError, match=r"channel 'robot\.odometry' of .* is not Image, as the graph says"):
+    with pytest.raises(UserError, match=r"channel 'robot\.odometry' of .* is not Image, the type in the graph"):
         again(log, graph=other)
 
 
 def test_an_empty_log(again: Again, tmp_path: Path) -> None:
     (tmp_path / "empty.lcmlog").touch()
-    with pytest.raises(UserError, match="does not say which graph made it"):
+    with pytest.raises(UserError, match="does not hold the graph that produced it"):
         again(tmp_path / "empty.lcmlog")

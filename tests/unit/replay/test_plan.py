@@ -1,4 +1,4 @@
-"""What is played from the log and what steps."""
+"""The choice of played channels and stepping stages."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_an_unknown_channel(corridor: Graph, word: str, said: str) -> None:
 def test_something_has_to_step() -> None:
     text = b"stages: {robot: {use: world.pymunk, with: {map: maps/corridor_ccw.yaml}}}"
     graph = graph_of(text, Path("graph.yaml"), Catalog())
-    with pytest.raises(UserError, match="no stage is left that steps: every channel is played"):
+    with pytest.raises(UserError, match="no stage is left to step: every channel is played"):
         make_plan(graph)
 
 

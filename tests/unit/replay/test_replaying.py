@@ -173,7 +173,7 @@ def test_the_log_of_a_cold_start_replays_without_a_difference(record: Record, ag
 
 
 def test_a_time_behind_the_end_is_refused(record: Record, again: Again) -> None:
-    with pytest.raises(UserError, match=r"run\.lcmlog ends at 3\.00 s\n  --from 3\.5 is behind that"):
+    with pytest.raises(UserError, match=r"run\.lcmlog ends at 3\.00 s\n  --from 3\.5 is after the end"):
         again(record(), from_s=3.5)
 
 

@@ -42,7 +42,7 @@ def test_a_stage_that_fails_is_named_in_one_line(run: Run, use: str, message: st
     summary, log = run(BAD.format(use=use))
     assert summary.outcome == "failed"
     assert summary.failure == message
-    assert log.torn is None
+    assert log.truncated is None
     assert log.count("c.twist") == summary.frames + 1
 
 
@@ -92,7 +92,7 @@ def assert_stopped(process: subprocess.Popen[str], folder: Path, number: int) ->
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["outcome"] == "stopped"
     log = Recording(folder / "run.lcmlog")
-    assert log.torn is None
+    assert log.truncated is None
     assert log.count("c.twist") >= summary["frames"] > 0
 
 
@@ -147,6 +147,6 @@ def test_a_disk_that_takes_no_more_is_reported_and_the_log_stays_readable(tmp_pa
     assert "run.lcmlog: File too large" in done.stderr
     assert "Traceback" not in done.stderr
     log = Recording(tmp_path / "out" / "run.lcmlog")
-    assert log.torn is None
+    assert log.truncated is None
     assert log.count("n.image") > 100
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["outcome"] == "failed"

@@ -25,7 +25,7 @@ def test_a_paced_run_that_cannot_keep_up_tells_it_while_it_runs_and_in_the_summa
     assert summary.behind_s >= 400 * 0.003
     assert summary.behind_s <= summary.wall_s - 0.4
     assert notices[0].startswith("behind the wall clock by ")
-    assert notices[0].endswith(" ms, the pace asks for 1 ms")
+    assert notices[0].endswith(" ms, the pace allows 1 ms")
     assert len(notices) >= 2
     assert json.loads((tmp_path / SUMMARY).read_text())["behind_s"] == summary.behind_s
 

@@ -1,4 +1,4 @@
-"""Paths to parts of messages: what is picked is what numpy would pick, and wrong paths are said."""
+"""Paths to parts of messages pick the same elements as numpy, and wrong paths are refused."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_what_is_no_path_is_said(text: str) -> None:
         (
             graphnav_lcm.flow_t,
             "uv_px[0][0][2]",
-            "'uv_px[0][0][2]': uv_px is float[rows][cols][2]\n  its elements there are 0 to 1",
+            "'uv_px[0][0][2]': uv_px is float[rows][cols][2]\n  its elements on this axis are 0 to 1",
         ),
         (
             graphnav_lcm.status_t,
@@ -134,7 +134,7 @@ def test_columns_are_known_from_type_and_path() -> None:
         columns("valid[0:100][0:100]")
 
 
-def test_columns_of_a_whole_type() -> None:
+def test_columns_of_a_complete_type() -> None:
     columns, left_out = all_columns(graphnav_lcm.flow_t)
     assert [column.text for column in columns] == ["utime", "seq", "interval_us", "step_px", "rows", "cols"]
     assert left_out == ["uv_px", "valid"]

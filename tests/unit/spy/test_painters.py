@@ -21,7 +21,7 @@ _FIRST_ROW, _FIRST_COL = 3, 40
 
 
 class Screen:
-    """What a terminal does with the lines of a view: which cells are blanked and where pictures begin, in order."""
+    """Interpret the lines of a view as a terminal does: the blanked cells and the positions of pictures, in order."""
 
     def __init__(self, strips: list[Strip]) -> None:
         self.blanked: set[tuple[int, int]] = set()
@@ -86,11 +86,11 @@ def test_sixels_cover_their_cells_and_all_others_are_blanked(view: tuple[int, in
     size = re.search(r'"1;1;(\d+);(\d+)', strips[-1].text)
     assert size is not None
     full_rows, full_cols = int(size[2]) // 17, int(size[1]) // 9
-    whole = {
+    covered = {
         (_FIRST_ROW + place.row + y, _FIRST_COL + place.col + x) for y in range(full_rows) for x in range(full_cols)
     }
     every = {(_FIRST_ROW + y, _FIRST_COL + x) for y in range(rows) for x in range(cols)}
-    assert screen.blanked == every - whole
+    assert screen.blanked == every - covered
     assert place.row + place.rows <= rows
     assert place.col + place.cols <= cols
     assert -(-int(size[2]) // 17) == place.rows

@@ -9,7 +9,7 @@ from graphnav.spy.graphics.sparkline import sparkline
 from graphnav.spy.rate_history import SECONDS, RateHistory
 
 
-def test_whole_seconds_are_counted_and_the_one_that_runs_is_not() -> None:
+def test_complete_seconds_are_counted_and_the_current_one_is_not() -> None:
     history = RateHistory()
     for k in range(25):
         history.add(100.0 + 0.1 * k)

@@ -27,7 +27,7 @@ def drawn(sequence: str) -> tuple[Bytes, Bools]:
     registers: dict[int, tuple[int, ...]] = {}
     colour, x, y, end = (0, 0, 0), 0, 0, 0
     for token in _TOKEN.finditer(found[3]):
-        assert token.start() == end, "nothing but what the manual knows"
+        assert token.start() == end, "only tokens of the manual"
         end = token.end()
         if token[1]:
             registers[int(token[1])] = tuple(round(int(part) * 2.55) for part in token.group(2, 3, 4))

@@ -1,1 +1,1 @@
-"""Painters: draw a picture into the terminal by blocks, sixels or kitty's protocol."""
+"""Painters: draw pictures in the terminal by half blocks, sixels or kitty's protocol."""

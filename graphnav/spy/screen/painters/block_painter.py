@@ -1,4 +1,4 @@
-"""Pictures by half blocks: any terminal shows them, and they cost little."""
+"""Pictures by half blocks, which any terminal shows at low cost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAX_SEGMENTS = 50_000
 
 
 class BlockPainter:
-    """Two pixels a cell; letters from dark to bright where colour is not wanted."""
+    """Two pixels per cell; characters from dark to bright without colour."""
 
     is_raw = False
 
@@ -26,11 +26,11 @@ class BlockPainter:
         self._has_colour = not os.environ.get("NO_COLOR")
 
     def box_px(self, rows: int, cols: int) -> tuple[int, int]:
-        """Return what a view has room for."""
+        """Return the number of pixels of a view."""
         return max(1, 2 * rows), max(1, cols)
 
     def paint(self, picture: Bytes, rows: int, cols: int) -> list[Strip]:
-        """Return the lines down to the picture's last one."""
+        """Return the lines up to the last line of the picture."""
         if self._has_colour:
             kept = self._segments
             lines = [[kept.get(run) or self._segment(run) for run in line] for line in half_blocks(picture)]
@@ -42,15 +42,15 @@ class BlockPainter:
         return [*blank, *(Strip([*margin, *line], cells.col + cells.cols) for line in lines)]
 
     def place(self, picture: Bytes, rows: int, cols: int) -> Cells:
-        """Return the cells that the picture takes."""
+        """Return the cells of the picture."""
         return centred((picture.shape[0] + 1) // 2, picture.shape[1], rows, cols)
 
     def erase(self) -> str:
-        """Return nothing: what is written over a picture takes its place."""
+        """Return an empty sequence: writing over a picture replaces it."""
         return ""
 
     def _segment(self, packed: int) -> Segment:
-        """Make the segment of a run and keep it: the next picture has the same ones."""
+        """Make the segment of a run; cached, because the next picture has similar runs."""
         if len(self._segments) >= _MAX_SEGMENTS:
             self._segments.clear()
         run = run_of(packed)

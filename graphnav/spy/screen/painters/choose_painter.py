@@ -1,27 +1,27 @@
-"""Which painter a terminal gets."""
+"""Choose the painter for a terminal."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 
-from graphnav.machine.terminal_graphics import CellSize, TerminalGraphics, ask_terminal, cell_size_px
+from graphnav.machine.terminal_graphics import CellSize, TerminalGraphics, cell_size_px, query_terminal
 from graphnav.spy.screen.painters.block_painter import BlockPainter
 from graphnav.spy.screen.painters.kitty_painter import KittyPainter
 from graphnav.spy.screen.painters.painter import Painter
 from graphnav.spy.screen.painters.sixel_painter import SixelPainter
 
 _VT340_CELL_PX = (20, 10)
-"""What terminals that do not say the size of their cells draw sixels for."""
+"""The cell size assumed by terminals that do not report one."""
 
 
 def painters(choice: str) -> Callable[[], Painter]:
-    """Return what makes a painter for each view.
+    """Return a factory of painters, one per view.
 
-    ``choice``: ``blocks``, ``sixel``, ``kitty``, or ``auto`` for the best that the terminal confirms.
-    Asks the terminal, so it comes before anything else that reads from it.
+    ``choice``: ``blocks``, ``sixel``, ``kitty``, or ``auto`` for the best one that the terminal confirms.
+    Queries the terminal, so call it before anything else reads from the terminal.
     """
-    graphics = TerminalGraphics() if choice == "blocks" else ask_terminal() or TerminalGraphics()
+    graphics = TerminalGraphics() if choice == "blocks" else query_terminal() or TerminalGraphics()
 
     def cell_px() -> CellSize:
         return cell_size_px() or graphics.cell_px or _VT340_CELL_PX
@@ -36,7 +36,7 @@ def painters(choice: str) -> Callable[[], Painter]:
 
 
 def _best(graphics: TerminalGraphics) -> str:
-    """Return the best that is safe: sixels of a wrong size would lie over other cells."""
+    """Return the best safe choice: sixels with a wrong cell size would cover other cells."""
     if os.environ.get("NO_COLOR"):
         return "blocks"
     if graphics.kitty:

@@ -16,14 +16,14 @@ from graphnav.spy.screen.painters.painter import Cells, centred
 from graphnav.spy.screen.painters.raw_strips import raw_strips
 
 _MAX_PX = 150_000
-"""A larger view gets a picture of so many pixels, which the terminal scales up."""
+"""The maximum number of pixels; in a larger view the terminal scales the picture up."""
 _NOTHING = Cells(0, 0, 0, 0)
 _IDS = itertools.count(os.getpid() << 8)
-"""Each view has two of its own: what a view that is closed deletes is not what the next one shows."""
+"""Two ids per view, so that a closed view does not delete the picture of the next one."""
 
 
 class KittyPainter:
-    """The next picture is put over the last one, which is deleted then: so nothing flickers.
+    """Draws the next picture over the last one before deleting that one, to avoid flicker.
 
     ``cell_px`` returns the pixels of a cell, for the picture's proportions.
     """
@@ -36,7 +36,7 @@ class KittyPainter:
         self._shown_id = 0
 
     def box_px(self, rows: int, cols: int) -> tuple[int, int]:
-        """Return the largest size that is sent."""
+        """Return the maximum size to send."""
         cell_rows, cell_cols = self._cell_px()
         ratio = self._ratio(rows, cols)
         return max(1, math.floor(rows * cell_rows * ratio)), max(1, math.floor(cols * cell_cols * ratio))
@@ -57,11 +57,11 @@ class KittyPainter:
         return centred(min(max(1, n_rows), rows), min(max(1, n_cols), cols), rows, cols)
 
     def erase(self) -> str:
-        """Return the sequence that deletes the picture: letters do not take its place."""
+        """Return the sequence that deletes the picture, which text does not replace."""
         image_id, self._shown_id = self._shown_id, 0
         return delete(image_id) if image_id else ""
 
     def _ratio(self, rows: int, cols: int) -> float:
-        """Return the pixels sent for a pixel of the view, down as across."""
+        """Return the ratio of sent pixels to pixels of the view, the same in both directions."""
         cell_rows, cell_cols = self._cell_px()
         return min(1.0, math.sqrt(_MAX_PX / max(1, rows * cell_rows * cols * cell_cols)))

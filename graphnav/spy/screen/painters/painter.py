@@ -1,4 +1,4 @@
-"""What a painter of pictures has to do, and where a picture lies."""
+"""The interface of painters, and the position of pictures."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ class Cells(NamedTuple):
 
 
 class Painter(Protocol):
-    """Turns pictures into strips, one for each line of a view; one painter for a view.
+    """Converts pictures to strips, one per line of a view; each view has its own painter.
 
-    ``is_raw``: the strips hold escape sequences, which must reach the terminal as they are.
+    ``is_raw``: the strips hold escape sequences, which must reach the terminal unchanged.
     """
 
     is_raw: bool
 
     def box_px(self, rows: int, cols: int) -> tuple[int, int]:
-        """Return the rows and columns of pixels that a picture for a view of so many cells may have."""
+        """Return the maximum rows and columns of pixels of a picture for a view of this size in cells."""
 
     def paint(self, picture: Bytes, rows: int, cols: int) -> list[Strip]:
-        """Return the lines of a view with a picture (rows, cols, 3), no larger than its box, in its middle."""
+        """Return the lines of a view with a picture (rows, cols, 3), at most of size ``box_px``, in its centre."""
 
     def place(self, picture: Bytes, rows: int, cols: int) -> Cells:
-        """Return the cells of the view that the picture takes."""
+        """Return the cells of the view that the picture covers."""
 
     def erase(self) -> str:
-        """Return the sequence that takes away what writing over its cells does not; empty where there is nothing."""
+        """Return the sequence that removes a picture that overwriting its cells does not; else an empty string."""
 
 
 def centred(picture_rows: int, picture_cols: int, rows: int, cols: int) -> Cells:
-    """Return the cells in the middle of a view."""
+    """Return the cells in the centre of a view."""
     return Cells(max(0, rows - picture_rows) // 2, max(0, cols - picture_cols) // 2, picture_rows, picture_cols)

@@ -1,4 +1,4 @@
-"""Lines of a view that hold a picture as escape sequences."""
+"""Lines of a view with a picture as escape sequences."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ _SAVE, _RESTORE = "\x1b7", "\x1b8"
 def raw_strips(rows: int, cols: int, cells: Cells, covered: Cells, sequence: str) -> list[Strip]:
     """Return the lines of a view of ``rows`` x ``cols`` cells; ``sequence`` draws on ``cells`` of them.
 
-    The cells of ``covered``, which the picture hides, are passed over and not blanked: so nothing flickers. All others
-    are. The sequence comes with the last line, when nothing that is written can wipe it out any more.
+    The cells of ``covered``, which the picture hides, are skipped and not blanked, to avoid flicker; all others are
+    blanked. The sequence is part of the last line, so that later text cannot erase the picture.
     """
     blank = Strip([Segment(" " * cols)], cols)
     strips = [
@@ -38,5 +38,5 @@ def _move(direction: str, count: int) -> str:
 
 
 def _raw(text: str) -> Segment:
-    """Return a segment that is written as it is: one with a control code, as those of Rich, has no width."""
+    """Return a segment that is written unchanged: Rich gives segments with control codes no width."""
     return Segment(text, None, [(ControlType.CURSOR_FORWARD, 0)])

@@ -13,9 +13,9 @@ from graphnav.spy.screen.painters.painter import Cells, centred
 from graphnav.spy.screen.painters.raw_strips import raw_strips
 
 _MAX_PX = 100_000
-"""A larger picture takes more than a tenth of a core at 5 Hz: its pixels then take several dots each."""
+"""A larger picture would need more than a tenth of a core at 5 Hz: its pixels then cover several dots each."""
 _MAX_DOTS = 1000
-"""xterm draws nothing beyond so many rows or columns of dots, unless it is told to."""
+"""By default xterm does not draw beyond this number of rows or columns of dots."""
 
 
 class SixelPainter:
@@ -28,28 +28,28 @@ class SixelPainter:
         self._n_colours = n_colours
 
     def box_px(self, rows: int, cols: int) -> tuple[int, int]:
-        """Return the largest size that is drawn in time, in pixels of one or several dots."""
+        """Return the maximum size that is drawn in time, in pixels of one or several dots."""
         scale, n_rows, n_cols = self._box(rows, cols)
         return max(1, n_rows // scale), max(1, n_cols // scale)
 
     def paint(self, picture: Bytes, rows: int, cols: int) -> list[Strip]:
-        """Return the lines of the view; cells at the edge that the picture covers in part are blanked."""
+        """Return the lines of the view; partially covered cells at the edge are blanked."""
         cells = self.place(picture, rows, cols)
         scale, (cell_rows, cell_cols) = self._box(rows, cols)[0], self._cell_px()
         covered = cells._replace(rows=picture.shape[0] * scale // cell_rows, cols=picture.shape[1] * scale // cell_cols)
         return raw_strips(rows, cols, cells, covered, sixels(picture, scale, self._n_colours))
 
     def place(self, picture: Bytes, rows: int, cols: int) -> Cells:
-        """Return the cells that the picture covers, in part at least."""
+        """Return the cells that the picture covers at least partially."""
         scale, (cell_rows, cell_cols) = self._box(rows, cols)[0], self._cell_px()
         return centred(-(-picture.shape[0] * scale // cell_rows), -(-picture.shape[1] * scale // cell_cols), rows, cols)
 
     def erase(self) -> str:
-        """Return nothing: what is written over a picture takes its place."""
+        """Return an empty sequence: writing over a picture replaces it."""
         return ""
 
     def _box(self, rows: int, cols: int) -> tuple[int, int, int]:
-        """Return the dots of a pixel, and the rows and columns of dots that a view has."""
+        """Return the dots per pixel, and the rows and columns of dots of a view."""
         cell_rows, cell_cols = self._cell_px()
         n_rows, n_cols = min(rows * cell_rows, _MAX_DOTS), min(cols * cell_cols, _MAX_DOTS)
         fitting = (scale for scale in SCALES if (n_rows // scale) * (n_cols // scale) <= _MAX_PX)

@@ -1,4 +1,4 @@
-// The table of all channels: what the graph shows, and what it does not name.
+// The table of all channels, including those that are not in the graph.
 
 import { element, setClass, setText } from "./dom.js";
 import * as format from "./format.js";
@@ -18,7 +18,7 @@ export class Channels {
     for (const [name, row] of this.rows) this.fill(row, channels.get(name), name === chosen);
   }
 
-  // Rows stay what they are: the focus is not lost when a channel appears.
+  // Rows are kept, so that the focus is not lost when a channel appears.
   arrange(names) {
     const rows = new Map(names.map((name) => [name, this.rows.get(name) ?? this.row(name)]));
     for (const [name, row] of this.rows) if (!rows.has(name)) row.line.remove();

@@ -1,9 +1,9 @@
-// The WebSocket to this page's own server: one update in flight, reconnected when it ends.
+// The WebSocket to the page's server: one update in flight, with automatic reconnection.
 
 const AGAIN_MS = 1000;
 
 export class Connection {
-  // `on` has `hello`, `update` (a message and its picture, drawn when its promise is kept) and `state` ("open", "lost").
+  // `on` has `hello`, `update` (a message and its picture, drawn when its promise resolves) and `state` ("open", "lost").
   constructor(on) {
     this.on = on;
     this.view = null;
@@ -35,7 +35,7 @@ export class Connection {
     });
   }
 
-  // The server sends no more until this has been drawn: a hidden page gets nothing.
+  // The server waits until this has been drawn: a hidden page gets no updates.
   async draw(socket, message, picture) {
     try {
       await this.on.update(message, picture);

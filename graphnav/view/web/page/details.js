@@ -6,9 +6,9 @@ import { Picture } from "./picture.js";
 import { Plot } from "./plot.js";
 
 const WHY = {
-  unheard: "No message has been heard on this channel yet.",
+  not_received: "No message has been received on this channel yet.",
   "too large": "The messages are too large to be shown here.",
-  "unknown type": "The type of the messages is not installed here, so they cannot be decoded.",
+  "unknown type": "The message type is not installed, so messages cannot be decoded.",
   undecodable: "The newest message cannot be decoded.",
 };
 

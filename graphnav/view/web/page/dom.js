@@ -1,4 +1,4 @@
-// Make and fill elements; whatever comes over the network becomes text, never markup.
+// Create and fill elements; data from the network become text, never markup.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -19,7 +19,7 @@ function filled(node, text, attributes, children) {
   return node;
 }
 
-// Set text only where it changes: what is selected stays selected, what is read aloud is read once.
+// Set text only if it changes, to preserve selections and to avoid repeated announcements by screen readers.
 export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
@@ -28,7 +28,7 @@ export function setClass(node, name, isSet) {
   node.classList.toggle(name, Boolean(isSet));
 }
 
-// Let a list have one child for each item, made when it is first needed.
+// Give a list one child per item, created on demand.
 export function fill(list, items, make, update) {
   while (list.children.length > items.length) list.lastElementChild.remove();
   items.forEach((item, index) => {

@@ -1,4 +1,4 @@
-// The map from above, with the robot and its path, in metres: x to the right, y up.
+// The map in top view, with the robot and its path, in metres: x to the right, y up.
 
 import { setText, svg } from "./dom.js";
 
@@ -98,13 +98,13 @@ export class Floor {
   }
 
   say() {
-    const said = [];
+    const parts = [];
     if (this.track) {
       const [x, y, yaw] = this.track.pose;
-      said.push(`robot ${x.toFixed(2)}, ${y.toFixed(2)} m, ${((yaw * 180) / Math.PI).toFixed(0)}°`);
+      parts.push(`robot ${x.toFixed(2)}, ${y.toFixed(2)} m, ${((yaw * 180) / Math.PI).toFixed(0)}°`);
     }
-    if (this.at) said.push(`cursor ${this.at[0].toFixed(2)}, ${this.at[1].toFixed(2)} m`);
-    setText(this.readout, said.join("  ·  ") || "\u00a0");
+    if (this.at) parts.push(`cursor ${this.at[0].toFixed(2)}, ${this.at[1].toFixed(2)} m`);
+    setText(this.readout, parts.join("  ·  ") || "\u00a0");
   }
 }
 

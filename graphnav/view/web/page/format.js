@@ -1,4 +1,4 @@
-// Numbers as people read them; the digits do not jump.
+// Format numbers with stable widths.
 
 export const NONE = "–";
 
@@ -34,7 +34,7 @@ export function number(value) {
   return size >= 1e5 || size < 1e-4 ? value.toExponential(3) : value.toFixed(size >= 1000 ? 1 : size >= 10 ? 2 : 4);
 }
 
-// A field of a message, as the server summarises it.
+// A field of a message, summarised by the server.
 export function field(value) {
   if (value === null) return "not finite";
   if (typeof value === "number") return number(value);

@@ -1,15 +1,15 @@
-// The graph as `graphnav draw` draws it, with live labels on its edges and boxes.
+// The graph as drawn by `graphnav draw`, with live labels on edges and boxes.
 
 import { setClass, setText, svg } from "./dom.js";
 import * as format from "./format.js";
 
 const HEAD = 36;
-// Smaller than this it cannot be read: a narrow window scrolls.
+// The minimum legible scale: narrow windows scroll.
 const MIN_SCALE = 0.76;
 const MAX_SCALE = 1.15;
 
 export class Graph {
-  // `choose` gets the name of the LCM channel whose edge was chosen.
+  // `choose` is called with the LCM channel of the selected edge.
   constructor(holder, choose) {
     this.holder = holder;
     this.choose = choose;
@@ -44,7 +44,7 @@ export class Graph {
     this.holder.replaceChildren(root);
   }
 
-  // An output port with all of its wires: one channel, one click.
+  // An output port with all of its wires: one channel, one click target.
   port(box, port, wires, names) {
     const x = box.x + box.width;
     const wireGroup = svg("g", { class: "wires" });
@@ -109,7 +109,7 @@ export class Graph {
     return group;
   }
 
-  // What a reader left aside of a wire, at the arrow head.
+  // Messages of a wire overtaken at a reader, at the arrow head.
   reader(wire) {
     const text = svg("text", { class: "lost bad", x: wire.end[0] - 9, y: wire.end[1] - 5, "text-anchor": "end" });
     this.readers.push({ name: wire.reader, text });
@@ -137,7 +137,7 @@ export class Graph {
     }
   }
 
-  // What the run itself says of an input or output counts before what is heard here.
+  // The run's own status of an input or output takes precedence over local statistics.
   label(port, channels, chosen, input, output) {
     port.name = port.names.find((name) => channels.get(name)?.count) ?? port.names[0];
     const channel = channels.get(port.name);
@@ -145,7 +145,7 @@ export class Graph {
     const latencyMs = output?.sent ? output.latency_p50_ms : channel?.latency_ms;
     const rejected = Object.values(input?.rejected ?? {}).reduce((sum, n) => sum + n, 0);
     const lost = input?.lost ?? channel?.lost;
-    const drops = [channel?.count ? `${format.count(lost)} lost` : "not heard"];
+    const drops = [channel?.count ? `${format.count(lost)} lost` : "not received"];
     if (rejected) drops.push(`${format.count(rejected)} rejected`);
     if (input?.fault) drops.push(input.fault);
     setText(port.rate, channel?.once ? "once" : format.rate(rateHz));
@@ -153,9 +153,9 @@ export class Graph {
     setClass(port.lost, "bad", lost || rejected || input?.fault);
     setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
     for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
-    const said = `${port.ref}: ${port.rate.textContent}, ${port.lost.textContent}`;
-    setText(port.title, said);
-    if (port.label.getAttribute("aria-label") !== said) port.label.setAttribute("aria-label", said);
+    const label = `${port.ref}: ${port.rate.textContent}, ${port.lost.textContent}`;
+    setText(port.title, label);
+    if (port.label.getAttribute("aria-label") !== label) port.label.setAttribute("aria-label", label);
   }
 
   worst(stage) {

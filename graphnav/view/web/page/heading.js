@@ -1,14 +1,14 @@
-// The head of the page: which run is shown, how it is, what the guard allows, what went wrong.
+// The heading of the page: the run, its health, the guard's decision, problems.
 
 import { byId, element, fill, setClass, setText } from "./dom.js";
 import * as format from "./format.js";
 
-const LINK = { open: "connected", lost: "no connection: graphnav view has ended, or cannot be reached" };
+const LINK = { open: "connected", lost: "no connection: graphnav view has ended or cannot be reached" };
 
 export class Heading {
   constructor(chooseRun) {
     this.link = byId("link");
-    this.figures = byId("run-figures");
+    this.digits = byId("run-digits");
     this.notices = byId("notices");
     this.choice = byId("run-choice");
     this.runs = byId("run");
@@ -28,7 +28,7 @@ export class Heading {
   update(state) {
     this.chooseFrom(state.runs.filter(Boolean), state.run_id);
     fill(
-      this.figures, figures(state),
+      this.digits, digits(state),
       () => element("div", {}, element("dt"), element("dd")),
       (item, [name, value, isBad]) => {
         setText(item.children[0], name);
@@ -53,7 +53,7 @@ export class Heading {
   }
 }
 
-function figures({ run, run_id: id }) {
+function digits({ run, run_id: id }) {
   const status = run?.status;
   if (!status) return id ? [["run", id, false]] : [];
   const dropped = status.tap_dropped + status.log_dropped;
@@ -71,7 +71,7 @@ function figures({ run, run_id: id }) {
 function notices(state) {
   const found = [];
   if (state.failure) found.push([state.failure, true]);
-  if (state.log?.torn) found.push([`the log is incomplete: ${state.log.torn}`, true]);
+  if (state.log?.damage) found.push([`the log is damaged: ${state.log.damage}`, true]);
   if (state.run?.silent) found.push([`no status of the run for ${format.seconds(state.run.silent_s)}`, true]);
   if (state.untracked) found.push([`${format.count(state.untracked)} messages on further channels are not shown`, true]);
   if (state.dropped_packets) found.push([`${format.count(state.dropped_packets)} packets dropped by the kernel`, true]);
@@ -82,8 +82,8 @@ function notices(state) {
 
 function guardNotice(guard) {
   if (guard.silent) return [`${guard.channel}: no state for ${format.seconds(guard.silent_s)}`, true];
-  const may = !guard.may_move ? "may not move" : guard.may_advance ? "may move" : "may turn, not go forward";
+  const may = !guard.may_move ? "may not move" : guard.may_advance ? "may move" : "may turn, not advance";
   const causes = guard.causes.map(({ cause, port }) => `${cause} ${port}`);
-  const more = [guard.overridden ? "an override drives" : "", guard.stopped ? "stopped until armed again" : "", ...causes];
+  const more = [guard.overridden ? "override active" : "", guard.stopped ? "stopped until armed again" : "", ...causes];
   return [`${guard.channel}: ${[may, ...more.filter(Boolean)].join(", ")}`, !guard.may_advance];
 }

@@ -1,4 +1,4 @@
-// The page: takes the server's updates and hands each part to what shows it.
+// The page: passes the parts of the server's updates to their components.
 
 import { Channels } from "./channels.js";
 import { Connection } from "./connection.js";
@@ -33,7 +33,7 @@ const connection = new Connection({
     floor.reset();
     if (!hello.log) return;
     timeline.show(hello.length_s);
-    setText(byId("graph-empty"), "The log does not say which graph made it.");
+    setText(byId("graph-empty"), "The log does not hold the graph that produced it.");
   },
   state: (name) => heading.connected(name),
   update,
@@ -87,9 +87,9 @@ function drawGraph(layout) {
   refresh();
 }
 
-// A camera's picture is the best beginning, if there is one.
+// Initially show the picture of a camera, if there is one.
 function openFirst() {
-  const heard = state.channels.filter((channel) => channel.count);
-  const first = heard.find((channel) => channel.type === IMAGE);
+  const received = state.channels.filter((channel) => channel.count);
+  const first = received.find((channel) => channel.type === IMAGE);
   if (first) open(first.name);
 }

@@ -1,4 +1,4 @@
-// The picture of the newest message, and where the cursor is on it.
+// The picture of the newest message, and the cursor on it.
 
 import { setText } from "./dom.js";
 import * as format from "./format.js";
@@ -7,7 +7,7 @@ const EVERY_MS = 100;
 const STEP = 0.02;
 
 export class Picture {
-  // `point` gets [x, y], shares of the picture's width and height, or null.
+  // `point` is called with [x, y], fractions of the picture's width and height, or null.
   constructor({ box, canvas, cross, readout }, point) {
     Object.assign(this, { box, canvas, cross, readout });
     this.cursor = null;
@@ -39,7 +39,7 @@ export class Picture {
     this.cursor = null;
   }
 
-  // `hasCells`: whether a place on the picture is a cell of the message's arrays.
+  // `hasCells`: whether a position on the picture is a cell of the message's arrays.
   say(hasCells, under) {
     if (!under) {
       const hint = this.cursor ? "no value here" : "point at the picture to read its values";
@@ -50,7 +50,7 @@ export class Picture {
     setText(this.readout, [`x ${under.x_px}, y ${under.y_px} px`, ...values].join("  ·  "));
   }
 
-  // The picture within the canvas, which keeps its shape in its box.
+  // The rectangle of the picture within the canvas, with its aspect ratio.
   place() {
     const { clientWidth, clientHeight, width, height } = this.canvas;
     const scale = Math.min(clientWidth / width, clientHeight / height);

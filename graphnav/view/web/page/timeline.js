@@ -47,7 +47,7 @@ export class Timeline {
     this.send(this.isPlaying ? "pause" : "play");
   }
 
-  // A jump that still waits comes first.
+  // A pending jump comes first.
   send(action, value) {
     if (this.timer) this.jump();
     this.order(action, value);

@@ -25,7 +25,7 @@ def test_the_runs_and_the_tables_are_there(study: Any, capsys: pytest.CaptureFix
     assert not (study.out / ".scratch").exists()
     assert "contact 3, goal 1" in capsys.readouterr().out
     with Recording(study.out / "runs" / "toy" / "robot.odd=contact" / "2" / LOG) as log:
-        assert log.torn is None
+        assert log.truncated is None
         assert log.count("robot.twist") == 6
 
 

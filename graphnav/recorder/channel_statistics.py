@@ -1,17 +1,17 @@
-"""What was heard on each channel, and what is missing."""
+"""Count received and missing messages by channel."""
 
 from __future__ import annotations
 
-from graphnav.record.sequence import SequenceGaps, numbered_fingerprints, seq_of
+from graphnav.record.sequence_gaps import SequenceGaps, numbered_fingerprints, seq_of
 
 _MAX_CHANNELS = 10_000
-"""Further channels are counted together: whoever sends names at random must not fill the memory."""
+"""Further channels are counted together, to bound memory when a program sends random names."""
 
 
-class ChannelTally:
+class ChannelStatistics:
     """The messages of one channel.
 
-    ``fingerprint``: the first 8 bytes of the first one. ``gaps``: None where messages have no numbers.
+    ``fingerprint``: the first 8 bytes of the first message. ``gaps``: None if messages have no sequence numbers.
     """
 
     __slots__ = ("fingerprint", "gaps", "n_bytes", "n_messages")
@@ -21,22 +21,22 @@ class ChannelTally:
         self.n_messages = self.n_bytes = 0
 
 
-class Tally:
-    """The messages of all channels; one thread counts, others may read."""
+class ReceiveStatistics:
+    """The statistics of all channels; one thread counts, others may read."""
 
     def __init__(self) -> None:
         self.n_messages = self.n_bytes = 0
-        self.channels: dict[str, ChannelTally] = {}
-        self.others = ChannelTally(b"")
-        """What came on channels beyond the first 10,000."""
+        self.channels: dict[str, ChannelStatistics] = {}
+        self.others = ChannelStatistics(b"")
+        """Messages on channels beyond the first 10,000."""
         self._numbered = numbered_fingerprints()
 
     @property
     def lost(self) -> int:
-        """The messages whose numbers are missing."""
+        """The number of missing sequence numbers."""
         return sum(channel.gaps.lost for channel in list(self.channels.values()) if channel.gaps is not None)
 
-    def hear(self, name: str, data: bytes) -> None:
+    def receive(self, name: str, data: bytes) -> None:
         """Count a message."""
         channel = self.channels.get(name)
         if channel is None:
@@ -49,9 +49,9 @@ class Tally:
         if channel.gaps is not None and data.startswith(channel.fingerprint) and (seq := seq_of(data)) is not None:
             channel.gaps.see(seq)
 
-    def _add(self, name: str, fingerprint: bytes) -> ChannelTally:
+    def _add(self, name: str, fingerprint: bytes) -> ChannelStatistics:
         if len(self.channels) >= _MAX_CHANNELS:
             return self.others
         gaps = SequenceGaps() if fingerprint in self._numbered else None
-        channel = self.channels[name] = ChannelTally(fingerprint, gaps)
+        channel = self.channels[name] = ChannelStatistics(fingerprint, gaps)
         return channel

@@ -1,4 +1,4 @@
-"""Losses are counted by numbers, also where several programs write or one begins anew."""
+"""Losses are counted by sequence numbers, also with several writers and after restarts."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from graphnav.codec import encode, fingerprint
 from graphnav.messages import Twist
 from graphnav.record import SequenceGaps
-from graphnav.record.sequence import numbered_fingerprints, seq_of
+from graphnav.record.sequence_gaps import numbered_fingerprints, seq_of
 
 
 def counted(seqs: list[int]) -> tuple[int, int]:
-    """Return how many are lost and how often the numbers began anew."""
+    """Return the numbers of losses and of restarts."""
     gaps = SequenceGaps()
     for seq in seqs:
         gaps.see(seq)

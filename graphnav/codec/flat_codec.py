@@ -1,8 +1,7 @@
-"""Encoders and decoders written out for one type: the common case, without loops and look-ups.
+"""Generated encoders and decoders for one type: the common case, without loops and look-ups.
 
-They cover types of scalars and arrays of numbers. Whatever they do not expect (another dtype, sizes that disagree,
-bytes that are damaged), they answer with None, and the general codec takes over: it moves it or says
-what is wrong.
+They cover types of scalars and arrays of numbers. For anything unexpected (another dtype, sizes that disagree, damaged
+bytes) they return None, and the general codec takes over and reports errors.
 """
 
 from __future__ import annotations
@@ -25,12 +24,12 @@ _MISFITS = (struct.error, KeyError, TypeError, ValueError, AttributeError, Overf
 
 
 def is_flat(fields: list[Field]) -> bool:
-    """Whether a type has nothing but scalars and arrays of numbers."""
+    """Whether a type has only scalars and arrays of numbers."""
     return bool(fields) and all(f.struct is None and f.primitive != "string" and 0 not in f.dims for f in fields)
 
 
 def flat_encoder(fields: list[Field], fingerprint: bytes) -> FlatEncoder:
-    """Return a function from fields to bytes, or None for what it does not expect."""
+    """Return a function from fields to bytes; it returns None for unexpected fields."""
     known = frozenset(field.name for field in fields)
     sizes = {dim: f"n{place}" for place, dim in enumerate(sorted(_sizes(fields)))}
     names: dict[str, Any] = {
@@ -73,7 +72,7 @@ def flat_encoder(fields: list[Field], fingerprint: bytes) -> FlatEncoder:
 
 
 def flat_decoder(fields: list[Field], fingerprint: bytes) -> FlatDecoder:
-    """Return a function from bytes to fields, or None for what it does not expect."""
+    """Return a function from bytes to fields; it returns None for unexpected bytes."""
     variables = {field.name: f"v{place}" for place, field in enumerate(fields)}
     names: dict[str, Any] = {"frombuffer": np.frombuffer, "fp": fingerprint}
     body = ["if d[:8] != fp: return None", "end = 8"]
@@ -106,10 +105,10 @@ def flat_decoder(fields: list[Field], fingerprint: bytes) -> FlatDecoder:
 
 
 def flat_measure(fields: list[Field], fingerprint: bytes) -> FlatMeasure:
-    """Return a function that tells whether bytes are as long as their sizes announce; None stands for no."""
+    """Return a predicate: whether the bytes have the length that their size fields announce; None means no."""
     variables = {field.name: f"v{place}" for place, field in enumerate(fields)}
     sizes = _sizes(fields)
-    names: dict[str, Any] = {"fp": fingerprint, "most": _MAX_SIDE}
+    names: dict[str, Any] = {"fp": fingerprint, "max_side": _MAX_SIDE}
     body = ["if d[:8] != fp: return False", "end = 8"]
     for run, (is_scalar, group) in enumerate(itertools.groupby(fields, lambda field: not field.dims)):
         if is_scalar:
@@ -121,7 +120,7 @@ def flat_measure(fields: list[Field], fingerprint: bytes) -> FlatMeasure:
             continue
         for field in group:
             dims = [str(dim) if isinstance(dim, int) else variables[dim] for dim in field.dims]
-            body += [f"if not 0 <= {variables[dim]} <= most: return False" for dim in field.dims if dim in sizes]
+            body += [f"if not 0 <= {variables[dim]} <= max_side: return False" for dim in field.dims if dim in sizes]
             body.append(f"end += {' * '.join(dims)} * {_dtypes(field)[0].itemsize}")
     body.append("return end == len(d)")
     measure: FlatMeasure = _function("d", body, names)
@@ -129,7 +128,7 @@ def flat_measure(fields: list[Field], fingerprint: bytes) -> FlatMeasure:
 
 
 def _function(argument: str, body: list[str], names: dict[str, Any]) -> Any:
-    """Return the compiled function; what does not fit its straight path makes it return None."""
+    """Return the compiled function; it returns None for anything outside of its fast path."""
     lines = [f"def move({argument}):", " try:", *(f"  {line}" for line in body), " except misfits:", "  return None"]
     names["misfits"] = _MISFITS
     exec("\n".join(lines), names)  # noqa: S102 - every word of it comes from an lcm-gen class

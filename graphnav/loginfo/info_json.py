@@ -1,4 +1,4 @@
-"""What a log holds, for programs."""
+"""The summary of a log as JSON."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from graphnav.loginfo.survey import ChannelInfo, LogInfo
 
 
 def as_json(info: LogInfo) -> dict[str, Any]:
-    """Return it as JSON can hold it; null is what is not known."""
+    """Return the summary as JSON-compatible values; unknown values are null."""
     return {
         "log": str(info.path),
         "bytes": info.n_bytes,
@@ -18,10 +18,10 @@ def as_json(info: LogInfo) -> dict[str, Any]:
         "is_wall_time": info.is_wall_time,
         "duration_s": info.duration_us / 1e6,
         "stamp_jumps": info.n_jumps,
-        "made_by": asdict(info.made_by) if info.made_by is not None else None,
+        "made_by": asdict(info.origin) if info.origin is not None else None,
         "channels": {channel.name: _channel(channel) for channel in info.channels},
         "damaged": [{"at": damaged.at, "bytes": damaged.n_bytes} for damaged in info.damaged],
-        "torn": {"at": info.torn.at, "bytes": info.torn.n_bytes} if info.torn is not None else None,
+        "truncated": {"at": info.truncated.at, "bytes": info.truncated.n_bytes} if info.truncated is not None else None,
     }
 
 

@@ -1,4 +1,4 @@
-"""What every page shows at any time: runs, stages, channels, as JSON can hold it."""
+"""The state shown on every page: runs, stages, channels, as JSON-compatible values."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
 
 
 def channel_state(channel: WatchedChannel, now_s: float) -> dict[str, Any]:
-    """Return what is known of a channel; ``rate_hz`` is null where it is silent or has none yet."""
+    """Return the statistics of a channel; ``rate_hz`` is null for a silent or new channel."""
     periods = channel.periods(now_s)
     return {
         "name": channel.name,
@@ -46,16 +46,16 @@ def channel_state(channel: WatchedChannel, now_s: float) -> dict[str, Any]:
         "bytes": channel.last_bytes,
         "lost": channel.lost,
         "undecodable": channel.undecodable,
-        "age_s": now_s - channel.heard_s if channel.count else None,
+        "age_s": now_s - channel.received_s if channel.count else None,
     }
 
 
 def log_state(source: LogSource) -> dict[str, Any]:
-    """Return where a log is being played."""
+    """Return the playback state of a log."""
     return {
         "at_s": source.at_s,
         "length_s": source.length_s,
         "playing": source.is_playing,
         "speed": source.speed_ratio,
-        "torn": source.torn,
+        "damage": source.damage,
     }

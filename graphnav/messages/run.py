@@ -1,4 +1,4 @@
-"""What a run says of itself, on the reserved channels ``graphnav.about``, ``.status`` and ``.fired``."""
+"""Messages about a run, on the reserved channels ``graphnav.about``, ``.status`` and ``.fired``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.messages.message import Message
 
 
 class About(Message, lcm=graphnav_lcm.about_t):
-    """What a log or a live run holds: the resolved graph, the types' text, the type of each channel.
+    """The description of a log or live run: the resolved graph, the type definitions, the type of each channel.
 
     ``types``: ``package.type_t`` for each of ``channels``. ``run_id`` is empty in a log.
     """
@@ -47,12 +47,12 @@ class Status(Message, lcm=graphnav_lcm.status_t):
 
 
 class Fired(Message, lcm=graphnav_lcm.fired_t):
-    """A firing of a stage in a live run, so that its log can be replayed.
+    """A firing of a stage in a live run, recorded so that the log can be replayed.
 
-    ``fired_us``: when it was, by the run's clock. ``age_s``: of the plain inputs. ``ports``, ``numbers``,
-    ``stamps_us``, ``ages_s``, ``faults``: one entry for each message that the stage stepped with and for every sampled
-    input: the port, which message of its channel it was (from 0; -1 for none yet), its stamp, and of a sampled input
-    its age and what was wrong with it.
+    ``fired_us``: the time of the firing by the run's clock. ``age_s``: the age of the plain inputs. ``ports``,
+    ``numbers``, ``stamps_us``, ``ages_s``, ``faults``: one entry for each message of the step and for every sampled
+    input: the port, the index of the message on its channel (from 0; -1 for none yet), its timestamp, and for a
+    sampled input its age and fault.
     """
 
     fired_us: int

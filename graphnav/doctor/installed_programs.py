@@ -1,4 +1,4 @@
-"""The programs that graphnav uses: LCM's wheel, Java."""
+"""Check the programs that graphnav uses: LCM's wheel, Java."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _TIMEOUT_S = 20.0
 
 
 def lcm_wheel() -> Finding:
-    """Look at the installed LCM."""
+    """Check the installed LCM."""
     needed = next(one for one in map(Requirement, requires("graphnav") or ()) if one.name == "lcm")
     fix = f"pip install --upgrade '{needed}'"
     try:
@@ -27,10 +27,10 @@ def lcm_wheel() -> Finding:
 
 
 def java() -> Finding:
-    """Look for the JDK that lcm-spy and jars of types need."""
+    """Check for the JDK that lcm-spy and jars of types need."""
     jdk = find_jdk()
-    if jdk.lacks or jdk.java is None:
-        seen = f"{jdk.lacks}; 'graphnav lcm-spy' needs a JDK"
+    if jdk.missing or jdk.java is None:
+        seen = f"{jdk.missing}; 'graphnav lcm-spy' needs a JDK"
         return Finding("java", fine=False, seen=seen, fix=install_jdk(), needed=False)
     try:
         done = subprocess.run(  # noqa: S603, found on the user's path
@@ -38,5 +38,5 @@ def java() -> Finding:
         )
     except (OSError, subprocess.SubprocessError) as error:
         return Finding("java", fine=False, seen=f"it does not run: {error}", fix=install_jdk(), needed=False)
-    said = (done.stderr or done.stdout).strip().splitlines()
-    return Finding("java", fine=True, seen=said[0] if said else str(jdk.java))
+    lines = (done.stderr or done.stdout).strip().splitlines()
+    return Finding("java", fine=True, seen=lines[0] if lines else str(jdk.java))

@@ -1,4 +1,4 @@
-"""Traffic as a person or a program reads it."""
+"""Format traffic as text and JSON."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from graphnav.errors import shown_name
 from graphnav.spy.feed import Feed
 from graphnav.spy.fields.field_summary import declared, described, summarised
 from graphnav.spy.fields.plain_values import plain
+from graphnav.spy.message_window import Periods
 from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
-from graphnav.spy.window import Periods
 
 _APART_RATIO = 0.05
-"""So far from the rate of the stamps the rate of the arrivals is worth a word."""
+"""Arrival rates that differ by more than this from the rate of the timestamps are shown."""
 
 
 def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
-    """Return everything that was heard, and what was not, for programs."""
+    """Return the statistics of all channels as JSON-compatible values."""
     return {
         "feed": feed.name,
         "runs": list(traffic.runs),
@@ -32,7 +32,7 @@ def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
 
 
 def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
-    """Return what is known of one channel."""
+    """Return the statistics of one channel."""
     return {
         **rates_as_json(channel),
         **sizes_as_json(channel),
@@ -42,7 +42,7 @@ def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
 
 
 def rates_as_json(channel: ChannelTraffic) -> dict[str, Any]:
-    """Return the rates of one channel, by the stamps of its messages and by their arrival (``wall``)."""
+    """Return the rates of one channel, by message timestamps and by arrival (``wall``)."""
     return {
         **_volume_as_json(channel),
         "rate_hz": channel.rate_hz,
@@ -53,7 +53,7 @@ def rates_as_json(channel: ChannelTraffic) -> dict[str, Any]:
 
 
 def sizes_as_json(channel: ChannelTraffic) -> dict[str, Any]:
-    """Return the sizes of one channel's messages and what they come to a second."""
+    """Return the sizes of one channel's messages and their bytes per second."""
     sizes = channel.sizes if channel.count else None
     return {
         **_volume_as_json(channel),
@@ -77,27 +77,27 @@ def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | 
 
 
 def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
-    """Return everything that was heard, for people; without the fields one line a channel."""
+    """Return the statistics of all channels as text; without the fields one line per channel."""
     lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in traffic.runs)]
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
-        lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(figures(channel)), "default"))
+        lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(summary_of(channel)), "default"))
         if with_fields:
             lines += map(Text, described(fields_of_channel(channel)))
     if traffic.overflow:
-        lines.append(Text(f"{traffic.overflow} messages of further channels, beyond {MAX_CHANNELS}, were not kept"))
+        lines.append(Text(f"{traffic.overflow} messages on channels beyond the first {MAX_CHANNELS} were not kept"))
     return Text("\n").join(lines)
 
 
 def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
-    """Return the contents of a channel's newest message, or how its type declares them where none was heard."""
+    """Return the fields of a channel's newest message, or their declared types before the first message."""
     if channel.values is not None:
         return summarised(channel.values)
     return declared(channel.lcm_class) if channel.lcm_class is not None else {}
 
 
-def figures(channel: ChannelTraffic) -> Iterator[str]:
-    """Yield what is known of one channel, in words."""
+def summary_of(channel: ChannelTraffic) -> Iterator[str]:
+    """Yield phrases about one channel: type, amount, rate, size."""
     yield shown_name(channel.type_name or "unknown type")
     if channel.is_silent:
         yield silence_of(channel)
@@ -109,14 +109,14 @@ def figures(channel: ChannelTraffic) -> Iterator[str]:
 
 
 def silence_of(channel: ChannelTraffic) -> str:
-    """Return how long nothing has come on a silent channel, in words."""
+    """Return a phrase about the silence of a channel."""
     return f"no new messages for {channel.silent_s or 0.0:.1f} s"
 
 
 def volume(channel: ChannelTraffic) -> Iterator[str]:
-    """Yield how much was heard on one channel and what is missing of it, in words."""
+    """Yield phrases about the received and missing messages of one channel."""
     if not channel.count:
-        yield "not heard"
+        yield "not received"
         return
     yield size_of(channel.last_bytes)
     yield "1 message" if channel.count == 1 else f"{channel.count} messages"
@@ -127,7 +127,7 @@ def volume(channel: ChannelTraffic) -> Iterator[str]:
 
 
 def size_of(n_bytes: int) -> str:
-    """Return a size as people read it."""
+    """Format a number of bytes with a unit."""
     return (
         f"{n_bytes} B" if n_bytes < 1000 else f"{n_bytes / 1000:.1f} kB" if n_bytes < 1e6 else f"{n_bytes / 1e6:.2f} MB"
     )

@@ -1,4 +1,4 @@
-"""Sequences of sequences, as arrays of strings and structs are given and received."""
+"""Nested sequences: arrays of strings and structs."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 Shape = tuple[int | None, ...]
-"""The shape of an array; None where an empty axis before hides the size."""
+"""The shape of an array; None for a size that is unknown because an earlier axis is empty."""
 
 
 def flatten(value: Any, axes: int) -> tuple[Shape, list[Any]]:
     """Return the shape and the elements, row-major, of sequences nested ``axes`` deep.
 
-    Raises ValueError if they are ragged and TypeError if they are not nested so deep.
+    Raises ValueError if they are ragged and TypeError if they are nested less deep.
     """
     if isinstance(value, np.ndarray) and value.ndim == axes:
         return value.shape, value.ravel().tolist()

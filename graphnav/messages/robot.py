@@ -1,4 +1,4 @@
-"""What moves the robot, where it is and what it drives through.
+"""Messages about the robot and its world: commands, motion, odometry, state, goal, map.
 
 Frames: W world, R robot (x forward, y left). Counterclockwise is positive.
 """
@@ -14,7 +14,7 @@ from graphnav.messages.message import Message
 
 
 class Steering(Message, lcm=graphnav_lcm.steering_t):
-    """The forces that steer, on the image's axes (right, forward), and the direction that they ask for.
+    """The steering forces on the image's axes (right, forward), and the resulting direction.
 
     ``control`` = ``repulsive`` + ``guiding`` [OI, eq. 9]. ``theta_rad``: its angle from forward, left positive
     [OI, eq. 10, with a sign]. ``eigenvalues``: of the gradients' covariance, largest first.
@@ -28,14 +28,14 @@ class Steering(Message, lcm=graphnav_lcm.steering_t):
 
 
 class Twist(Message, lcm=graphnav_lcm.twist_t):
-    """A command: forward speed and turning rate (counterclockwise)."""
+    """A velocity command: forward speed and turning rate (counterclockwise)."""
 
     v_mps: float
     omega_radps: float
 
 
 class Motion(Message, lcm=graphnav_lcm.motion_t):
-    """Displacement since the last frame, in the robot's frame of then, as odometry sees it."""
+    """Displacement since the last frame, in the robot frame at that time, measured by odometry."""
 
     forward_m: float
     left_m: float
@@ -44,9 +44,9 @@ class Motion(Message, lcm=graphnav_lcm.motion_t):
 
 
 class Odometry(Message, lcm=graphnav_lcm.odometry_t):
-    """Pose and speeds as a robot's odometry sees them, at its own stamps and rate.
+    """Pose and speeds measured by a robot's odometry, at its own timestamps and rate.
 
-    ``x_m``, ``y_m``, ``yaw_rad``: in the odometry's own frame, whose origin is where it began to count. ``v_mps``:
+    ``x_m``, ``y_m``, ``yaw_rad``: in the odometry frame, whose origin is the pose at its start. ``v_mps``:
     forward. ``omega_radps``: counterclockwise.
     """
 
@@ -58,9 +58,9 @@ class Odometry(Message, lcm=graphnav_lcm.odometry_t):
 
 
 class Stop(Message, lcm=graphnav_lcm.stop_t):
-    """Stop the robot (``engaged``), or arm it again; ``reason`` is for people.
+    """Stop the robot (``engaged``), or arm it again; ``reason`` is shown to users.
 
-    Every program may send it on one channel: a stop is never refused because another one sent before.
+    Any program may send it: a stop is never rejected because another program has sent one before.
     """
 
     many_writers: ClassVar[bool] = True
@@ -70,16 +70,15 @@ class Stop(Message, lcm=graphnav_lcm.stop_t):
 
 
 class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
-    """What the guard before the motors lets through, and why not.
+    """The decision of the guard before the motors, and its causes.
 
-    ``may_move``: whether any motion is let through; ``may_advance``: whether motion forward is. ``overridden``: an
-    override drives. ``stopped``: a stop was asked for and the guard was not armed again since.
+    ``may_move``: whether any motion is allowed; ``may_advance``: whether forward motion is. ``overridden``: an
+    override is active. ``stopped``: a stop was requested and the guard was not armed again since.
 
-    ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that forbids something now, or would if no
-    override drove: "waiting" (no message yet), "stale", "fault" (of the sender's stamps, or a value that is not
-    finite), "blind", "obstacle" or "stop"; the guard's input port that it is about; what was found and what is allowed
-    (seconds for waiting and stale; for blind a ratio of a plane or gray levels of an image; a ratio for obstacle; else
-    0).
+    ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that forbids motion now, or would without
+    the override: "waiting" (no message yet), "stale", "fault" (of the sender's timestamps, or a value that is not
+    finite), "blind", "obstacle" or "stop"; the guard's input port; the measured value and its limit (seconds for
+    waiting and stale; for blind a ratio of a plane or gray levels of an image; a ratio for obstacle; else 0).
     """
 
     may_move: bool
@@ -93,10 +92,10 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
 
 
 class State(Message, lcm=graphnav_lcm.state_t):
-    """Where the simulated robot really is; for scores and oracles only.
+    """The true state of the simulated robot; for scores and oracles only.
 
-    ``clearance_m``: from the robot's rim to the nearest wall or obstacle, the least since the last state;
-    1000 m where there is nothing.
+    ``clearance_m``: minimum distance since the last state from the robot's rim to a wall or obstacle; 1000 m if there
+    is none.
     ``moving``: float64 (n, 3), poses (x_m, y_m, yaw_rad) of the moving obstacles in the map's order.
     """
 
@@ -112,19 +111,19 @@ class State(Message, lcm=graphnav_lcm.state_t):
 
 
 class Goal(Message, lcm=graphnav_lcm.goal_t):
-    """The goal as a beacon's sensor gives it: ``bearing_rad`` from forward, left positive."""
+    """The direction of the goal, as from a beacon sensor: ``bearing_rad`` from forward, left positive."""
 
     bearing_rad: float
     distance_m: float
 
 
 class Map(Message, lcm=graphnav_lcm.map_t):
-    """The world from above, published once; for scores, oracles and pictures only.
+    """The world in top view, published once; for scores, oracles and pictures only.
 
     ``kind``: uint8 (bodies,), 0 wall, 1 obstacle, 2 moving obstacle. ``height_m``: float64 (bodies,).
-    ``vertices_m``: float64 (vertices, 2), outlines in W (of moving ones in their own frame). ``body``: int32
+    ``vertices_m``: float64 (vertices, 2), outlines in W (moving ones in their own frame). ``body``: int32
     (vertices,), ascending. ``start``: float64 (3,), x_m, y_m, yaw_rad. ``goal_m``: float64 (n, 2), outline of the
-    goal region, empty where there is none. ``shortest_m``: length of the shortest path for this robot, 0 without
+    goal region, empty if there is none. ``shortest_m``: length of the shortest path for this robot, 0 without
     a goal. ``footprint_m``: float64 (n, 2) in R, outline on the floor of what the camera sees.
     """
 

@@ -1,4 +1,4 @@
-"""The LCM types that are within reach, by name and by fingerprint."""
+"""The known LCM types, by name and by fingerprint."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from graphnav.codec.layout import fingerprint, hide_prefix, lcm_name
 from graphnav.messages import Message
 
 _added: dict[str, type] = {}
-"""Types that no message class wraps, by the name that they have in LCM; filled by imports, as subclasses are."""
+"""Types without a message class, by their LCM names; filled by imports, as subclasses are."""
 
 
 class _ByFingerprint(NamedTuple):
-    """The known types by fingerprint, after so many message classes were declared and types were added."""
+    """The known types by fingerprint, and the numbers of message classes and added types at that time."""
 
     age: tuple[int, int]
     types: Mapping[bytes, type]
@@ -29,8 +29,8 @@ _by_fingerprint = _ByFingerprint((-1, -1), {})
 
 
 def add_type(name: str, lcm_class: type) -> None:
-    """Make an lcm-gen class known as ``name`` (``package.type_t``), also where its package is inside another one."""
-    global _n_added  # noqa: PLW0603, types are those of the process
+    """Register an lcm-gen class as ``name`` (``package.type_t``), even if its package is inside another one."""
+    global _n_added  # noqa: PLW0603, the registry is per process
     _added[name] = lcm_class
     _n_added += 1
     if (full := lcm_name(lcm_class)).endswith(f".{name}"):
@@ -38,9 +38,9 @@ def add_type(name: str, lcm_class: type) -> None:
 
 
 def message_classes() -> Iterator[type[Message]]:
-    """Yield every message class that has been imported, those that ship first.
+    """Yield every imported message class, shipped ones first.
 
-    A class whose declaration was refused is still among Python's subclasses for a while; it has no LCM type.
+    A class whose declaration was refused remains among Python's subclasses for a while; it has no LCM type.
     """
     waiting: list[type[Message]] = Message.__subclasses__()
     while waiting:
@@ -51,17 +51,17 @@ def message_classes() -> Iterator[type[Message]]:
 
 
 def message_class_of(lcm_class: type) -> type[Message] | None:
-    """Return the message class that wraps an LCM type, or None where none has been imported."""
+    """Return the imported message class that wraps an LCM type, None if there is none."""
     return next((found for found in message_classes() if found.lcm_class is lcm_class), None)
 
 
 def message_types() -> dict[str, type[Message]]:
-    """Return the message classes that have been imported by the name of the LCM type that each wraps."""
+    """Return the imported message classes by the names of their LCM types."""
     return {lcm_name(found.lcm_class): found for found in reversed(list(message_classes()))}
 
 
 def type_named(name: str) -> type | None:
-    """Return the lcm-gen class of ``package.type_t``, or None where it is not installed."""
+    """Return the lcm-gen class of ``package.type_t``, None if it is not installed."""
     for found in message_classes():
         if lcm_name(found.lcm_class) == name:
             return found.lcm_class
@@ -75,7 +75,7 @@ def type_named(name: str) -> type | None:
 
 
 def _is_lcm_module(package: str, short: str) -> bool:
-    """Whether lcm-gen may have made ``package``; a log or a network must not make us import anything else."""
+    """Whether lcm-gen may have generated ``package``: names from logs and networks must not import anything else."""
     top, *inner = package.split(".")
     try:
         spec = importlib.util.find_spec(top) if top else None
@@ -86,7 +86,7 @@ def _is_lcm_module(package: str, short: str) -> bool:
 
 
 def known_types() -> list[type]:
-    """Return the lcm-gen classes that ship and those of what has been imported, each once."""
+    """Return the shipped and the imported lcm-gen classes, each once."""
     shipped = [found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__")]
     wrapped = [found.lcm_class for found in message_classes()]
     return list(dict.fromkeys((*shipped, *wrapped, *_added.values())))

@@ -1,4 +1,4 @@
-"""Which run made a log."""
+"""The run that produced a log."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from graphnav.runner.recording.run_recorded import SUMMARY
 
 
 @dataclass(frozen=True)
-class MadeBy:
-    """The run that made a log, as far as the log and the summary beside it tell; None or empty where they do not.
+class LogOrigin:
+    """The run that produced a log, read from the log and from the run folder's summary; None or empty if unknown.
 
-    ``name``: of the graph's file. ``about``: its first words. ``n_stages``: None where the log holds no graph.
+    ``name``: stem of the graph's file. ``about``: its description. ``n_stages``: None if the log holds no graph.
     """
 
     name: str | None = None
@@ -31,8 +31,8 @@ class MadeBy:
     versions: dict[str, str] = field(default_factory=dict)
 
 
-def made_by(recording: Recording) -> MadeBy | None:
-    """Return the run that made a log, or None where nothing tells it."""
+def origin_of(recording: Recording) -> LogOrigin | None:
+    """Return the run that produced a log, None if unknown."""
     about = recording.about
     summary = _summary(recording.path)
     if about is None and not summary:
@@ -42,29 +42,29 @@ def made_by(recording: Recording) -> MadeBy | None:
     except LogError:
         graph = {}
     stages, versions = graph.get("stages"), summary.get("versions")
-    return MadeBy(
-        name=_text(summary.get("graph")) or _name_by_status(recording),
-        about=_text(graph.get("about")),
+    return LogOrigin(
+        name=_string_or_none(summary.get("graph")) or _name_by_status(recording),
+        about=_string_or_none(graph.get("about")),
         seed=about.seed if about is not None else _number(summary.get("seed")),
-        run_id=_text(about.run_id if about is not None else None) or _text(summary.get("run_id")),
-        outcome=_text(summary.get("outcome")),
+        run_id=_string_or_none(about.run_id if about is not None else None) or _string_or_none(summary.get("run_id")),
+        outcome=_string_or_none(summary.get("outcome")),
         n_stages=len(stages) if isinstance(stages, dict) else None,
         versions={str(name): str(version) for name, version in versions.items()} if isinstance(versions, dict) else {},
     )
 
 
 def _name_by_status(recording: Recording) -> str | None:
-    """Return the name of the graph that the first status in a log is of."""
+    """Return the graph's name from the first status message in a log."""
     if not recording.count(STATUS):
         return None
     try:
-        return _text(decode(Status, recording.event(STATUS, 0).data)[2].graph)
+        return _string_or_none(decode(Status, recording.event(STATUS, 0).data)[2].graph)
     except DecodeError:
         return None
 
 
 def _summary(log: Path) -> dict[str, Any]:
-    """Return the summary of the run folder that a log lies in; empty where there is none that can be read."""
+    """Return the summary of the log's run folder; empty if it is missing or unreadable."""
     if log.name != LOG:
         return {}
     try:
@@ -74,7 +74,7 @@ def _summary(log: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def _text(value: Any) -> str | None:
+def _string_or_none(value: Any) -> str | None:
     return value if isinstance(value, str) and value else None
 
 

@@ -1,14 +1,14 @@
-"""Messages that are missing, by the numbers that their writers give them."""
+"""Count missing messages by their sequence numbers."""
 
 from __future__ import annotations
 
 from graphnav.codec import fields_of, fingerprint, known_types
 
 _SEQ_AT = slice(16, 24)
-"""Behind the fingerprint and ``utime``."""
+"""After the fingerprint and ``utime``."""
 _MAX_WRITERS = 4
 _MAX_GAP = 1_000_000
-"""What skips more numbers is another writer."""
+"""A larger step of the numbers indicates another writer."""
 
 
 def numbered_fingerprints() -> frozenset[bytes]:
@@ -22,16 +22,16 @@ def numbered_fingerprints() -> frozenset[bytes]:
 
 
 def seq_of(data: bytes) -> int | None:
-    """Return the number of a message of such a type, None if it is too short."""
+    """Return the sequence number of a message of a numbered type, None if the message is too short."""
     return int.from_bytes(data[_SEQ_AT], "big", signed=True) if len(data) >= _SEQ_AT.stop else None
 
 
 class SequenceGaps:
-    """Counts the numbers that are missing on a channel.
+    """Counts the missing sequence numbers of a channel.
 
-    A number is compared with the nearest one below that was seen before, of the newest 4 writers: two programs that
-    write in turn lose nothing. Equal numbers are repetitions. A number that is not near any of them begins a count
-    anew.
+    A number is compared with the nearest smaller one among those of the newest 4 writers, so that alternating writers
+    are not counted as losses. Equal numbers are repetitions. A number that is not near any of them restarts the
+    count.
     """
 
     __slots__ = ("_newest", "lost", "n_restarts")
@@ -42,7 +42,7 @@ class SequenceGaps:
         self._newest: list[int] = []
 
     def see(self, seq: int) -> None:
-        """Take the number of a message."""
+        """Count a message with this number."""
         newest = self._newest
         if newest and newest[0] == seq - 1:
             newest[0] = seq

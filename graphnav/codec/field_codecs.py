@@ -1,4 +1,4 @@
-"""The parts that an LCM type is made of; each moves some of its fields to bytes and back."""
+"""Codecs of the parts of an LCM type: each encodes and decodes some of its fields."""
 
 from __future__ import annotations
 
@@ -11,47 +11,47 @@ from typing import Any, Protocol
 from graphnav.codec.arrays import Numbers
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.layout import PRIMITIVES, Dim, Field
-from graphnav.codec.nested import Shape, flatten, nest
+from graphnav.codec.nested_sequences import Shape, flatten, nest
 
 Values = dict[str, Any]
 _LENGTH = struct.Struct(">I")
-_MOST_EMPTY = 4096
-"""Structs without fields that an array may hold: they cost the sender no byte."""
+_MAX_EMPTY_STRUCTS = 4096
+"""The maximum number of structs without fields in an array: they take no bytes."""
 
 
 class Part(Protocol):
-    """Some neighbouring fields of a type."""
+    """Adjacent fields of a type."""
 
-    least_bytes: int
+    min_bytes: int
 
     def encode(self, values: Mapping[str, Any], out: list[Any]) -> None:
         """Append the fields' bytes to ``out``."""
 
     def decode(self, data: bytes, at: int, values: Values) -> int:
-        """Add the fields that begin at an offset to ``values`` and return the offset behind them."""
+        """Add the fields that begin at an offset to ``values`` and return the offset after them."""
 
 
 class StructCodec(Protocol):
-    """What a nested struct is moved by."""
+    """The codec of a nested struct."""
 
-    least_bytes: int
+    min_bytes: int
 
     def encode_into(self, fields: Mapping[str, Any], out: list[Any]) -> None:
         """Append the struct's bytes to ``out``."""
 
     def decode_from(self, data: bytes, at: int) -> tuple[Values, int]:
-        """Return the struct at an offset and the offset behind it."""
+        """Return the struct at an offset and the offset after it."""
 
 
 class Scalars:
-    """A run of fixed-size scalars, moved by one `struct.Struct`."""
+    """Consecutive fixed-size scalars, packed by one `struct.Struct`."""
 
     def __init__(self, fields: list[Field]) -> None:
         self._names = [field.name for field in fields]
         self._codes = [PRIMITIVES[field.primitive] for field in fields]
         self._struct = struct.Struct(">" + "".join(self._codes))
         self._get = itemgetter(*self._names) if len(fields) > 1 else lambda values: (values[self._names[0]],)
-        self.least_bytes = self._struct.size
+        self.min_bytes = self._struct.size
 
     def encode(self, values: Mapping[str, Any], out: list[Any]) -> None:
         """Append the scalars; EncodeError names the one that does not fit."""
@@ -68,24 +68,24 @@ class Scalars:
     def decode(self, data: bytes, at: int, values: Values) -> int:
         """Read the scalars."""
         values.update(zip(self._names, self._struct.unpack_from(data, at)))  # noqa: B905, strict costs time
-        return at + self.least_bytes
+        return at + self.min_bytes
 
 
-class Text:
+class String:
     """A string."""
 
-    least_bytes = _LENGTH.size + 1
+    min_bytes = _LENGTH.size + 1
 
     def __init__(self, name: str) -> None:
         self._name = name
 
     def encode(self, values: Mapping[str, Any], out: list[Any]) -> None:
         """Append length, UTF-8 and a NUL."""
-        _put_text(self._name, values[self._name], out)
+        _put_string(self._name, values[self._name], out)
 
     def decode(self, data: bytes, at: int, values: Values) -> int:
-        """Read a string; what is no UTF-8 is replaced, as lcm-gen does."""
-        values[self._name], at = _read_text(data, at)
+        """Read a string; invalid UTF-8 is replaced, as in lcm-gen."""
+        values[self._name], at = _read_string(data, at)
         return at
 
 
@@ -94,7 +94,7 @@ class Nested:
 
     def __init__(self, name: str, codec: StructCodec) -> None:
         self._name, self._codec = name, codec
-        self.least_bytes = codec.least_bytes
+        self.min_bytes = codec.min_bytes
 
     def encode(self, values: Mapping[str, Any], out: list[Any]) -> None:
         """Append the struct's fields."""
@@ -107,25 +107,25 @@ class Nested:
 
 
 class ArrayPart(Part, Protocol):
-    """An array: its shape tells the sizes that other fields hold."""
+    """An array: its shape determines the size fields."""
 
     name: str
     dims: tuple[Dim, ...]
 
     def take(self, value: Any) -> tuple[Shape, Any]:
-        """Return the shape of a value and what ``encode`` wants to find in its place."""
+        """Return the shape of a value and the prepared value for ``encode``."""
 
 
 class NumberArray:
-    """An array of numbers or booleans, moved by numpy."""
+    """An array of numbers or booleans, converted by numpy."""
 
     def __init__(self, field: Field) -> None:
         self.name, self.dims = field.name, field.dims
         self._numbers = Numbers(field.primitive)
-        self.least_bytes = _least_count(self.dims) * self._numbers.native.itemsize
+        self.min_bytes = _min_count(self.dims) * self._numbers.native.itemsize
 
     def take(self, value: Any) -> tuple[Shape, Any]:
-        """Return the shape and the array; EncodeError says what does not fit."""
+        """Return the shape and the array; raises EncodeError if the value does not fit."""
         return self._numbers.take(value, len(self.dims))
 
     def encode(self, values: Mapping[str, Any], out: list[Any]) -> None:
@@ -144,10 +144,10 @@ class ElementArray:
     def __init__(self, field: Field, codec: StructCodec | None) -> None:
         self.name, self.dims = field.name, field.dims
         self._codec = codec
-        self.least_bytes = _least_count(self.dims) * (codec.least_bytes if codec else Text.least_bytes)
+        self.min_bytes = _min_count(self.dims) * (codec.min_bytes if codec else String.min_bytes)
 
     def take(self, value: Any) -> tuple[Shape, Any]:
-        """Return the shape and the flat list of elements; EncodeError says what does not fit."""
+        """Return the shape and the flat list of elements; raises EncodeError if the value does not fit."""
         try:
             return flatten(value, len(self.dims))
         except (TypeError, ValueError) as error:
@@ -157,22 +157,22 @@ class ElementArray:
         """Append the elements that ``take`` returned."""
         for element in values[self.name]:
             if self._codec is None:
-                _put_text(self.name, element, out)
+                _put_string(self.name, element, out)
             else:
                 self._codec.encode_into(element, out)
 
     def decode(self, data: bytes, at: int, values: Values) -> int:
-        """Read the elements; DecodeError before more are made than the bytes can hold."""
+        """Read the elements; raises DecodeError before allocating more than the bytes can hold."""
         shape = shape_of(self.dims, values)
         if min(shape) < 0:
             raise DecodeError(f"a negative size: {shape}")
         count = math.prod(shape)
-        each = self._codec.least_bytes if self._codec else Text.least_bytes
-        if count > ((len(data) - at) // each if each else _MOST_EMPTY):
+        each = self._codec.min_bytes if self._codec else String.min_bytes
+        if count > ((len(data) - at) // each if each else _MAX_EMPTY_STRUCTS):
             raise DecodeError(f"{self.name}: shape {shape} announced at {at}, {len(data) - at} bytes are left")
         elements: list[Any] = []
         for _ in range(count):
-            element, at = self._codec.decode_from(data, at) if self._codec else _read_text(data, at)
+            element, at = self._codec.decode_from(data, at) if self._codec else _read_string(data, at)
             elements.append(element)
         try:
             values[self.name] = nest(elements, shape)
@@ -182,16 +182,16 @@ class ElementArray:
 
 
 def shape_of(dims: tuple[Dim, ...], values: Mapping[str, Any]) -> tuple[int, ...]:
-    """Return the shape that ``dims`` have in a struct's values."""
+    """Return the values of ``dims``, from a struct's fields."""
     return tuple([dim if isinstance(dim, int) else values[dim] for dim in dims])
 
 
-def _least_count(dims: tuple[Dim, ...]) -> int:
-    """Return the number of elements that an array has at least."""
+def _min_count(dims: tuple[Dim, ...]) -> int:
+    """Return the minimum number of elements of an array."""
     return math.prod(dim if isinstance(dim, int) else 0 for dim in dims)
 
 
-def _put_text(name: str, value: Any, out: list[Any]) -> None:
+def _put_string(name: str, value: Any, out: list[Any]) -> None:
     try:
         encoded = value.encode("utf-8")
     except (AttributeError, UnicodeEncodeError) as error:
@@ -199,7 +199,7 @@ def _put_text(name: str, value: Any, out: list[Any]) -> None:
     out += (_LENGTH.pack(len(encoded) + 1), encoded, b"\0")
 
 
-def _read_text(data: bytes, at: int) -> tuple[str, int]:
+def _read_string(data: bytes, at: int) -> tuple[str, int]:
     (length,) = _LENGTH.unpack_from(data, at)
     start, end = at + _LENGTH.size, at + _LENGTH.size + length
     if not length or end > len(data):

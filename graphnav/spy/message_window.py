@@ -1,4 +1,4 @@
-"""The periods of a channel over its newest messages."""
+"""Rates, periods and sizes over a channel's newest messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 RECENT_S = 10.0
-"""How far back a live rate looks; two messages at least."""
+"""The time window of live rates; at least two messages."""
 MAX_MESSAGES = 10_000
 _RECENT_MESSAGES = 100
 
@@ -21,8 +21,8 @@ _RECENT_MESSAGES = 100
 class Periods:
     """Rate and periods of the messages in a window.
 
-    ``min_s``, ``mean_s``, ``max_s``, ``std_s``: of the periods between neighbours, without those that span lost
-    messages; None where there are none. ``rate_hz`` counts the lost ones. ``n``: messages in the window.
+    ``min_s``, ``mean_s``, ``max_s``, ``std_s``: of the periods between consecutive messages, without those that span
+    lost messages; None without any. ``rate_hz`` includes lost messages. ``n``: messages in the window.
     """
 
     rate_hz: float
@@ -43,14 +43,14 @@ class Sizes(NamedTuple):
 
 
 class Window:
-    """The newest messages on one clock: up to 10,000, and of the last ``recent_s`` seconds if that is given."""
+    """The newest messages on one clock: up to 10,000, and optionally of the last ``recent_s`` seconds."""
 
     def __init__(self, recent_s: float | None) -> None:
         self._recent_s = math.inf if recent_s is None else recent_s
         self._newest: deque[tuple[float, float, int, int]] = deque(maxlen=MAX_MESSAGES)
 
     def add(self, at_s: float, time_s: float, number: int, n_bytes: int = 0) -> None:
-        """Take a message that arrived at ``at_s``; ``time_s`` is its time on the window's clock.
+        """Add a message that arrived at ``at_s``; ``time_s`` is its time on the window's clock.
 
         ``n_bytes`` is for `sizes` and `bytes_per_s`.
         """
@@ -60,37 +60,37 @@ class Window:
 
     @property
     def is_empty(self) -> bool:
-        """Whether no message was taken."""
+        """Whether the window has no messages."""
         return not self._newest
 
     def behind_s(self) -> float | None:
-        """Return the median time from the messages' own times to their arrivals, over the newest 100."""
+        """Return the median delay from the messages' times to their arrivals, over the newest 100."""
         if not self._newest:
             return None
         newest = itertools.islice(reversed(self._newest), _RECENT_MESSAGES)
         return statistics.median(at_s - time_s for at_s, time_s, *_ in newest)
 
     def sizes(self) -> Sizes:
-        """Return the sizes; raises ValueError where there is no message."""
+        """Return the sizes; raises ValueError without messages."""
         sizes = [n_bytes for *_, n_bytes in self._newest]
         return Sizes(len(sizes), min(sizes), sum(sizes) / len(sizes), max(sizes))
 
     def bytes_per_s(self) -> float | None:
-        """Return the bytes of all but the first, over the time to the last; None where no time passed."""
+        """Return the bytes of all messages except the first per second; None for a zero duration."""
         length_s = self._length_s()
         return (sum(n_bytes for *_, n_bytes in self._newest) - self._newest[0][-1]) / length_s if length_s > 0 else None
 
     def rate_hz(self) -> float | None:
-        """Return the messages a second, the lost ones included; None where no time passed."""
+        """Return messages per second, including lost ones; None for a zero duration."""
         length_s = self._length_s()
         return (self._newest[-1][2] - self._newest[0][2]) / length_s if length_s > 0 else None
 
     def _length_s(self) -> float:
-        """Return the time from the first to the last message, 0 where there is none."""
+        """Return the time from the first to the last message, 0 without messages."""
         return self._newest[-1][1] - self._newest[0][1] if self._newest else 0.0
 
     def periods(self) -> Periods | None:
-        """Return the periods, None below two messages or where no time passed between the first and the last."""
+        """Return the periods, None for fewer than two messages or a zero duration."""
         rate_hz = self.rate_hz()
         if rate_hz is None:
             return None

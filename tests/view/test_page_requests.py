@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphnav.view.content.details import Cursor
-from graphnav.view.web.page_requests import LogOrder, OrderError, Shown, View, parse_order
+from graphnav.view.web.page_requests import LogCommand, RequestError, Shown, View, parse_request
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats() | st.integers() | st.text(),
@@ -24,10 +24,10 @@ KINDS = st.sampled_from(["view", "shown", "log"])
 
 def test_orders() -> None:
     view = {"kind": "view", "channel": "flow.flow", "map": True, "run": None, "cursor": [0.25, 0.5]}
-    assert parse_order(json.dumps(view)) == View("flow.flow", with_map=True, cursor=Cursor(0.25, 0.5))
-    assert parse_order('{"kind": "shown", "number": 3}') == Shown(3)
-    assert parse_order('{"kind": "log", "action": "seek", "value": 1.5}') == LogOrder("seek", 1.5)
-    assert parse_order('{"kind": "view", "cursor": [1, 0]}') == View(), "beside the picture"
+    assert parse_request(json.dumps(view)) == View("flow.flow", with_map=True, cursor=Cursor(0.25, 0.5))
+    assert parse_request('{"kind": "shown", "number": 3}') == Shown(3)
+    assert parse_request('{"kind": "log", "action": "seek", "value": 1.5}') == LogCommand("seek", 1.5)
+    assert parse_request('{"kind": "view", "cursor": [1, 0]}') == View(), "beside the picture"
 
 
 @pytest.mark.parametrize(
@@ -46,17 +46,17 @@ def test_orders() -> None:
     ],
 )
 def test_anything_else_is_refused(text: str | bytes) -> None:
-    with pytest.raises(OrderError):
-        parse_order(text)
+    with pytest.raises(RequestError):
+        parse_request(text)
 
 
 @given(st.dictionaries(st.sampled_from(KEYS), JSON), KINDS | JSON)
 def test_every_json_is_an_order_or_refused(order: dict[str, Any], kind: Any) -> None:
-    with suppress(OrderError):
-        parse_order(json.dumps({**order, "kind": kind}))
+    with suppress(RequestError):
+        parse_request(json.dumps({**order, "kind": kind}))
 
 
 @given(st.text() | st.binary())
 def test_every_text_is_an_order_or_refused(text: str | bytes) -> None:
-    with suppress(OrderError):
-        parse_order(text)
+    with suppress(RequestError):
+        parse_request(text)

@@ -1,4 +1,4 @@
-"""Find the log that a user names: a file, or the one in a run folder."""
+"""Find a log by the path of its file or of its run folder."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from graphnav.errors import UserError
 
 LOG = "run.lcmlog"
-"""The log of a run folder."""
+"""The file name of the log in a run folder."""
 
 
 def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:
@@ -16,7 +16,7 @@ def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:
     Raises
     ------
     UserError
-        There is none; its hint is ``hint``.
+        The log does not exist; the error's hint is ``hint``.
     """
     log = path / LOG if path.is_dir() else path
     if not log.is_file():

@@ -1,4 +1,4 @@
-"""Which time of a log it is."""
+"""A clock for log time."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable
 
 
-class Pace:
-    """Log time by a monotonic clock, from one anchor on, so that delays do not add up.
+class PlaybackClock:
+    """Log time derived from a monotonic clock relative to one anchor, so that delays do not accumulate.
 
     ``speed_ratio``: seconds of the log per second. Times are microseconds since the log's first event.
     """
@@ -25,32 +25,32 @@ class Pace:
 
     @property
     def at_us(self) -> float:
-        """The time in the log."""
+        """The current log time."""
         if self.is_paused:
             return self._anchor_us
         return self._anchor_us + (self._now_s() - self._anchor_s) * 1e6 * self._speed_ratio
 
     def wait_s(self, at_us: float) -> float:
-        """Return the seconds until a time, negative if it has passed, infinite while paused."""
+        """Return the seconds until a log time, negative if it has passed, infinite while paused."""
         if self.is_paused:
             return math.inf
         return self._anchor_s + (at_us - self._anchor_us) / 1e6 / self._speed_ratio - self._now_s()
 
     def seek(self, at_us: float) -> None:
-        """Go on from a time."""
+        """Continue from a log time."""
         self._anchor_us, self._anchor_s = at_us, self._now_s()
 
     def pause(self) -> None:
-        """Stop the time."""
+        """Stop the clock."""
         self.seek(self.at_us)
         self.is_paused = True
 
     def resume(self) -> None:
-        """Let the time go on."""
+        """Restart the clock."""
         self.seek(self.at_us)
         self.is_paused = False
 
     def set_speed(self, speed_ratio: float) -> None:
-        """Go on at another speed."""
+        """Continue at another speed."""
         self.seek(self.at_us)
         self._speed_ratio = speed_ratio

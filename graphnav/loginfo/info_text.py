@@ -1,4 +1,4 @@
-"""What a log holds, for people."""
+"""The summary of a log as text."""
 
 from __future__ import annotations
 
@@ -6,33 +6,33 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 
 from graphnav.errors import shown_name
-from graphnav.loginfo.made_by import MadeBy
+from graphnav.loginfo.log_origin import LogOrigin
 from graphnav.loginfo.survey import ChannelInfo, LogInfo
 from graphnav.runner.recording.log_forecast import size_text
 
 HEADINGS = ("channel", "type", "messages", "rate", "size", "total", "lost")
-"""Of the columns of `rows`."""
+"""The headings of `rows`."""
 
 _MAX_SHOWN = 10
 _SHOWN_VERSIONS = ("graphnav", "lcm", "numpy")
 _MAX_TIME_US = 253_402_300_799_000_000
-"""The end of the year 9999."""
+"""End of the year 9999."""
 
 
 def as_text(info: LogInfo) -> list[str]:
-    """Return the lines that stand above the table of channels."""
+    """Return the lines above the table of channels."""
     messages = f"{info.n_messages:,} messages" if info.n_messages != 1 else "1 message"
     channels = f"{len(info.channels)} channels" if len(info.channels) != 1 else "1 channel"
     log = shown_name(str(info.path))
     lines = [f"{log}: {size_text(info.n_bytes)}, {messages} on {channels}, {info.duration_us / 1e6:.3f} s"]
-    lines.append(_begin(info) if info.n_messages else "it holds no message")
-    if info.made_by is not None:
-        lines += _made_by(info.made_by)
+    lines.append(_begin(info) if info.n_messages else "the log holds no messages")
+    if info.origin is not None:
+        lines += _origin_lines(info.origin)
     return lines
 
 
 def rows(info: LogInfo) -> list[tuple[str, ...]]:
-    """Return a row for each channel."""
+    """Return one row per channel."""
     return [
         (
             shown_name(channel.name),
@@ -48,47 +48,47 @@ def rows(info: LogInfo) -> list[tuple[str, ...]]:
 
 
 def damage(info: LogInfo) -> Iterator[str]:
-    """Yield what is lost or damaged, a line each; nothing for a log that is complete."""
+    """Yield one line per loss or damage; none for a complete log."""
     for channel in info.channels:
         name = shown_name(channel.name)
         if channel.undecodable and channel.undecodable < channel.n_messages:
             of = f"{channel.undecodable:,} of {channel.n_messages:,} messages"
-            yield f"{name}: {of} cannot be decoded as {channel.type_name or 'the type of the first one'}"
+            yield f"{name}: {of} cannot be decoded as {channel.type_name or 'the type of the first message'}"
         elif channel.undecodable:
             yield f"{name}: no message can be decoded"
         if channel.n_restarts:
-            yield f"{name}: the numbers of its messages began anew {_times(channel.n_restarts)}"
+            yield f"{name}: sequence numbers restarted {_times(channel.n_restarts)}"
     if info.n_jumps:
-        yield f"{info.n_jumps:,} stamps do not follow the one before: the clock was set, or they are damaged"
+        yield f"{info.n_jumps:,} timestamps jump: the clock was set, or they are damaged"
     yield from map(str, info.damaged[:_MAX_SHOWN])
     if len(info.damaged) > _MAX_SHOWN:
         rest = info.damaged[_MAX_SHOWN:]
-        yield f"{sum(one.n_bytes for one in rest)} bytes in {len(rest)} more places are not an event"
-    if info.torn is not None:
-        yield str(info.torn)
+        yield f"{sum(one.n_bytes for one in rest)} bytes in {len(rest)} more places are not events"
+    if info.truncated is not None:
+        yield str(info.truncated)
 
 
 def _begin(info: LogInfo) -> str:
     if not info.is_wall_time:
         return f"simulated time from {info.begin_us / 1e6:.3f} s"
     if info.begin_us > _MAX_TIME_US:
-        return f"begins {info.begin_us} us after 1970"
+        return f"begins {info.begin_us} us after 1970-01-01"
     return f"begins {datetime.fromtimestamp(info.begin_us / 1e6, UTC):%Y-%m-%d %H:%M:%S.%f} UTC"
 
 
-def _made_by(made_by: MadeBy) -> Iterator[str]:
-    words = [f"{made_by.n_stages} stages" if made_by.n_stages is not None else "", f"seed {made_by.seed}"]
-    words += [f"run {made_by.run_id}"] if made_by.run_id else []
-    words += [f"outcome {made_by.outcome}"] if made_by.outcome else []
-    words += [f"{name} {made_by.versions[name]}" for name in _SHOWN_VERSIONS if name in made_by.versions]
-    yield shown_name(f"made by {made_by.name or 'a graph'}: " + ", ".join(filter(None, words)))
-    if made_by.about:
-        yield shown_name(f"  {made_by.about}")
+def _origin_lines(origin: LogOrigin) -> Iterator[str]:
+    words = [f"{origin.n_stages} stages" if origin.n_stages is not None else "", f"seed {origin.seed}"]
+    words += [f"run {origin.run_id}"] if origin.run_id else []
+    words += [f"outcome {origin.outcome}"] if origin.outcome else []
+    words += [f"{name} {origin.versions[name]}" for name in _SHOWN_VERSIONS if name in origin.versions]
+    yield shown_name(f"made by {origin.name or 'a graph'}: " + ", ".join(filter(None, words)))
+    if origin.about:
+        yield shown_name(f"  {origin.about}")
 
 
 def _type(channel: ChannelInfo) -> str:
     if channel.is_known or channel.fingerprint is None:
-        return shown_name(channel.type_name or "not a type of LCM")
+        return shown_name(channel.type_name or "not an LCM type")
     fingerprint = f"fingerprint {channel.fingerprint}"
     return f"{shown_name(channel.type_name)} ({fingerprint})" if channel.type_name else f"unknown, {fingerprint}"
 

@@ -1,4 +1,4 @@
-"""Whether the installed plugins can be imported."""
+"""Check that the installed plugins can be imported."""
 
 from __future__ import annotations
 

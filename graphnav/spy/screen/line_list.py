@@ -1,4 +1,4 @@
-"""A list of lines with a cursor: what the table and the tree of fields are drawn by."""
+"""A list of lines with a cursor, the base of the table and of the tree of fields."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ CURSOR = Style(reverse=True)
 
 
 class Lines(Widget, can_focus=True):
-    """Lines of fixed height below a heading, drawn only where they are seen.
+    """Lines of fixed height below a heading, drawn only while visible.
 
-    One widget draws all of its cells: a widget or a cell object for each costs ten times as much at every refresh.
+    One widget draws all cells: a widget or a cell object per cell costs ten times as much at every refresh.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -38,7 +38,7 @@ class Lines(Widget, can_focus=True):
     ]
 
     class Chosen(Message):
-        """The line at the cursor was clicked or entered."""
+        """Posted when the line at the cursor is clicked or entered."""
 
         def __init__(self, index: int) -> None:
             self.index = index
@@ -51,7 +51,7 @@ class Lines(Widget, can_focus=True):
         self._top = self.cursor = 0
 
     def show_lines(self, heading: Line, lines: Sequence[Line], cursor: int) -> None:
-        """Show other lines, with the cursor on one of them."""
+        """Replace the lines, with the cursor on one of them."""
         if heading == self._heading and lines == self._lines and cursor == self.cursor:
             return
         self._heading, self._lines = heading, lines
@@ -83,17 +83,17 @@ class Lines(Widget, can_focus=True):
         self._put(index if index >= 0 else len(self._lines) + index)
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Go down."""
+        """Scroll down."""
         event.stop()
         self.action_move(3)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Go up."""
+        """Scroll up."""
         event.stop()
         self.action_move(-3)
 
     def on_click(self, event: events.Click) -> None:
-        """Move the cursor to the line below the pointer; choose the line that has it."""
+        """Move the cursor to the line at the pointer; select the line if it has the cursor."""
         index = self._top + event.y - 1
         if event.y < 1 or index >= len(self._lines):
             return
@@ -115,6 +115,6 @@ class Lines(Widget, can_focus=True):
         self.refresh()
 
     def _follow(self) -> None:
-        """Scroll as little as needed to show the cursor, and no further than to the last line."""
+        """Scroll minimally to show the cursor, and not beyond the last line."""
         self._top = min(max(self._top, self.cursor - self._n_visible + 1), self.cursor)
         self._top = max(0, min(self._top, len(self._lines) - self._n_visible))

@@ -1,4 +1,4 @@
-"""How much of a message the kernel holds for a program that is busy: tried, not computed."""
+"""Measure how many bytes of a message the kernel buffers for a busy receiver."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ _MAX_PACKETS = 256
 
 
 class ReceiveBuffer(NamedTuple):
-    """What a receiver gets that asks for LCM's buffer: as the kernel counts, and the full packets that fit."""
+    """A receive buffer: the size granted by the kernel, and the number of full packets that fit."""
 
     granted_bytes: int
     packets: int
 
     @property
     def held_bytes(self) -> int:
-        """The largest message of which no packet is lost while nothing is read."""
+        """The largest message that is received completely while the receiver is busy."""
         return self.packets * FRAGMENT_BYTES
 
     def needed_bytes(self, message_bytes: int) -> int:
-        """Return the buffer to ask for so that a message is held, from what a packet cost here."""
+        """Return the buffer size to request for a message, from the measured cost of a packet."""
         packets = -(-message_bytes // FRAGMENT_BYTES)
         cost = -(-self.granted_bytes // max(1, self.packets))
         return packets * cost // _KERNEL_DOUBLES
 
 
 _KERNEL_DOUBLES = 2
-"""Linux grants twice what is asked for, to have room for its own bookkeeping."""
+"""Linux grants twice the requested size, for its own bookkeeping."""
 
 
 def try_receive_buffer(asked_bytes: int = RECEIVE_BUFFER_BYTES) -> ReceiveBuffer:

@@ -1,20 +1,20 @@
-"""Everything that the doctor looks at, in order."""
+"""Run all checks of the doctor in order."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from graphnav.doctor.extras import extras
-from graphnav.doctor.families import families
 from graphnav.doctor.finding import Finding
+from graphnav.doctor.installed_programs import java, lcm_wheel
 from graphnav.doctor.network import multicast, receive_buffer
-from graphnav.doctor.programs import java, lcm_wheel
+from graphnav.doctor.plugin_families import families
 from graphnav.doctor.terminal import terminal_graphics
 from graphnav.graph import Graph
 
 
-def examine(graph: Graph | None = None) -> Iterator[Finding]:
-    """Look at everything, one finding after another; the receive buffer against what ``graph`` needs."""
+def run_checks(graph: Graph | None = None) -> Iterator[Finding]:
+    """Yield the findings of all checks; the receive buffer is compared with the messages of ``graph``."""
     yield multicast()
     yield from receive_buffer(graph)
     yield lcm_wheel()

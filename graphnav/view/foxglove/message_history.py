@@ -1,4 +1,4 @@
-"""What pictures and the path need of the messages before; decoded when it is asked for."""
+"""Past messages for pictures and the path, decoded on demand."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _MAX_POSES = 4000
 _MAX_POSE_BYTES = 1 << 16
 
 
-class HeardPast:
-    """The newest message of each type, and the poses; of several channels of one type the first one counts."""
+class MessageHistory:
+    """The newest message of each type, and the poses; of several channels of one type the first one is used."""
 
     def __init__(self, types: MessageTypes) -> None:
         self._types = types
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew: another run, or another place in a log."""
+        """Clear the history, for another run or another time of a log."""
         self.pose_channel: str | None = None
         self._pose_type: type[Message] | None = None
         self._newest: dict[type[Message], tuple[Arrival, type]] = {}
@@ -37,21 +37,21 @@ class HeardPast:
         self._kept_every = 1
         self._since_kept = 0
 
-    def hear(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
-        """Remember a message."""
+    def receive(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
+        """Store a message."""
         known = self._newest.get(message_type)
         if known is None or known[0].channel == arrival.channel:
             self._newest[message_type] = arrival, lcm_class
         if message_type in POSES:
-            self._hear_pose(arrival, lcm_class, message_type)
+            self._receive_pose(arrival, lcm_class, message_type)
 
     def channel_of(self, kind: type[Message]) -> str | None:
-        """Return the channel whose messages are found for a type."""
+        """Return the channel whose messages are used for a type."""
         known = self._newest.get(kind)
         return None if known is None else known[0].channel
 
     def find(self, kind: type[M], /) -> M | None:
-        """Return the newest message of ``kind``; None where there is none."""
+        """Return the newest message of ``kind``; None if there is none."""
         newest = self._newest.get(kind)
         if newest is None:
             return None
@@ -60,7 +60,7 @@ class HeardPast:
         return cast("M | None", self._decoded[kind][1])
 
     def path_m(self) -> Doubles:
-        """Return where the robot was so far, (n, 2), x_m and y_m; poses that are not finite are left out."""
+        """Return the robot's path so far, (n, 2), x_m and y_m; non-finite poses are left out."""
         for arrival, lcm_class in self._waiting:
             pose = self._message(arrival, lcm_class)
             if isinstance(pose, State | Odometry) and np.isfinite((pose.x_m, pose.y_m)).all():
@@ -68,7 +68,7 @@ class HeardPast:
         self._waiting.clear()
         return np.array(self._path, np.float64).reshape(-1, 2)
 
-    def _hear_pose(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
+    def _receive_pose(self, arrival: Arrival, lcm_class: type, message_type: type[Message]) -> None:
         if self._pose_type is None or POSES.index(message_type) < POSES.index(self._pose_type):
             self.pose_channel, self._pose_type = arrival.channel, message_type
             self._path, self._waiting = [], []

@@ -1,4 +1,4 @@
-"""Where the integers lie that a type begins with: what can be read of a message without decoding it."""
+"""Offsets of a type's leading integers, which can be read without decoding the message."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ _FINGERPRINT_BYTES = 8
 _INTEGERS = frozenset("bhiq")
 
 Peek = tuple[struct.Struct, int]
-"""What unpacks a field, and the field's offset in the message."""
+"""The unpack function of a field, and the field's offset in the message."""
 
 
 def peeks(fields: list[Field]) -> dict[str, Peek]:
-    """Return how to read the integers among the scalars that stand before the first string, array or struct."""
+    """Return a peek for each integer before the first string, array or struct."""
     found: dict[str, Peek] = {}
     at = _FINGERPRINT_BYTES
     for field in itertools.takewhile(_has_fixed_size, fields):
