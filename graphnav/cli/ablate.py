@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_plugin_option, catalog_of, count
+from graphnav.cli.options import add_former_option, add_plugin_option, catalog_of, count
 from graphnav.cli.status import INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, UserError
 
@@ -27,7 +27,7 @@ are there.
 
 
 _OF_RUNS = (
-    ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--figures", "figures"),
+    ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
     ("--one-at-a-time", "one_at_a_time"), ("--plugin", "plugins"), ("--cluster", "cluster"),
 )  # fmt: skip
 """Options that only a study that runs takes, and what the arguments call them."""
@@ -65,12 +65,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="axes that are conditions: variants are compared with the base under the same one",
     )
     parser.add_argument(
-        "--figures",
+        "--metrics",
         action="append",
         default=[],
-        metavar="STAGE.FIGURE,...",
+        metavar="STAGE.METRIC,...",
         help="columns of the table, deciding first",
     )
+    add_former_option(parser, "--figures", "--metrics")
     add_plugin_option(parser)
     parser.add_argument(
         "-o",
@@ -91,7 +92,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_count_or_none,
         default=2,
         metavar="N",
-        help="failures of each variant that are run again and drawn (default 2; controls 1)",
+        help="failures of each variant that are run again and drawn (default 2; baselines 1)",
     )
     parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the failures that are drawn")
     parser.add_argument("--yes", action="store_true", help="do not ask before more than 1000 runs")
@@ -146,7 +147,7 @@ def _plan(args: argparse.Namespace, catalog: Catalog) -> Plan:
         args.names,
         varies=args.varies,
         sets=args.sets,
-        metrics=args.figures,
+        metrics=args.metrics,
         within=args.within,
         seeds=args.seeds,
         one_at_a_time=args.one_at_a_time,
@@ -178,7 +179,7 @@ def _study(plan: Plan, catalog: Catalog, args: argparse.Namespace, console: Cons
             raise
         except GraphnavError as error:
             state = _state(plan, len(pending_jobs(plan, folder)))
-            raise GraphnavError(f"{error}\n  {state}; mend this, and the same command goes on") from error
+            raise GraphnavError(f"{error}\n  {state}; fix this, and the same command goes on") from error
     return OK
 
 

@@ -1,4 +1,4 @@
-"""Write and print what a study came to."""
+"""Write and print the results of a study."""
 
 from __future__ import annotations
 
@@ -16,31 +16,30 @@ from graphnav.ablation.report import (
     print_comparison,
     print_paired_studies,
 )
-from graphnav.ablation.results import metric_columns, pair_studies, read_records
+from graphnav.ablation.results import pair_studies, read_records
 from graphnav.api.studies.study_files import write_study_files
 from graphnav.catalog import Catalog
-from graphnav.errors import UserError, did_you_mean
+from graphnav.errors import UserError
 
 
 def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) -> None:
-    """Make tables and report from the runs that are there, and print the table in short.
+    """Make tables and report from the existing runs, and print the table in short.
 
     Raises
     ------
     UserError
-        A run's summary is not whole.
+        A run's summary is not complete.
     GraphnavError
         The disk refuses; what it refuses stays as it was.
     """
     files = write_study_files(plan, folder, catalog)
     comparison = files.comparison
     print_comparison(console, comparison, plan)
-    for figure in plan.figures if files.records else ():
-        if not comparison.has_metric(figure):
-            hint = did_you_mean(figure, metric_columns(plan, files.records)) or f"{RESULTS} has them all"
-            console.print(f"no run says the figure '{figure}'\n  {hint}", style="yellow", markup=False)
+    for metric in plan.metrics if files.records else ():
+        if not comparison.has_metric(metric):
+            console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
-        console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
+        console.print(f"{missing} of {plan.n_jobs} runs are pending")
     console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
 
 

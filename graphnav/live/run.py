@@ -31,7 +31,7 @@ from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.kept_messages import ChannelsExcept, ChannelsOnly, SmallOnly
 from graphnav.runner.recording.run_recorded import LiveSink, note_failure, write_summary
 from graphnav.runner.recording.saved_graph import save_graph
-from graphnav.runner.recording.summary import Summary, figures_of, scores_of, versions
+from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
 from graphnav.stage import Stage
 
 
@@ -61,7 +61,7 @@ def run_live(
     UserError
         The folder cannot be written at all, or a log that is to be played does not hold what the graph says.
     """
-    failures: list[str] = []
+    failures: list[GraphnavError] = []
     outcome: str = Outcome.FAILED
     scores: dict[str, dict[str, float]] = {}
     url = live_url(graph, url)
@@ -101,30 +101,31 @@ def run_live(
             outcome = Outcome.STOPPED
             observer.tell_broken_off()
         except GraphnavError as error:
-            failures.append(str(error))
+            failures.append(error)
             on_failure(error)
         try:
             scores = scores_of(runner.units) if runner.is_ready else {}
         except GraphnavError as error:
-            failures.append(str(error))
+            failures.append(error)
             on_failure(error)
     status = observer.status
     summary = Summary(
         outcome=str(Outcome.FAILED if failures else outcome),
-        failure="\n".join(failures),
+        failure="\n".join(map(str, failures)),
         graph=graph.path.stem,
         seed=graph.run.seed,
         until_s=graph.run.until_s,
         frames=runner.firings,
         sim_s=status.run_s,
         wall_s=round(status.wall_s, 4),
-        stages=figures_of(runner.units),
+        stages=steps_of(runner.units),
         scores=scores,
         notices=[*graph.notices, *observer.told],
         tap_dropped=status.tap_dropped,
         run_id=run_id,
         versions=versions(),
         behind_s=status.behind_s,
+        cause="\n".join(error.cause for error in failures),
         live=_live_part(status, writer, url),
     )
     write_summary(summary, folder)

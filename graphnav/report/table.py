@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from rich import box
@@ -13,18 +14,25 @@ from rich.text import Text
 
 from graphnav.clock import MAX_LATE_S
 from graphnav.runner.recording.summary import Summary
+from graphnav.stage import Better, Metric
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
+_WHERE_BETTER: dict[Better, str] = {"higher": "higher", "lower": "lower", "neither": ""}
 _MOST_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, for a figure that is cut would be a wrong one."""
+"""Tables are as wide as they need: a narrow terminal wraps them, for a number that is cut would be a wrong one."""
 
 
-def print_summary(console: Console, summary: Summary) -> None:
-    """Print how the run ended, what each stage did and what was scored."""
+Declared = Mapping[str, Mapping[str, Metric]]
+"""The declared metrics of each stage of a graph, by name."""
+NONE_DECLARED: Declared = MappingProxyType({})
+
+
+def print_summary(console: Console, summary: Summary, declared: Declared = NONE_DECLARED) -> None:
+    """Print how the run ended, what each stage did and what was scored; ``declared``: what is known of the metrics."""
     console.print(_headline(summary))
     tables = [_stages(summary), *_outside(summary.live or {})]
     if any(summary.scores.values()):
-        tables.append(_scores(summary))
+        tables.append(_scores(summary, declared))
     for table in tables:
         table.width = Measurement.get(console, console.options.update(width=_MOST_COLS), table).maximum
     console.print(Group(*tables), soft_wrap=True)
@@ -82,12 +90,15 @@ def _right_table(names: Sequence[str], values: Sequence[str]) -> Table:
     return table
 
 
-def _scores(summary: Summary) -> Table:
+def _scores(summary: Summary, declared: Declared = NONE_DECLARED) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("score")
-    table.add_column("figure")
+    table.add_column("metric")
     table.add_column("value", justify="right")
-    for stage, figures in summary.scores.items():
-        for place, (figure, value) in enumerate(figures.items()):
-            table.add_row("" if place else stage, figure, f"{value:.4g}")
+    table.add_column("better")
+    for stage, values in summary.scores.items():
+        for place, (name, value) in enumerate(values.items()):
+            metric = declared.get(stage, {}).get(name)
+            label, better = (metric.label, _WHERE_BETTER[metric.better]) if metric else (name, "")
+            table.add_row("" if place else stage, Text(label), f"{value:.4g}", better)
     return table

@@ -8,11 +8,11 @@ from pathlib import Path
 from graphnav.ablation.plan.case_problems import CaseProblems
 from graphnav.ablation.plan.checked_cases import CheckedCase, check_cases, stage_classes
 from graphnav.ablation.plan.folder_names import folder_names
-from graphnav.ablation.plan.metric_checks import checked_metrics, less_is_better
+from graphnav.ablation.plan.metric_checks import checked_metrics, declared_metrics
 from graphnav.ablation.plan.plan import RUNS, Case, Plan
 from graphnav.ablation.plan.study_problems import study_problems
 from graphnav.ablation.plan.variants import Variant, expand
-from graphnav.ablation.study import Study
+from graphnav.ablation.study import Study, settings_of
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import resolved_yaml
@@ -49,10 +49,10 @@ def make_plan(study: Study, catalog: Catalog, command: str, plugins: Sequence[Pa
         graphs=tuple(dict.fromkeys(case.graph for case in cases)),
         axes={axis.name: tuple(choice.label for choice in axis.choices) for axis in study.axes},
         seeds=study.seeds,
-        figures=metrics,
+        metrics=metrics,
         cases=cases,
         within=study.within,
-        less_is_better=less_is_better(classes),
+        declared=declared_metrics(classes),
         plugins=_plugins(plugins, checked),
         versions=versions(),
     )
@@ -79,6 +79,7 @@ def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[Checke
             variant=case.variant.called,
             labels=case.variant.labels,
             sets=case.sets,
+            tuned=settings_of(case.variant.sets),
             is_base=case.variant.is_base,
             role=case.role,
             folder=f"{RUNS}/{of_graph[case.name]}/{of_variant[same.variant.name]}",

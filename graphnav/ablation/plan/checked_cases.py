@@ -14,7 +14,7 @@ from graphnav.errors import UserError
 from graphnav.graph import Graph, Node, load_graph
 from graphnav.stage import Role, Stage
 
-_ROLES: tuple[Role, ...] = ("oracle", "control", "method")
+_ROLES: tuple[Role, ...] = ("oracle", "baseline", "method")
 """The most special one first."""
 _FROM_COMMAND = "--"
 

@@ -5,32 +5,47 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.results import DRAWS, MIN_WORLDS, SEED, Comparison, Row
+from graphnav.ablation.results import DRAWS, MIN_WORLDS, SEED, Comparison, Row, shown_metrics
+from graphnav.ablation.study import MetricExpression
+from graphnav.stage import UNDEFINED
 
 INTERVALS = (
-    f"Intervals are 95 %, over worlds: the percentile bootstrap ({DRAWS} resamples, seed {SEED}). For figures that are "
+    f"Intervals are 95 %, over worlds: the percentile bootstrap ({DRAWS} resamples, seed {SEED}). For metrics that are "
     "0 or 1 in every run they are Wilson's score interval for the mean and Bonett and Price's adjusted Wald interval "
     "for the difference, which have a width also where all worlds agree. Each holds for itself: where nothing differs, "
     "one comparison in twenty still leaves out 0."
 )
-COUNTING = (
-    "A run that failed (a stage broke down) counts as no success, with spl and barn 0; its other figures do not count. "
-    "A world in which a figure is not defined does not count for it; n says how many did where not all have."
-)
+
+
+def counting(plan: Plan, columns: Iterable[str]) -> str:
+    """Return which runs count for the metrics of some columns, as these are declared; plain text."""
+    names = dict.fromkeys(name for column in columns for name in MetricExpression.parse(column).operands)
+    declared = {name: plan.metric(name).if_failed for name in names}
+    with_value = [f"{name} {value:g}" for name, value in declared.items() if isinstance(value, float)]
+    undefined = [name for name, value in declared.items() if value == UNDEFINED]
+    sentences = [
+        f"A run in which a stage failed counts as {', '.join(with_value)}; its other metrics do not count."
+        if with_value
+        else "The metrics of a run in which a stage failed do not count."
+    ]
+    if undefined:
+        sentences.append(f"{', '.join(undefined)}: only of drives that arrived.")
+    sentences.append("A world in which a metric is undefined does not count for it; n is how many did if not all do.")
+    return " ".join(sentences)
 
 
 def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     """Return the sentences below a study's table, plain text."""
     where = f", under the same {' and '.join(plan.within)}" if plan.within else ""
     reading = (
-        "Each cell is the mean over worlds with its interval; ↑ more is better, ↓ less. Differences are from the base, "
-        f"{plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was better–worse. "
+        "Each cell is the mean over worlds with its interval; ↑ higher is better, ↓ lower. Differences are from the "
+        f"base, {plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was better–worse. "
         f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
     )
-    sentences = [reading, INTERVALS, COUNTING]
+    sentences = [reading, INTERVALS, counting(plan, shown_metrics(plan, comparison))]
     roles = {row.case.role for row in comparison.rows}
-    if "control" in roles:
-        sentences.append("A control is what every method has to beat; where it does well, the worlds test nothing.")
+    if "baseline" in roles:
+        sentences.append("A baseline is what every method has to beat; where it does well, the worlds test nothing.")
     if "oracle" in roles:
         sentences.append("An oracle sees the truth: it bounds what the methods can reach.")
     return tuple(sentences)

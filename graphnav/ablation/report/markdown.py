@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.legend import legend, marks, origin, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.results import Comparison, Difference, Row, shown_metrics
+from graphnav.stage import Better
 
 TABLE = "table.md"
 METRICS_PER_TABLE = 3
 """As many as are read without scrolling; more go into further tables."""
-ARROWS: dict[Better, str] = {"more": "↑", "less": "↓"}
+ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
+"""Behind the heading of a metric."""
 
 _ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
 
@@ -63,7 +65,7 @@ def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[
         some = metrics[first : first + METRICS_PER_TABLE]
         header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
         for metric in some:
-            header += [f"{escaped(metric)} {ARROWS[plan.better(metric)]}", "difference"]
+            header += [f"{escaped(plan.label(metric))}{ARROWS[plan.better(metric)]}", "difference"]
         yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in own))
     if alike := list(same_graphs(rows)):
         yield bullets(map(escaped, alike))

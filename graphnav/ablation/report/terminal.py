@@ -10,17 +10,18 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.markdown import ARROWS
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
 from graphnav.ablation.results import Comparison, Difference, PairedRow, PairedStudies, Row, shown_metrics
+from graphnav.stage import Better
 
 DECIDING = 2
 """Metrics that the terminal shows; `table.md` has them all."""
 _MAX_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, for a metric that is cut would be a wrong one."""
+"""Tables are as wide as they need: a narrow terminal wraps them, because a number that is cut would be a wrong one."""
 
 
 def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> None:
@@ -30,7 +31,7 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
         rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
         table = new_table(graph, ["variant", "worlds", "outcomes"])
         for metric in metrics:
-            table.add_column(Text(f"{metric} {ARROWS[plan.better(metric)]}"))
+            table.add_column(Text(f"{plan.label(metric)}{ARROWS[plan.better(metric)]}"))
             table.add_column("difference")
         for row in rows:
             table.add_row(*_cells(row, metrics, plan))
@@ -49,7 +50,7 @@ def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
     for graph in pairing.graphs:
         table = new_table(graph, ["variant", "worlds"])
         for metric in metrics:
-            for name in (f"{metric} {ARROWS[pairing.metrics[metric]]} A", "B", "B - A"):
+            for name in (f"{pairing.plan_of(metric).label(metric)}{ARROWS[pairing.metrics[metric]]} A", "B", "B - A"):
                 table.add_column(Text(name))
         for row in pairing.rows:
             if row.graph == graph:
@@ -74,12 +75,12 @@ def print_wide(console: Console, table: Table) -> None:
 
 
 def difference_cell(found: Difference | None, better: Better) -> Text:
-    """Return a difference, green or red where it is clear."""
+    """Return a difference, green or red where it is clear which is better."""
     if found is None:
         return Text()
-    if not found.is_clear:
+    if not found.is_clear or better == "neither":
         return Text(difference_text(found))
-    return Text(difference_text(found), style="green" if (found.low > 0) == (better == "more") else "red")
+    return Text(difference_text(found), style="green" if (found.low > 0) == (better == "higher") else "red")
 
 
 def _cells(row: Row, metrics: Sequence[str], plan: Plan) -> list[Text]:

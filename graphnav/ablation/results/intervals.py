@@ -76,10 +76,10 @@ def wilson(successes: float, n: int) -> Interval:
     .. [Wilson] E. B. Wilson, Probable Inference, the Law of Succession, and Statistical Inference, Journal of the
        American Statistical Association 22, 1927; recommended by L. D. Brown et al., Statistical Science 16(2), 2001.
     """
-    share = successes / n
-    middle = (share + Z**2 / (2 * n)) / (1 + Z**2 / n)
-    half = Z / (1 + Z**2 / n) * math.sqrt(share * (1 - share) / n + Z**2 / (4 * n**2))
-    return Interval(min(max(middle - half, 0.0), share), max(min(middle + half, 1.0), share))
+    from scipy.stats import binomtest  # noqa: PLC0415 - slow to import, and only tables need it
+
+    found = binomtest(round(successes), n).proportion_ci(method="wilson")
+    return Interval(float(found.low), float(found.high))
 
 
 def bonett_price(only_this: int, only_base: int, n: int) -> Interval:

@@ -2,7 +2,7 @@
 
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
-from graphnav.ablation.study.override_targets import Target, swaps_of, targets_of
+from graphnav.ablation.study.override_targets import Target, settings_of, swaps_of, targets_of
 from graphnav.ablation.study.study import Axis, Choice, Study
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "MetricExpression",
     "Study",
     "Target",
+    "settings_of",
     "study_of_command",
     "swaps_of",
     "targets_of",

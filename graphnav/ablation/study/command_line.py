@@ -32,7 +32,7 @@ def study_of_command(
 
     ``names``: one study, or graphs, each a file or a name. ``--vary`` replaces an axis of the study of that name or
     adds one, ``--vary AXIS+=VALUE`` adds a choice (see `varied`); ``--set`` comes before what the study sets of the
-    same; ``--figures`` and ``--within`` (texts with commas between) and ``--seeds`` replace the study's.
+    same; ``--metrics`` and ``--within`` (names with commas between) and ``--seeds`` replace the study's.
 
     Raises
     ------
@@ -47,13 +47,13 @@ def study_of_command(
     worlds = base.seeds if seeds is None else _seeds(seeds, problems)
     columns = _split(metrics)
     if "" in columns:
-        problems.append(Problem(Place("--figures"), "a figure is empty", "write --figures drive.success,drive.spl"))
+        problems.append(Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl"))
     conditions = _split(within)
     if "" in conditions:
         problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))
     if problems:
         raise UserError(problems)
-    places = {text: Place(f"--set {text}") for text in sets} | dict.fromkeys(columns, Place("--figures"))
+    places = {text: Place(f"--set {text}") for text in sets} | dict.fromkeys(columns, Place("--metrics"))
     return replace(
         base,
         about=base.about or _question(axes, base.graphs),

@@ -9,7 +9,7 @@ from graphnav.errors import Place, UserError, did_you_mean, shown_path
 from graphnav.graph import find_graph, shipped_folder, shipped_graphs
 from graphnav.spec import MAX_BYTES, Value, parse_yaml
 
-STUDY_KEYS = ("about", "graph", "graphs", "seeds", "one_at_a_time", "set", "vary", "within", "figures")
+STUDY_KEYS = ("about", "graph", "graphs", "seeds", "one_at_a_time", "set", "vary", "within", "metrics")
 _ONLY_IN_STUDIES = frozenset(STUDY_KEYS) - {"about"}
 
 

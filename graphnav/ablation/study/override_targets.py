@@ -39,6 +39,11 @@ def swaps_of(sets: Iterable[str]) -> dict[str, str]:
     }
 
 
+def settings_of(sets: Iterable[str]) -> dict[str, str]:
+    """Return what is set within stages: each value as it is written, by ``stage.parameter`` or ``stage.in.port``."""
+    return {f"{stage}.{key}": text.partition("=")[2] for text in sets for stage, key in targets_of(text) if key}
+
+
 def is_plain(axis: Axis) -> bool:
     """Return whether an axis varies the one target that it is called by, as ``plane: [plane.ica, ...]`` does."""
     return all(len(choice.sets) == 1 and target_text(choice.sets[0]) == axis.name for choice in axis.choices)

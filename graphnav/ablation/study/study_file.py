@@ -11,9 +11,10 @@ from graphnav.ablation.study.seeds import HINT, bare_number, checked_seeds, pars
 from graphnav.ablation.study.source_text import SourceText
 from graphnav.ablation.study.study import Study
 from graphnav.ablation.study.value_reader import Texts, ValueReader
-from graphnav.errors import Place, Problem, UserError, did_you_mean, shown_path
+from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph import find_graph
 from graphnav.spec import Entry, Value, parse_yaml
+from graphnav.stage import former_names
 
 
 def load_study(name_or_path: str | Path) -> Study:
@@ -47,7 +48,7 @@ def _study(value: Value, path: Path, reader: ValueReader) -> Study:
     graphs = _graphs(keys, path, reader)
     sets = reader.sets(keys["set"].value, "'set'") if "set" in keys else {}
     within = reader.texts(keys["within"].value, "'within'", "speed") if "within" in keys else {}
-    metrics = reader.texts(keys["figures"].value, "'figures'", "drive.success, drive.spl") if "figures" in keys else {}
+    metrics = reader.texts(keys["metrics"].value, "'metrics'", "drive.success, drive.spl") if "metrics" in keys else {}
     return Study(
         name=path.stem,
         about=_typed(keys, "about", str, "a text", reader) or "",
@@ -66,7 +67,10 @@ def _study(value: Value, path: Path, reader: ValueReader) -> Study:
 def _check_keys(keys: dict[str, Entry], place: Place, reader: ValueReader) -> None:
     for word, entry in keys.items():
         if word not in STUDY_KEYS:
-            hint = did_you_mean(word, STUDY_KEYS) or f"keys are {', '.join(STUDY_KEYS)}"
+            hint = (
+                former_names.suggestion(word, former_names.STUDY_KEYS, STUDY_KEYS)
+                or f"keys are {', '.join(STUDY_KEYS)}"
+            )
             reader.problem(entry.place, f"a study has no key '{word}'", hint)
     if "graph" in keys and "graphs" in keys:
         reader.problem(keys["graphs"].place, "the study has 'graph' and 'graphs'", "keep one")

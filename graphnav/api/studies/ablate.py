@@ -95,7 +95,7 @@ def ablate(
         Ctrl-C; every finished run is in ``folder``.
     """
     names, varies, sets, text = names_of(study), vary_texts(vary), set_texts(set), seeds_text(seeds)
-    figures, conditions = (
+    columns, conditions = (
         texts_of(metrics, "metrics", "drive.success"),
         texts_of(within, "within", "control.max_speed_mps"),
     )
@@ -110,7 +110,7 @@ def ablate(
         names,
         varies=varies,
         sets=sets,
-        metrics=figures,
+        metrics=columns,
         within=conditions,
         seeds=text,
         one_at_a_time=one_at_a_time,
@@ -120,7 +120,7 @@ def ablate(
         varies=varies,
         sets=sets,
         seeds=text,
-        metrics=figures,
+        metrics=columns,
         within=conditions,
         one_at_a_time=one_at_a_time,
         plugins=files,

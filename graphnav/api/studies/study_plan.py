@@ -106,7 +106,7 @@ def words_of(
     plugins: Sequence[Path],
 ) -> str:
     """Return the command line that runs the same study."""
-    options = (("--vary", varies), ("--set", sets), ("--figures", metrics), ("--within", within), ("--plugin", plugins))
+    options = (("--vary", varies), ("--set", sets), ("--metrics", metrics), ("--within", within), ("--plugin", plugins))
     words = ["graphnav", "ablate", *names]
     for option, values in options:
         words += [word for value in values for word in (option, str(value))]

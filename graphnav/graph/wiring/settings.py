@@ -11,7 +11,7 @@ from graphnav.errors import ParamError, Place, Problem, did_you_mean
 from graphnav.graph.node import Setting
 from graphnav.graph.paths import has_path, resolve_paths
 from graphnav.spec import Entry, RunOptions, StageSpec, check_url
-from graphnav.stage import Param, Stage, params_of
+from graphnav.stage import Param, Stage, former_names, params_of
 
 SET = "--set"
 """Places of what the command line gives begin so."""
@@ -35,7 +35,8 @@ def settings_of(
     file that the graph extends against that of ``folders``, by the file's name in places.
     """
     declared = params_of(cls)
-    problems += _unknown(spec.params, declared, f"{spec.use} has no parameter")
+    renamed = former_names.PARAMETERS.get(spec.use, {})
+    problems += _unknown(spec.params, declared, f"{spec.use} has no parameter", renamed)
     settings = {}
     for name, param in declared.items():
         entry = spec.params.get(name)
@@ -79,10 +80,15 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
     return RunOptions(**given)
 
 
-def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
+def _unknown(
+    entries: Mapping[str, Entry],
+    declared: Mapping[str, Param],
+    what: str,
+    renamed: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[Problem]:
     for name, entry in entries.items():
         if name not in declared:
-            hint = did_you_mean(name, declared)
+            hint = former_names.suggestion(name, renamed, declared)
             if not hint:
                 hint = f"it has {', '.join(declared)}" if declared else "it has none"
             yield Problem(entry.place, f"{what} '{name}'", hint)

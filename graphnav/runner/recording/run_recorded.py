@@ -23,7 +23,7 @@ from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.kept_messages import ChannelsOnly, SmallOnly
 from graphnav.runner.recording.log_forecast import LogForecast
 from graphnav.runner.recording.saved_graph import save_graph
-from graphnav.runner.recording.summary import Summary, figures_of, scores_of, versions
+from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
 from graphnav.stage import Stage
 
 SUMMARY = "summary.json"
@@ -87,7 +87,7 @@ def run_recorded(
     UserError
         The folder cannot be written at all.
     """
-    failures: list[str] = []
+    failures: list[GraphnavError] = []
     outcome: str = Outcome.FAILED
     scores: dict[str, dict[str, float]] = {}
     with ExitStack() as cleanup, Interrupt() as interrupt:
@@ -124,30 +124,31 @@ def run_recorded(
         except KeyboardInterrupt:
             outcome = Outcome.STOPPED
         except GraphnavError as error:
-            failures.append(str(error))
+            failures.append(error)
             on_failure(error)
         try:
             scores = scores_of(runner.units) if runner.is_ready else {}
         except GraphnavError as error:
-            failures.append(str(error))
+            failures.append(error)
             on_failure(error)
         wall_s = time.monotonic() - started
     summary = Summary(
         outcome=str(Outcome.FAILED if failures else outcome),
-        failure="\n".join(failures),
+        failure="\n".join(map(str, failures)),
         graph=graph.path.stem,
         seed=graph.run.seed,
         until_s=graph.run.until_s,
         frames=runner.ticks,
         sim_s=runner.utime / 1e6,
         wall_s=round(wall_s, 4),
-        stages=figures_of(runner.units),
+        stages=steps_of(runner.units),
         scores=scores,
         notices=list(graph.notices),
         tap_dropped=tap.dropped if tap is not None else 0,
         run_id=run_id,
         versions=versions(),
         behind_s=round(clock.behind_s, 4),
+        cause="\n".join(error.cause for error in failures),
     )
     write_summary(summary, folder)
     return summary
@@ -190,11 +191,13 @@ def _keeps_all(graph: Graph, keep: Collection[str] | None) -> bool:
     return keep is None and graph.run.record != "small"
 
 
-def note_failure(failures: list[str], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]) -> None:
+def note_failure(
+    failures: list[GraphnavError], on_failure: Callable[[GraphnavError], None], close: Callable[[], None]
+) -> None:
     """Close something; what goes wrong is added to ``failures`` for the summary."""
     try:
         close()
     except GraphnavError as error:
-        if str(error) not in failures:
-            failures.append(str(error))
+        if str(error) not in map(str, failures):
+            failures.append(error)
             on_failure(error)

@@ -33,7 +33,7 @@ def page_of(study: StudyResults) -> Html:
     parts = {
         "graph": ("What was swapped", drawings(study)),
         "tables": ("Results", tables(study)),
-        "plots": ("Figures", plots(study)),
+        "plots": ("Metrics", plots(study)),
         "paths": ("Paths", maps(study)),
         "time": ("Time per stage", timing(study)),
         "failures": ("Failures", gallery(study)),

@@ -58,7 +58,7 @@ def _facts(study: StudyResults) -> Html:
         ("base", plan.base),
         (
             "decides",
-            f"{study.deciding}, {plan.better(study.deciding)} is better" if study.deciding else "no figure",
+            f"{plan.label(study.deciding)}, {plan.better(study.deciding)} is better" if study.deciding else "no metric",
         ),
     ]
     drawn = [tag("div", tag("dt", esc(name)), tag("dd", esc(text))) for name, text in facts]

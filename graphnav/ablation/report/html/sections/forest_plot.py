@@ -21,7 +21,7 @@ def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Ht
     shown = shown_variants(study, metric)
     labels = {variant: _badge(study, variant) for variant in shown}
     graphs = study.plan.graphs
-    x_label = f"{metric}, {study.plan.better(metric)} is better"
+    x_label = f"{study.plan.label(metric)}, {study.plan.better(metric)} is better"
     charts = []
     columns = math.ceil(len(graphs) / math.ceil(len(graphs) / PANELS))
     for begin in range(0, len(graphs), columns):
@@ -33,7 +33,7 @@ def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Ht
         charts.append(
             tag(
                 "p",
-                f"Shown are the base, controls, oracles and the best; {left_out} more are in the tables.",
+                f"Shown are the base, baselines, oracles and the best; {left_out} more are in the tables.",
                 class_="note",
             )
         )
@@ -41,14 +41,14 @@ def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Ht
 
 
 def shown_variants(study: StudyResults, metric: str) -> Sequence[str]:
-    """Return the variants with runs of their own; of very many the base, controls, oracles and the best."""
+    """Return the variants with runs of their own; of very many the base, baselines, oracles and the best."""
     every = study.own_variants
     if len(every) <= MAX_ROWS:
         return every
     plan = study.plan
     special = {case.variant for case in plan.cases if case.is_base or case.role != "method"}
     kept = [variant for variant in every if variant in special][: MAX_ROWS // 2]
-    sign = -1.0 if plan.better(metric) == "more" else 1.0
+    sign = -1.0 if plan.better(metric) != "lower" else 1.0
 
     def rank(variant: str) -> float:
         means = [found.mean for graph in plan.graphs if (found := study.estimate(graph, variant, metric))]
@@ -97,14 +97,14 @@ def missing_reason(row: Row) -> str:
     failed = row.outcomes.get("failed", 0)
     if failed and failed == row.runs:
         return f"failed in all of {row.runs} worlds"
-    return "not said by any run" if row.runs else "no run yet"
+    return "undefined in all runs" if row.runs else "no run yet"
 
 
 def chart_key(*, with_worlds: bool = False) -> Html:
     """Return what the marks mean."""
     kinds = [
         ("base method", "the base"), ("better method", "better than the base"), ("worse method", "worse"),
-        ("unclear method", "no difference that these worlds can tell"), ("unclear control", "control"),
+        ("unclear method", "no difference that these worlds can tell"), ("unclear baseline", "baseline"),
         ("unclear oracle", "oracle"),
     ]  # fmt: skip
     drawn = []

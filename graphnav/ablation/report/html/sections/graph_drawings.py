@@ -35,7 +35,7 @@ def _drawing(study: StudyResults, cases: list[Case]) -> Html:
     ]
     lines += [f"{tag('b', esc(stage))}: {esc(', '.join(targets))} varied" for stage, targets in tuned.items()]
     try:
-        graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), study.catalog)
+        graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), study.catalog, is_recorded=True)
     except GraphnavError as error:
         picture = tag("p", f"It cannot be drawn here: {esc(str(error).splitlines()[0])}", class_="note warn")
     else:
@@ -61,12 +61,9 @@ def _rivals(base: Case, cases: list[Case]) -> dict[str, list[str]]:
 
 
 def _tuned(base: Case, cases: list[Case]) -> dict[str, list[str]]:
-    """Return the parameters by stage that other cases set and the base does not."""
+    """Return what cases set within each stage otherwise than the base, by stage."""
+    changed = (t for case in cases for t, value in case.tuned.items() if base.tuned.get(t) != value)
     found: dict[str, list[str]] = {}
-    for case in cases:
-        for text in case.sets:
-            target = text.partition("=")[0]
-            stage, dot, _ = target.partition(".")
-            if dot and text not in base.sets and target not in found.setdefault(stage, []):
-                found[stage].append(target)
-    return {stage: targets for stage, targets in found.items() if targets}
+    for target in dict.fromkeys(changed):
+        found.setdefault(target.partition(".")[0], []).append(target)
+    return found

@@ -74,6 +74,7 @@ def _paired(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> Htm
     words = {
         "better": "better than the base",
         "worse": "worse than the base",
+        "different": "different from the base",
         "unclear": f"no difference that {counted(difference.n, 'world')} can tell",
     }.get(verdict, f"{counted(difference.n, 'world')} cannot tell")
     said = f"{tag('b', esc(metric))} {value}, {change} against {name(study.plan.base)}"

@@ -20,7 +20,7 @@ def plots(study: StudyResults) -> Html:
     ]
     left_out = len(study.metrics) - 1 - _MAX_METRICS
     if left_out > 0:
-        charts.append(tag("p", f"{left_out} more figures are in the tables.", class_="note"))
+        charts.append(tag("p", f"{left_out} more metrics are in the tables.", class_="note"))
     return sweeps(study) + (chart_key(with_worlds=True) if metrics else "") + "".join(charts)
 
 

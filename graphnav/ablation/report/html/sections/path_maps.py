@@ -18,7 +18,7 @@ from graphnav.record.find import LOG
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
-_MAX_PATHS = {"method": 8, "control": 3, "oracle": 2}
+_MAX_PATHS = {"method": 8, "baseline": 3, "oracle": 2}
 _MAX_PX = 520
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from graphnav.ablation.report.html.markup import Html, details, esc, listed, tag
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.legend import COUNTING, INTERVALS, seeds_text
+from graphnav.ablation.report.legend import INTERVALS, counting, seeds_text
 from graphnav.ablation.results import MIN_WORLDS
 
 _MEANING = """\
@@ -16,7 +16,7 @@ two are equal: it says how far apart they may be.
 
 Of {n} comparisons with the base, about {chance} leave out 0 by chance alone.
 
-A control lacks what a method claims to need: where a method does not beat it, that is not needed there, or the worlds
+A baseline lacks what a method claims to need: where a method does not beat it, that is not needed there, or the worlds
 test nothing. An oracle sees the truth: it bounds what methods can reach."""
 
 
@@ -44,7 +44,7 @@ def reproduce(study: StudyResults) -> Html:
 def _meaning(study: StudyResults) -> Html:
     n = sum(1 for row in study.comparison.rows if row.differences and not row.case.same_as)
     own = _MEANING.format(least=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
-    said = [own[0], INTERVALS, *own[1:], COUNTING]
+    said = [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics)]
     return tag("h3", "What the intervals mean") + listed([esc(text) for text in said], class_="meaning")
 
 

@@ -27,7 +27,7 @@ def _table(study: StudyResults, graph: str) -> Html:
 
 
 def _head(study: StudyResults, metric: str) -> Html:
-    return f"{esc(metric)}<br>" + tag("small", f"{study.plan.better(metric)} is better")
+    return f"{esc(study.plan.label(metric))}<br>" + tag("small", f"{study.plan.better(metric)} is better")
 
 
 def _row(study: StudyResults, row: Row) -> Html:

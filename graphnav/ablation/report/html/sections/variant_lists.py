@@ -24,13 +24,14 @@ def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Html:
         "better": "Better than the base",
         "unclear": f"No difference that {counted(study.n_seeds, 'world')} can tell",
         "worse": "Worse than the base",
+        "different": "Different from the base",
         "unknown": "Not known",
     }
     is_brief = len(found) > _MAX_INTERVALS
     rows = []
     for verdict, title in titles.items():
         entries = list(_entries(study, metric, found, verdict, is_brief=is_brief))
-        if not entries and verdict == "unknown":
+        if not entries and verdict in {"different", "unknown"}:
             continue
         said = _some(entries) if entries else tag("span", "none", class_="quiet")
         rows.append(tag("dt", tag("span", class_=f"sign {verdict}"), esc(title)) + tag("dd", said))
@@ -39,12 +40,12 @@ def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Html:
 
 
 def _unbeaten(study: StudyResults, metric: str) -> Iterator[Html]:
-    """Yield the controls that the base does not clearly beat: what they lack may not be needed."""
-    found = verdicts(study, metric, "control")
+    """Yield the baselines that the base does not clearly beat: what they lack may not be needed."""
+    found = verdicts(study, metric, "baseline")
     kept: Found = {key: ("unclear", row) for key, (verdict, row) in found.items() if verdict in {"better", "unclear"}}
     entries = list(_entries(study, metric, kept, "unclear", is_brief=len(kept) > _MAX_INTERVALS))
     if entries:
-        title = tag("dt", tag("span", class_="sign control"), "Controls that the base does not beat")
+        title = tag("dt", tag("span", class_="sign baseline"), "Baselines that the base does not beat")
         yield title + tag("dd", _some(entries))
 
 
@@ -81,9 +82,9 @@ def _brief(rows: Iterable[Row], metric: str) -> Html:
 
 
 def reference_values(study: StudyResults, metric: str) -> Html:
-    """Return what controls and oracles came to: they say whether worlds and scores can be trusted."""
+    """Return what baselines and oracles came to: they say whether worlds and scores can be trusted."""
     said = []
-    for role in ("control", "oracle"):
+    for role in ("baseline", "oracle"):
         cases = [case for case in study.plan.cases if case.role == role and not case.same_as]
         variants = list(dict.fromkeys(case.variant for case in cases))
         if len(variants) > _MAX_CHECKS:
