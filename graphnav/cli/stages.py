@@ -120,9 +120,10 @@ def _reading(port: Mapping[str, Any]) -> str:
 
 
 def _if_failed(metric: Mapping[str, Any]) -> str:
-    """Return what a metric is of a drive that did not arrive; the outcome says whether it did."""
+    """Return what a metric is of a drive that did not arrive; an outcome says whether it did."""
     value = metric["if_failed"]
-    return f"{value:g}, tells whether it arrived" if metric["outcome"] else str(value)
+    text = value if isinstance(value, str) else f"{value:g}"
+    return f"{text} (outcome)" if metric["outcome"] else text
 
 
 def _flowing(doc: str) -> str:

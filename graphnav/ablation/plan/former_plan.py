@@ -33,8 +33,9 @@ def as_written_now(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def undeclared(name: str) -> Metric:
-    """Return what is known of a metric that a run of version 0.1.0 reports, ``stage.metric``."""
-    return _metric(name, is_lower=False)
+    """Return what is known of a metric that runs of version 0.1.0 report and its plan does not name."""
+    metric = name.partition(".")[2]
+    return Metric(metric, help="", unit=suffix_unit(metric), better="higher")
 
 
 def _metric(name: str, *, is_lower: bool) -> Metric:

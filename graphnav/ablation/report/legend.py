@@ -39,7 +39,8 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     where = f", under the same {' and '.join(plan.within)}" if plan.within else ""
     reading = (
         "Each cell is the mean over worlds with its interval; ↑ higher is better, ↓ lower. Differences are from the "
-        f"base, {plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was better–worse. "
+        f"base, {plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was "
+        "better–worse. "
         f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
     )
     sentences = [reading, INTERVALS, counting(plan, shown_metrics(plan, comparison))]

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import pytest
 
-from graphnav import Image, Latest, ParamError, Source, Stage, Stamped, param
+from graphnav import Image, Latest, Metric, ParamError, Source, Stage, Stamped, param
 from graphnav.testing import check_stage
 
 
@@ -83,8 +83,10 @@ class WrongType(Stage):
         return image.pixels  # type: ignore[return-value]
 
 
-class BadFigures(Stage):
-    """Its figures are no numbers."""
+class BadMetrics(Stage):
+    """Its metrics are not numbers."""
+
+    metrics: ClassVar = (Metric("share", better="higher", help="Share."),)
 
     def step(self, image: Image) -> None:
         return None
@@ -149,7 +151,7 @@ def test_a_good_stage_passes() -> None:
         (NeverFires, "nothing fires it"),
         (Forgetful, "the same seed gave another output in step 1"),
         (WrongType, "output 'image' is ndarray"),
-        (BadFigures, "figure 'share' of summary() is 'half'"),
+        (BadMetrics, "metric 'share' of summary() is 'half'"),
     ],
 )
 def test_what_breaks_the_contract_is_told(cls: type[Stage], said: str) -> None:

@@ -61,7 +61,10 @@ class Unready(Stage):
 class Distance(Stage):
     """Scores how far it went."""
 
-    metrics: ClassVar = (Metric("way_m", unit="m", better="higher", help="How far it went."),)
+    metrics: ClassVar = (
+        Metric("way_m", unit="m", better="higher", help="How far it went."),
+        Metric("turn_rad", unit="rad", better="neither", help="How far it turned; left out, because it never does."),
+    )
 
     def reset(self, seed: int) -> None:
         self._sum = 0.0

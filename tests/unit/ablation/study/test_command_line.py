@@ -25,7 +25,7 @@ vary:
   flow:
     lucas_kanade: {}
     dis fast: {flow: flow.dis, flow.preset: fast}
-figures: [drive.success]
+metrics: [drive.success]
 """
 
 
@@ -70,7 +70,7 @@ def test_a_study_of_graphs() -> None:
 
 
 def test_a_study_says_the_same_in_a_file_and_on_the_command_line() -> None:
-    text = "graph: pillars\nseeds: 0:3\nset: [run.until_s=9]\nfigures: [a.b]\n"
+    text = "graph: pillars\nseeds: 0:3\nset: [run.until_s=9]\nmetrics: [a.b]\n"
     Path("file.yaml").write_text(f"{text}vary: {{plane: [a.b, c.d], x.y: [1e-3, [1, 2]]}}\n", encoding="utf-8")
     typed = study_of_command(
         ["pillars"],

@@ -34,7 +34,7 @@ def labels_of(vary: str) -> list[str]:
 def test_all_that_a_study_can_say() -> None:
     Path("mine.yaml").write_text(
         "about: Which?\ngraphs: [corridor_ccw, pillars]\nseeds: 1000:1003\none_at_a_time: true\n"
-        "set: [run.until_s=60]\nvary: {plane: [plane.ica, plane.affine]}\nfigures: [drive.success]\n",
+        "set: [run.until_s=60]\nvary: {plane: [plane.ica, plane.affine]}\nmetrics: [drive.success]\n",
         encoding="utf-8",
     )
     study = load_study("mine")
