@@ -95,6 +95,31 @@ class BadMetrics(Stage):
         return {"share": "half"}  # type: ignore[dict-item]
 
 
+class Undeclared(BadMetrics):
+    """It returns another metric than it declares."""
+
+    def summary(self) -> Mapping[str, float]:
+        return {"shape": 1.0}
+
+
+class Silent(Good):
+    """It declares metrics that nothing returns."""
+
+    metrics: ClassVar = BadMetrics.metrics
+
+
+class Talkative(BadMetrics):
+    """It returns metrics without a declaration."""
+
+    metrics: ClassVar = ()
+
+
+class OtherUnit(BadMetrics):
+    """The name says metres."""
+
+    metrics: ClassVar = (Metric("way_m", unit="px", better="lower", help="Way."),)
+
+
 class Stopped(Source):
     """It never fires."""
 
@@ -152,6 +177,9 @@ def test_a_good_stage_passes() -> None:
         (Forgetful, "the same seed gave another output in step 1"),
         (WrongType, "output 'image' is ndarray"),
         (BadMetrics, "metric 'share' of summary() is 'half'"),
+        (Silent, "declares metrics, but has no summary()"),
+        (Talkative, "has a summary(), but declares no metrics"),
+        (OtherUnit, "metric 'way_m' has the unit 'px', but its name says 'm'"),
     ],
 )
 def test_what_breaks_the_contract_is_told(cls: type[Stage], said: str) -> None:
@@ -159,6 +187,11 @@ def test_what_breaks_the_contract_is_told(cls: type[Stage], said: str) -> None:
         check_stage(cls, {"image": picture()})
     assert str(caught.value).startswith(f"{cls.__qualname__}: ")
     assert said in str(caught.value)
+
+
+def test_only_declared_metrics_are_returned() -> None:
+    with pytest.raises(AssertionError, match="'shape', which it does not declare"):
+        check_stage(Undeclared, {"image": picture()})
 
 
 def test_a_source_has_a_rate() -> None:
