@@ -53,7 +53,7 @@ def test_a_role_that_is_not_one_is_told(tmp_path: Path) -> None:
     text = STAGE.format(name="Same").replace("    def step", "    role = 'control'\n\n    def step")
     catalog = Catalog()
     catalog.add_file(plugin(tmp_path, text))
-    with pytest.raises(CatalogError, match="the role of Same is 'control'\n  did you mean 'baseline'?"):
+    with pytest.raises(CatalogError, match=r"the role of Same is 'control'\n  did you mean 'baseline'\?"):
         catalog.stage("my_stage.same")
 
 
