@@ -76,7 +76,7 @@ def wilson(successes: float, n: int) -> Interval:
     .. [Wilson] E. B. Wilson, Probable Inference, the Law of Succession, and Statistical Inference, Journal of the
        American Statistical Association 22, 1927; recommended by L. D. Brown et al., Statistical Science 16(2), 2001.
     """
-    from scipy.stats import binomtest  # noqa: PLC0415 - slow to import, and only tables need it
+    from scipy.stats import binomtest  # slow to import, and only tables need it
 
     found = binomtest(round(successes), n).proportion_ci(method="wilson")
     return Interval(float(found.low), float(found.high))

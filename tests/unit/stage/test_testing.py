@@ -86,7 +86,7 @@ class WrongType(Stage):
 class BadMetrics(Stage):
     """Its metrics are not numbers."""
 
-    metrics: ClassVar = (Metric("share", better="higher", help="Share."),)
+    metrics: ClassVar[tuple[Metric, ...]] = (Metric("share", better="higher", help="Share."),)
 
     def step(self, image: Image) -> None:
         return None
@@ -111,13 +111,13 @@ class Silent(Good):
 class Talkative(BadMetrics):
     """It returns metrics without a declaration."""
 
-    metrics: ClassVar = ()
+    metrics: ClassVar[tuple[Metric, ...]] = ()
 
 
 class OtherUnit(BadMetrics):
     """The name says metres."""
 
-    metrics: ClassVar = (Metric("way_m", unit="px", better="lower", help="Way."),)
+    metrics: ClassVar[tuple[Metric, ...]] = (Metric("way_m", unit="px", better="lower", help="Way."),)
 
 
 class Stopped(Source):
