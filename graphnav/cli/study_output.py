@@ -9,6 +9,7 @@ from rich.console import Console
 from graphnav.ablation.execution import read_plan
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
+    METRICS,
     RESULTS,
     TABLE,
     TIMING,
@@ -40,7 +41,7 @@ def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) 
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are pending")
-    console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
+    console.print(f"{folder}: {RESULTS}, {METRICS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:

@@ -30,7 +30,10 @@ class Agreement(Stage):
     )
 
     min_turn_deg: float = param(
-        5.0, ge=0.0, lt=180.0, doc="minimum angle of the oracle for the side to count; less adds frames that say little"
+        5.0,
+        ge=0.0,
+        lt=180.0,
+        doc="minimum angle of the oracle for the side to count; less adds unclear frames",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002

@@ -18,8 +18,8 @@ NOTHING_NEAR_M = 1000.0
 class Navigation(Stage):
     """How a drive went.
 
-    Without a goal on the map nothing says whether the drive arrived: every drive reports all that is measured, and
-    ``success``, ``timeout``, ``spl`` and ``barn`` are left out. The last two need the map.
+    Without a goal on the map no drive arrives or fails: all that is measured is reported, and ``success``, ``timeout``,
+    ``spl`` and ``barn`` are left out. The last two need the map.
 
     References
     ----------

@@ -30,7 +30,7 @@ def checked_metrics(study: Study, classes: Classes, problems: list[Problem]) -> 
 
 
 def declared_metrics(classes: Classes) -> dict[str, Metric]:
-    """Return what stages declare of their metrics, by ``stage.metric``; of a swapped stage what the first one does."""
+    """Return the declared metrics by ``stage.metric``; of a stage that is swapped, the first class counts."""
     found: dict[str, Metric] = {}
     for stage, each in classes.items():
         for cls in each:

@@ -33,7 +33,7 @@ class Case:
     sets: tuple[str, ...]
     is_base: bool
     role: Role
-    """The most special of what its axes put in: "baseline" or "oracle", else "method"."""
+    """Of the stages that its axes swap in: "oracle" if one is, else "baseline" if one is, else "method"."""
     folder: str
     """Where its runs are, below the study's folder; unique unless another case resolves to the same graph."""
     same_as: str

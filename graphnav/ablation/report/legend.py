@@ -18,7 +18,7 @@ INTERVALS = (
 
 
 def counting(plan: Plan, columns: Iterable[str]) -> str:
-    """Return which runs count for the metrics of some columns, as these are declared; plain text."""
+    """Return how failed runs count for the metrics of some columns, as declared; plain text."""
     names = dict.fromkeys(name for column in columns for name in MetricExpression.parse(column).operands)
     declared = {name: plan.metric(name).if_failed for name in names}
     with_value = [f"{name} {value:g}" for name, value in declared.items() if isinstance(value, float)]
@@ -78,18 +78,18 @@ def same_graphs(rows: Iterable[Row]) -> Iterator[str]:
 
 
 def outcome_counts(outcomes: Mapping[str, int]) -> str:
-    """Return how often runs ended in which way, the most frequent first."""
+    """Return the number of runs by outcome, the most frequent first."""
     ordered = sorted(outcomes.items(), key=lambda item: (-item[1], item[0]))
     return ", ".join(f"{outcome} {times}" for outcome, times in ordered)
 
 
 def worlds_text(row: Row, plan: Plan) -> str:
-    """Return how many runs there are, and of how many where the study is not finished."""
+    """Return the number of runs, and of how many if the study is not finished."""
     return str(row.runs) if row.runs == len(plan.seeds) else f"{row.runs} of {len(plan.seeds)}"
 
 
 def seeds_text(seeds: Sequence[int]) -> str:
-    """Return seeds in short: ``1000 to 1049 (50)``; those that stand apart by commas."""
+    """Return seeds in short: ``1000 to 1049 (50)``; ranges and single seeds between commas."""
     runs: list[list[int]] = []
     for seed in sorted(seeds):
         if runs and seed == runs[-1][1] + 1:

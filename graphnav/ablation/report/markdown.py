@@ -12,7 +12,7 @@ from graphnav.stage import Better
 
 TABLE = "table.md"
 METRICS_PER_TABLE = 3
-"""As many as are read without scrolling; more go into further tables."""
+"""More would need scrolling, and go into further tables."""
 ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
 """Behind the heading of a metric."""
 
@@ -20,7 +20,7 @@ _ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
 
 
 def table_markdown(plan: Plan, comparison: Comparison) -> str:
-    """Return the table of a study, graph by graph, with what it takes to understand it and to make it again."""
+    """Return the table of a study, graph by graph, with how to read it and how to reproduce it."""
     parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else [])]
     for graph in plan.graphs:
         parts += [f"## {graph}", *_graph(plan, comparison, comparison.of_graph(graph))]
@@ -41,12 +41,12 @@ def bullets(lines: Iterable[str]) -> str:
 
 
 def escaped(text: str) -> str:
-    """Return a text that Markdown shows as it is, in a table too."""
+    """Return a string that Markdown shows unchanged, in a table too."""
     return text.translate(_ESCAPED)
 
 
 def code(text: str) -> str:
-    """Return a text as code."""
+    """Return a string as code."""
     return f"`{text}`" if "`" not in text else escaped(text)
 
 

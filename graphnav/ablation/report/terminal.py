@@ -25,7 +25,7 @@ _MAX_COLS = 1000
 
 
 def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> None:
-    """Print, graph by graph, how the runs of each variant ended and the metrics that decide."""
+    """Print, graph by graph, the outcomes of each variant and its deciding metrics."""
     metrics = shown_metrics(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
         rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
@@ -45,7 +45,7 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
 
 
 def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
-    """Print what became of each variant from the first study to the second, and what cannot be compared."""
+    """Print how each variant changed from the first study to the second, and what cannot be compared."""
     metrics = tuple(pairing.metrics)[:DECIDING]
     for graph in pairing.graphs:
         table = new_table(graph, ["variant", "worlds"])

@@ -24,7 +24,7 @@ _Side = tuple[_Cases, Mapping[_Case, Mapping[str, Values]]]
 def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, records_b: Iterable[Record]) -> PairedStudies:
     """Pair the runs of two studies by graph, variant and seed.
 
-    Cases that are the same graph as another one in both studies are told once.
+    Of cases that are the same graph in both studies, the first one is paired.
 
     Raises
     ------

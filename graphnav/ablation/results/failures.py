@@ -23,8 +23,8 @@ def failure_folder(case: Case, seed: int) -> str:
 def is_failure(plan: Plan, record: Record) -> bool:
     """Return whether a run failed: it touched something, a stage failed, or its time was up before it arrived.
 
-    Whether it arrived is told by the metrics that are outcomes. Without one a run that ends when its time is up, as one
-    without a goal does, is not a failure.
+    The metrics that are outcomes tell whether it arrived. Without one, as on a map without a goal, a run whose time is
+    up is not a failure.
     """
     if record.outcome == Outcome.TIMEOUT:
         return any(plan.metric(name).is_outcome and value == 0.0 for name, value in record.metrics.items())

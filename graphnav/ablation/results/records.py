@@ -63,7 +63,7 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
     """Read the existing runs of a plan, in the plan's order: graph, variant, seed.
 
     A case that shares its runs with another has a record of each under its own name. Runs that were stopped by hand
-    are left out: they say nothing.
+    are left out: they are not results.
 
     Raises
     ------

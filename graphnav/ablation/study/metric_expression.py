@@ -50,7 +50,7 @@ class MetricExpression:
         return MetricExpression(f" {self.operator} ".join(operands), operands, self.operator)
 
     def value(self, metric: Callable[[str], float | None]) -> float | None:
-        """Return its value, given what says each operand's; None where an operand has none, or divides by 0."""
+        """Return its value, computed from those of its operands; None if one has none or the divisor is 0."""
         values = [found for found in map(metric, self.operands) if found is not None]
         if len(values) < len(self.operands):
             return None

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.report.csv_files import write_results, write_timing
+from graphnav.ablation.report.csv_files import write_metrics, write_results, write_timing
 from graphnav.ablation.results.metric_values import metric_columns
 from graphnav.ablation.results.records import Record
 
@@ -23,7 +23,7 @@ def lines(path: Path) -> list[list[str]]:
         return list(csv.reader(file))
 
 
-def test_a_line_a_run_and_a_column_a_figure(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
+def test_a_line_a_run_and_a_column_a_metric(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
     plan = make_plan(metrics={"drive.spl": "higher", "a.x / b.x": "higher"})
     records = [
         make_record("ica", 0, {"a.x": 1 / 3, "drive.success": 1.0, "drive.spl": 0.5, "b.x": 2.0}),
@@ -88,3 +88,14 @@ def test_times_stand_apart(make_plan: MakePlan, make_record: MakeRecord, tmp_pat
         "p50_ms": "0.25",
         "p99_ms": "0.5",
     }
+
+
+def test_every_column_of_the_results_is_described(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
+    plan = make_plan(metrics={"drive.path_length_m": "lower", "drive.success": "higher"})
+    records = [make_record("ica", 0, {"drive.success": 1.0, "drive.path_length_m": 3.0, "a.x": 1.0})]
+    write_metrics(plan, records, tmp_path / "metrics.csv")
+    write_results(plan, records, tmp_path / "results.csv")
+    described = lines(tmp_path / "metrics.csv")
+    assert described[1] == ["drive.path_length_m", "m", "lower", "undefined", "False", "Path."]
+    assert described[2] == ["drive.success", "", "higher", "0.0", "True", "Arrived."]
+    assert [name for name, *_ in described[1:]] == lines(tmp_path / "results.csv")[0][8:]
