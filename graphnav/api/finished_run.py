@@ -92,4 +92,4 @@ class Run:
         return "\n".join([text.getvalue().rstrip(), *([self.failure] if self.failure else [])])
 
     def _repr_html_(self) -> str:
-        return run_html(self.summary, self.pictures)
+        return run_html(self.summary, self.pictures, self.graph.metrics)

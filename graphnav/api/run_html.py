@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
 
 from graphnav.runner.recording.summary import Summary
+from graphnav.stage import Metric
 
 _COLOURS = {"goal": "#2e7d4f", "end": "#2e7d4f", "contact": "#c0392b", "failed": "#c0392b", "timeout": "#b8860b"}
 _STYLE = 'style="max-width:100%;max-height:480px;display:block"'
@@ -15,7 +16,7 @@ _MAX_PICTURE_BYTES = 8 << 20
 """Larger pictures would make a notebook that no viewer opens."""
 
 
-def run_html(summary: Summary, pictures: Iterable[Path]) -> str:
+def run_html(summary: Summary, pictures: Iterable[Path], declared: Mapping[str, Mapping[str, Metric]]) -> str:
     """Return HTML that needs nothing else; what a stage or a graph wrote is shown as text."""
     return "".join(
         [
@@ -23,7 +24,7 @@ def run_html(summary: Summary, pictures: Iterable[Path]) -> str:
             f"<pre>{escape(summary.failure)}</pre>" if summary.failure else "",
             *map(_notice, summary.notices),
             *_images(pictures),
-            _metrics(summary),
+            _metrics(summary, declared),
             "</div>",
         ]
     )
@@ -55,15 +56,23 @@ def _images(pictures: Iterable[Path]) -> Iterator[str]:
             yield f'<img alt="{escape(path.stem)}" src="{source}" {_STYLE}/>'
 
 
-def _metrics(summary: Summary) -> str:
+def _metrics(summary: Summary, declared: Mapping[str, Mapping[str, Metric]]) -> str:
     """Return the metrics, the stages side by side: a table that is wide, not long."""
-    stages = {stage: list(metrics.items()) for stage, metrics in summary.scores.items() if metrics}
+    stages = {
+        stage: [(_label(declared.get(stage, {}).get(name), name), value) for name, value in metrics.items()]
+        for stage, metrics in summary.scores.items()
+        if metrics
+    }
     if not stages:
         return ""
     head = "".join(f'<th colspan="2" style="text-align:left">{escape(stage)}</th>' for stage in stages)
     n_rows = max(map(len, stages.values()))
     rows = ("".join(_cells(metrics, row) for metrics in stages.values()) for row in range(n_rows))
     return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+
+
+def _label(metric: Metric | None, name: str) -> str:
+    return metric.label if metric else name
 
 
 def _cells(metrics: Sequence[tuple[str, float]], row: int) -> str:

@@ -43,6 +43,8 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
         "better–worse. "
         f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
     )
+    if any(plan.better(metric) == "neither" for metric in shown_metrics(plan, comparison)):
+        reading += " Of metrics without an arrow neither is better: in how many worlds it was higher–lower."
     sentences = [reading, INTERVALS, counting(plan, shown_metrics(plan, comparison))]
     roles = {row.case.role for row in comparison.rows}
     if "baseline" in roles:

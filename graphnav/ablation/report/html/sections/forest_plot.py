@@ -12,6 +12,7 @@ from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import badge_of
 from graphnav.ablation.report.html.verdict import WORDS, verdict_of
 from graphnav.ablation.results import Row
+from graphnav.runner import Outcome
 
 MAX_ROWS = 24
 
@@ -94,7 +95,7 @@ def _mark(study: StudyResults, row: Row, metric: str, *, with_worlds: bool) -> M
 
 def missing_reason(row: Row) -> str:
     """Return why a row has no value."""
-    failed = row.outcomes.get("failed", 0)
+    failed = row.outcomes.get(Outcome.FAILED, 0)
     if failed and failed == row.runs:
         return f"failed in all of {row.runs} worlds"
     return "undefined in all runs" if row.runs else "no run yet"

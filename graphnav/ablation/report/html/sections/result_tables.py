@@ -61,7 +61,8 @@ def _metric(study: StudyResults, row: Row, metric: str) -> Html:
         return value + few
     look = verdict_of(row, metric, study.plan.better(metric))
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
-    worlds = tag("small", f"won {difference.won}, lost {difference.lost} of {difference.n}")
+    more, less = ("higher", "lower") if study.plan.better(metric) == "neither" else ("won", "lost")
+    worlds = tag("small", f"{more} {difference.won}, {less} {difference.lost} of {difference.n}")
     return value + few + tag("div", change, class_=f"change {look}") + worlds
 
 
