@@ -11,14 +11,16 @@ import shutil
 from pathlib import Path
 
 import pytest
+from graphnav_score.navigation import Navigation
 
 from graphnav.ablation.execution import read_plan
 from graphnav.ablation.results import pair_studies, read_records
 from graphnav.cli import main
-from graphnav.stage import former_names
+from graphnav.stage import UNDEFINED, former_names, metrics_of
 
 FORMER = Path(__file__).parents[1] / "fixtures" / "v0_1_0"
 RUN = FORMER / "run"
+SAME = ("variant", "seed", "outcome", "drive.success")
 
 
 @pytest.fixture
@@ -60,6 +62,7 @@ def test_a_study_compares_with_one_of_today(
         study.replace("figures:", "metrics:").replace("least_clearance_m", "min_clearance_m"), encoding="utf-8"
     )
     assert main(["ablate", "study.yaml", "-o", "today", "--gallery", "0", "-j", "2"]) == 0
+    _has_the_same_cells(table_of(FORMER / "study" / "results.csv"), table_of(Path("today/results.csv")))
     capsys.readouterr()
     assert main(["ablate", "--compare", str(former_study), "today", "-o", "pair.md"]) == 0
     assert "drive.min_clearance_m ↑ A" in Path("pair.md").read_text(encoding="utf-8")
@@ -73,6 +76,23 @@ def test_a_study_compares_with_one_of_today(
     assert arrived["drive.success"].n == arrived["drive.path_length_m"].n == 3
     assert touched["drive.min_clearance_m"].n == 3
     assert "drive.path_length_m" not in touched, "undefined today for drives that did not arrive"
+
+
+def _has_the_same_cells(former: list[dict[str, str]], today: list[dict[str, str]]) -> None:
+    """Check that today's results have the former cells, but for what is undefined of drives that did not arrive.
+
+    Only outcomes are compared by value: the others depend on the processor.
+    """
+    declared = {f"drive.{name}": metric for name, metric in metrics_of(Navigation).items()}
+    undefined = {name for name, metric in declared.items() if metric.if_failed == UNDEFINED}
+    for old, new in zip(former, today, strict=True):
+        assert old.keys() == new.keys()
+        assert [old[name] for name in ("variant", "seed", "outcome")] == [
+            new[n] for n in ("variant", "seed", "outcome")
+        ]
+        emptied = {name for name in old if old[name] and not new[name]}
+        assert emptied == (set() if new["outcome"] == "goal" else undefined)
+        assert not {name for name in old if new[name] and not old[name]}
 
 
 def test_a_log_replays(capsys: pytest.CaptureFixture[str]) -> None:
