@@ -1,9 +1,14 @@
 """Scores declare which values of their metrics are better, and what a failed drive counts as."""
 
+import ast
+from pathlib import Path
+
 from graphnav_score import graphnav_stages
 
+import graphnav
 from graphnav import UNDEFINED
-from graphnav.stage import metrics_of
+from graphnav.runner import Outcome
+from graphnav.stage import former_names, metrics_of
 
 METRICS = [metric for score in graphnav_stages() for metric in metrics_of(score).values()]
 
@@ -21,3 +26,17 @@ def test_a_failed_drive_has_no_success_and_no_length() -> None:
     undefined = {metric.name for metric in METRICS if metric.if_failed == UNDEFINED}
     assert undefined == {"path_length_m", "duration_s", "mean_jerk_mps3"}
     assert [metric.name for metric in METRICS if metric.is_outcome] == ["success"]
+
+
+def test_the_core_knows_no_metric_by_name() -> None:
+    """But those of version 0.1.0, which did not declare them; a count of frames and the outcomes are every run's."""
+    names = {metric.name for metric in METRICS} - {"frames", *Outcome}
+    folders = (Path(graphnav.__file__).parent / name for name in ("ablation", "report", "runner", "stage"))
+    known = {
+        (path.name, node.value)
+        for folder in folders
+        for path in folder.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and node.value in names
+    }
+    assert {path for path, _ in known} == {Path(former_names.__file__).name}
