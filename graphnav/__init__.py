@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     )
     from graphnav.pictures import PictureContext, VideoFrames
     from graphnav.record import Recording
+    from graphnav.spec import FileFormat, Range, Record, Value, key
     from graphnav.stage import (
         MEASURED,
         UNDEFINED,
@@ -113,6 +114,7 @@ _HOMES = {
     ),
     "graphnav.pictures": ("PictureContext", "VideoFrames"),
     "graphnav.record": ("Recording",),
+    "graphnav.spec": ("FileFormat", "Range", "Record", "Value", "key"),
     "graphnav.stage": (
         "MEASURED",
         "UNDEFINED",
@@ -140,6 +142,7 @@ __all__ = [
     "Continuity",
     "DeclarationError",
     "Drawing",
+    "FileFormat",
     "Finished",
     "Flow",
     "Goal",
@@ -162,6 +165,8 @@ __all__ = [
     "Plane",
     "Potential",
     "Problem",
+    "Range",
+    "Record",
     "Recording",
     "Role",
     "Run",
@@ -179,6 +184,7 @@ __all__ = [
     "Truth",
     "Twist",
     "UserError",
+    "Value",
     "VideoFrames",
     "__version__",
     "ablate",
@@ -188,6 +194,7 @@ __all__ = [
     "did_you_mean",
     "draw",
     "hookimpl",
+    "key",
     "load",
     "open_log",
     "param",

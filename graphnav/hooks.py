@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pluggy
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from graphnav.messages import Message
     from graphnav.pictures import PictureContext, VideoFrames
     from graphnav.record import Recording
+    from graphnav.spec import FileFormat
 
 PROJECT = "graphnav"
 
@@ -31,6 +32,11 @@ def graphnav_stages() -> list[type[Stage]]:  # type: ignore[empty-body]
 @hookspec
 def graphnav_adapters() -> list[Adapter]:  # type: ignore[empty-body]
     """Return the adapters of a plugin between LCM types of other packages and messages of ours."""
+
+
+@hookspec
+def graphnav_file_formats() -> list[FileFormat[Any]]:  # type: ignore[empty-body]
+    """Return the formats of the files that a plugin reads, for ``graphnav schema --of NAME``."""
 
 
 @hookspec

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from graphnav.cli.lasting_output import lasting_output
+from graphnav.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
 from graphnav.machine.single_thread import ONE_THREAD
 
@@ -21,7 +21,7 @@ COMMANDS = {
     "draw": "draw a graph: boxes in the terminal, svg, mermaid or dot",
     "stages": "list what can be plugged in, or tell all about one stage",
     "new-stage": "write a working one-file plugin and its test",
-    "schema": "print the JSON Schema of graphs, for completion in editors",
+    "schema": "print the JSON Schema of graphs, studies or maps, for completion in editors",
     "teach": "run an obstacle-free graph and save the planar model that it learns",
     "replay": "step the stages of a recorded run again, with swaps, and compare with what was recorded",
     "figure": "draw the pictures of a recorded run again, of any time, as a contact sheet",
@@ -40,6 +40,7 @@ COMMANDS = {
     "types": "list the message types, or tell the fields of one; definitions, Java for lcm-spy",
     "lcm-spy": "start LCM's own lcm-spy with the types of graphnav",
     "doctor": "say what this machine lacks, for a graph too, with the command that fixes it",
+    "completion": "print the script that makes bash, zsh or fish complete commands and names with TAB",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
 
@@ -63,7 +64,9 @@ class _Intermixed(argparse.ArgumentParser):
             self._is_within = False
 
 
-def build_parser(chosen: str | None) -> argparse.ArgumentParser:
+def build_parser(
+    chosen: str | None, command_class: type[argparse.ArgumentParser] = _Intermixed
+) -> argparse.ArgumentParser:
     """Return the parser; only the ``chosen`` command's module is imported and its options added."""
     from graphnav import __version__
 
@@ -72,7 +75,7 @@ def build_parser(chosen: str | None) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"graphnav {__version__}")
     commands = parser.add_subparsers(
-        title="commands", metavar="COMMAND", dest="command", required=True, parser_class=_Intermixed
+        title="commands", metavar="COMMAND", dest="command", required=True, parser_class=command_class
     )
     for name, text in COMMANDS.items():
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
@@ -88,6 +91,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     _show_what_the_terminal_can()
     for variable, value in ONE_THREAD.items():
         os.environ.setdefault(variable, value)
+    if argv is None and "_ARGCOMPLETE" in os.environ:
+        _complete()
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
     with lasting_output(for_a_reader=chosen in FOR_A_READER):
@@ -118,7 +123,7 @@ def _status_of(args: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:
+    except ReaderLeftError:
         return PIPE_CLOSED
     except OSError as error:
         print(
@@ -127,6 +132,15 @@ def _status_of(args: argparse.Namespace) -> int:
         )
         return FAILED
     return status
+
+
+def _complete() -> None:
+    """Answer the shell that asks what can follow; does not return."""
+    from graphnav.completion import complete, completed_command
+
+    chosen = completed_command()
+    parser = build_parser(chosen, argparse.ArgumentParser)
+    complete(parser, chosen)
 
 
 def _show_what_the_terminal_can() -> None:

@@ -64,17 +64,18 @@ def _outside(graph: Graph) -> str:
 
 def _table(graph: Graph) -> TextTable:
     from graphnav.cli.tables import TextTable
+    from graphnav.cli.type_names import short_type
 
     table = TextTable("stage", "uses", "reads", "writes")
     for given in graph.inputs.values():
         kind, where = ("log", f"{given.log.name}: {given.name}") if given.log else ("input", given.name)
-        table.add_text(given.channel.stage, kind, f"{where}: {given.type_name}", _message(given.channel))
+        table.add_text(given.channel.stage, kind, f"{where}: {short_type(given.type_name)}", _message(given.channel))
     for node in (*graph.sources, *graph.order):
         reads = [f"{i.channel.ref}{f' ({i.port.reading})' if i.port.reading else ''}" for i in node.inputs if i.channel]
         table.add_text(node.name, node.use, "\n".join(reads), "\n".join(_writes(node)))
     for output in graph.outputs.values():
         kind = "motor output" if output.motor else "output"
-        table.add_text("", kind, output.channel.ref, f"{output.name}: {output.type_name}")
+        table.add_text("", kind, output.channel.ref, f"{output.name}: {short_type(output.type_name)}")
     return table
 
 

@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.cli.tables import TextTable, print_table
+    from graphnav.cli.type_names import short_type
     from graphnav.loginfo import as_json, as_text, survey
     from graphnav.loginfo.as_text import HEADINGS, damage, rows
     from graphnav.record import find_log
@@ -34,8 +35,8 @@ def main(args: argparse.Namespace) -> int:
     print("\n".join(as_text(info)))
     if info.channels:
         table = TextTable(*HEADINGS)
-        for row in rows(info):
-            table.add_text(*row)
+        for channel, type_name, *numbers in rows(info):
+            table.add_text(channel, short_type(type_name), *numbers)
         print_table(table)
     print("\n".join(damage(info)) or "nothing is damaged")
     return OK

@@ -14,7 +14,7 @@ from typing import Any
 def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
     """Let what is printed after the reader has left go nowhere, so that nothing else the command does is lost.
 
-    ``for_a_reader``: whether the command does nothing but print; then it gets the BrokenPipeError that ends it.
+    ``for_a_reader``: whether the command does nothing but print; then a ReaderLeftError ends it.
     """
     old = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = new = tuple(_lasting(stream, for_a_reader=for_a_reader) for stream in old)
@@ -43,6 +43,10 @@ def _lasting(stream: Any, *, for_a_reader: bool) -> Any:
     )
 
 
+class ReaderLeftError(OSError):
+    """Nothing reads the output any more; not a BrokenPipeError, which rich would turn into exit status 1."""
+
+
 class _LastingFile(io.FileIO):
     """A file that, once it has refused something, takes everything and drops it."""
 
@@ -58,6 +62,8 @@ class _LastingFile(io.FileIO):
             nowhere = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nowhere, self.fileno())  # for what is still in buffers, and for processes to come
             os.close(nowhere)
-            if self._for_a_reader or not isinstance(error, BrokenPipeError):
+            if not isinstance(error, BrokenPipeError):
                 raise
+            if self._for_a_reader:
+                raise ReaderLeftError from error
             return memoryview(data).nbytes

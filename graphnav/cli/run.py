@@ -110,8 +110,14 @@ def main(args: argparse.Namespace) -> int:
             print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
             raise
     files[0] = f"{LOG} ({size_text((folder / LOG).stat().st_size)})"
-    console.print(f"{folder}: " + ", ".join(files), markup=False)
+    console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
+
+
+def _listing(folder: Path, files: list[str], width: int | None) -> str:
+    """Return the folder with its files, on two lines where one is too long for ``width``."""
+    line = f"{folder}: {', '.join(files)}"
+    return line if width is None or len(line) <= width else f"{folder}:\n  {', '.join(files)}"
 
 
 def _live_notice(args: argparse.Namespace, graph: Graph) -> str:

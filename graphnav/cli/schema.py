@@ -1,4 +1,4 @@
-"""``graphnav schema``: print the JSON Schema of graphs, for completion in editors."""
+"""``graphnav schema``: print the JSON Schema of a kind of file, for completion in editors."""
 
 from __future__ import annotations
 
@@ -7,16 +7,35 @@ import json
 
 from graphnav.cli.options import add_plugin_option, catalog_of
 from graphnav.cli.status import OK
+from graphnav.errors import Place, UserError, did_you_mean
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
+    parser.add_argument(
+        "--of",
+        default="graph",
+        metavar="FORMAT",
+        help="graph (default), study, map, or another format that a plugin reads",
+    )
     add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
+    from graphnav.ablation.study import STUDY
     from graphnav.graph import graph_schema
+    from graphnav.spec import plugin_formats
 
-    print(json.dumps(graph_schema(catalog_of(args)), indent=2))
+    catalog = catalog_of(args)
+    if args.of == "graph":
+        schema = graph_schema(catalog)
+    else:
+        formats = {STUDY.name: STUDY, **plugin_formats(catalog)}
+        if args.of not in formats:
+            known = ("graph", *formats)
+            hint = did_you_mean(args.of, known) or f"formats are {', '.join(known)}"
+            raise UserError.of(f"there is no file format '{args.of}'", hint, Place("--of"))
+        schema = formats[args.of].schema()
+    print(json.dumps(schema, indent=2))
     return OK

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from graphnav.cli.tables import TextTable
 
 
+_MIN_COLS_OF_PORTS = 110
+"""A narrower terminal shows only what each stage is."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("name", metavar="NAME", nargs="?", help="a stage (plane.ica) or a family (plane); default: all")
@@ -44,8 +48,8 @@ def main(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps([describe(use, catalog.stage(use), catalog.origin(use)) for use in uses], indent=2))
     else:
-        console.print(_all(catalog, uses))
-        console.print("'graphnav stages NAME' tells everything that a graph may say of one.", markup=False)
+        console.print(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS))
+        console.print("details: graphnav stages NAME", markup=False)
     return OK
 
 
@@ -64,23 +68,29 @@ def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list
     return uses
 
 
-def _all(catalog: Catalog, uses: list[str]) -> TextTable:
+def _all(catalog: Catalog, uses: list[str], *, with_ports: bool) -> TextTable:
     from graphnav.cli.tables import TextTable
     from graphnav.stage import ports_of, summary_of
 
-    table = TextTable("stage", "reads", "writes", "what it is")
+    table = TextTable("stage", *(("reads", "writes") if with_ports else ()), "description")
     for use in uses:
         cls = catalog.stage(use)
         ports = ports_of(cls)
         reads = ", ".join(f"{p.name}{f' ({p.reading})' if p.reading else ''}" for p in ports.inputs)
-        table.add_text(use, reads, ", ".join(p.name for p in ports.outputs), summary_of(cls))
+        writes = ", ".join(p.name for p in ports.outputs)
+        table.add_text(use, *((reads, writes) if with_ports else ()), summary_of(cls))
     return table
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
     from graphnav.cli.tables import TextTable
 
-    console.print(f"{described['name']}, a {described['kind']} of {described['origin']}", style="bold", markup=False)
+    console.print(
+        f"{described['name']}, a {described['kind']} of {described['origin']}",
+        style="bold",
+        markup=False,
+        soft_wrap=True,
+    )
     console.print()
     console.print(_flowing(described["doc"]), markup=False)
     ports = TextTable("port", "type", "")

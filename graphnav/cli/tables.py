@@ -12,7 +12,7 @@ class TextTable(Table):
     """A table without frames; long cells are folded, and nothing in a cell is read as markup."""
 
     def __init__(self, *headings: str) -> None:
-        super().__init__(box=box.SIMPLE_HEAD, pad_edge=False)
+        super().__init__(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
         for number, heading in enumerate(headings):
             self.add_column(heading, overflow="fold", no_wrap=number == 0)
 

@@ -12,6 +12,14 @@ if TYPE_CHECKING:
     from graphnav.catalog import Catalog
 
 
+_OWN_PACKAGE = "graphnav_lcm."
+
+
+def short_type(name: str) -> str:
+    """Return ``flow_t`` for ``graphnav_lcm.flow_t``, as tables show it; types of other packages keep their package."""
+    return name.removeprefix(_OWN_PACKAGE)
+
+
 def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
     """Return the lcm-gen class of a type or message; plugins are imported only for what is not known without them.
 

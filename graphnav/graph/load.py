@@ -13,10 +13,10 @@ from graphnav.graph.find import find_graph
 from graphnav.graph.graph import Graph
 from graphnav.graph.overrides.swap import apply_sets
 from graphnav.graph.read.extend import merge_files, rewire_merged
-from graphnav.graph.read.graph_files import read_bytes, read_files
+from graphnav.graph.read.graph_files import read_files
 from graphnav.graph.read.plugin_files import load_plugins
 from graphnav.graph.read.recorded_names import rename_parameters
-from graphnav.spec import parse_spec
+from graphnav.spec import parse_spec, read_bytes
 
 
 def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] = ()) -> Graph:

@@ -1,4 +1,4 @@
-"""What happened in a run, as a table for the terminal."""
+"""The summary of a run as tables for the terminal."""
 
 from __future__ import annotations
 
@@ -17,9 +17,15 @@ from graphnav.runner.recording.summary import Summary
 from graphnav.stage import Better, Metric
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
+_ENDINGS = {
+    "goal": "goal reached",
+    "contact": "contact with an obstacle",
+    "timeout": "time limit reached",
+    "end": "end of the input reached",
+}
 _WHERE_BETTER: dict[Better, str] = {"higher": "higher", "lower": "lower", "neither": ""}
-_MOST_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, for a number that is cut would be a wrong one."""
+_MAX_COLS = 1000
+"""Tables are as wide as they need: a narrow terminal wraps them, because a truncated number would be a wrong one."""
 
 
 Declared = Mapping[str, Mapping[str, Metric]]
@@ -28,26 +34,31 @@ NONE_DECLARED: Declared = MappingProxyType({})
 
 
 def print_summary(console: Console, summary: Summary, declared: Declared = NONE_DECLARED) -> None:
-    """Print how the run ended, what each stage did and what was scored; ``declared``: what is known of the metrics."""
-    console.print(_headline(summary))
+    """Print what each stage did, what was scored, and last how the run ended; ``declared``: of the graph."""
+    console.print(_amount(summary))
     tables = [_stages(summary), *_outside(summary.live or {})]
     if any(summary.scores.values()):
         tables.append(_scores(summary, declared))
     for table in tables:
-        table.width = Measurement.get(console, console.options.update(width=_MOST_COLS), table).maximum
+        table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
     console.print(Group(*tables), soft_wrap=True)
+    console.print(_ending(summary))
 
 
-def _headline(summary: Summary) -> Text:
+def _amount(summary: Summary) -> Text:
     rate = summary.frames / summary.wall_s if summary.wall_s else 0.0
     counted = "ticks" if summary.live is None else "firings"
-    text = Text(summary.outcome, style=f"bold {_COLOURS.get(summary.outcome, 'default')}")
-    text.append(
-        f" after {summary.sim_s:.1f} s: {summary.frames} {counted}, seed {summary.seed}", style="default not bold"
-    )
-    text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} {counted}/s)", style="default not bold")
+    text = Text(f"{summary.frames} {counted}, seed {summary.seed}")
+    text.append(f", {summary.wall_s:.1f} s of wall time ({rate:.0f} {counted}/s)")
     if summary.behind_s > MAX_LATE_S:
-        text.append(f", {summary.behind_s:.1f} s behind the wall clock", style="yellow not bold")
+        text.append(f", {summary.behind_s:.1f} s behind the wall clock", style="yellow")
+    return text
+
+
+def _ending(summary: Summary) -> Text:
+    outcome = summary.outcome
+    text = Text(_ENDINGS.get(outcome, outcome), style=f"bold {_COLOURS.get(outcome, 'default')}")
+    text.append(f" after {summary.sim_s:.1f} s", style="default not bold")
     return text
 
 

@@ -1,5 +1,20 @@
-"""What a graph's YAML says, every value with its place."""
+"""Read YAML: every value with its place, and what files may say, declared."""
 
+from graphnav.spec.declared import (
+    DIALECT,
+    FileFormat,
+    Range,
+    Record,
+    Schema,
+    key,
+    keys_of,
+    object_schema,
+    param_schema,
+    plugin_formats,
+    read_record,
+    record_object,
+)
+from graphnav.spec.file_bytes import read_bytes
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, QueueSpec, parse_times
 from graphnav.spec.run import RunOptions, check_url
 from graphnav.spec.scalar import Scalar, parse_scalar
@@ -9,21 +24,34 @@ from graphnav.spec.write import write_value
 from graphnav.spec.yaml import MAX_BYTES, parse_yaml
 
 __all__ = [
+    "DIALECT",
     "MAX_BYTES",
     "TIME_KEYS",
     "Entry",
+    "FileFormat",
     "InputSpec",
     "OutputSpec",
     "QueueSpec",
+    "Range",
+    "Record",
     "RunOptions",
     "Scalar",
+    "Schema",
     "Spec",
     "StageSpec",
     "Value",
     "check_url",
+    "key",
+    "keys_of",
+    "object_schema",
+    "param_schema",
     "parse_scalar",
     "parse_spec",
     "parse_times",
     "parse_yaml",
+    "plugin_formats",
+    "read_bytes",
+    "read_record",
+    "record_object",
     "write_value",
 ]

@@ -1,4 +1,4 @@
-"""The words for what comes in from other programs, what leaves, and what waits in between."""
+"""Read the inputs, outputs and queues of a graph."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TIME_KEYS = ("every_ms", "deadline_ms")
 INPUT_NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
 MIN_EVERY_MS, MAX_EVERY_MS = 1, 60_000
 STOP_AFTER_S = 0.5
-"""Silence of a motor channel that is answered by stops, where the graph says nothing else."""
+"""Silence of a motor channel that is answered by stops, unless the graph sets it."""
 MAX_STOP_AFTER_S = 5.0
 """What moves for longer without a command is not under control."""
 MAX_INPUT_AGE_S = 60.0
@@ -25,15 +25,15 @@ MAX_INPUT_AGE_S = 60.0
 
 @dataclass
 class InputSpec:
-    """What is written under one of ``inputs``; without what is wrong."""
+    """One of ``inputs``, without what is wrong."""
 
     place: Place
     type: Entry | None = None
-    """The value is a text."""
+    """The value is a string."""
     channel: Entry | None = None
-    """The value is a text; None: the reference, in a log."""
+    """The value is a string; None: the reference, in a log."""
     log: Entry | None = None
-    """The value is a text."""
+    """The value is a string."""
     max_age_s: float | None = None
 
     @property
@@ -44,25 +44,25 @@ class InputSpec:
 
 @dataclass
 class OutputSpec:
-    """What is written under one of ``outputs``; without what is wrong."""
+    """One of ``outputs``, without what is wrong."""
 
     place: Place
     channel: Entry | None = None
-    """The value is a text."""
+    """The value is a string."""
     type: Entry | None = None
-    """The value is a text; None: the type of the message itself."""
+    """The value is a string; None: the type of the message itself."""
     motor: bool | None = None
     """None: the graph does not say."""
     max_age_s: float = STOP_AFTER_S
     stop: Entry | None = None
     """The value is a mapping."""
     unclear: bool = False
-    """Whether something is wrong with it, so that what seems missing may stand there."""
+    """Whether something is wrong with it, so that what seems missing may be in it."""
 
 
 @dataclass(frozen=True)
 class QueueSpec:
-    """What is written under one of ``queues``."""
+    """One of ``queues``."""
 
     place: Place
     keep: int | None
@@ -80,7 +80,7 @@ class OutsideWords(Shapes):
         who = f"the input '{ref}'"
         words = self._mapping(entry.value, who)
         if "keep" in words and not {"channel", "log", "type"} & words.keys():
-            what = f"'inputs' names channels that other programs write, but '{ref}' says how many messages wait"
+            what = f"'inputs' names channels that other programs write, but '{ref}' has the keys of a queue"
             keep = words["keep"].value.data
             keep = keep if isinstance(keep, int | str) else "all"
             self._problem(entry.place, what, f"write queues: {{{ref}: {{keep: {keep}}}}}")
@@ -161,7 +161,7 @@ class OutsideWords(Shapes):
         return QueueSpec(entry.place, None)
 
     def times(self, words: dict[str, Entry], who: str) -> dict[str, Entry]:
-        """Return the times of a stage that are right, by key."""
+        """Return the valid times of a stage, by key."""
         limits = {
             "every_ms": (
                 f"a number from {MIN_EVERY_MS} to {MAX_EVERY_MS}",
@@ -198,6 +198,6 @@ class OutsideWords(Shapes):
 
 
 def parse_times(words: dict[str, Entry], who: str) -> tuple[dict[str, Entry], list[Problem]]:
-    """Return the times of a stage that are right, by key, and what is wrong with the others."""
+    """Return the valid times of a stage, by key, and what is wrong with the others."""
     parser = OutsideWords()
     return parser.times(words, who), parser.problems

@@ -1,4 +1,4 @@
-"""What ``run:`` may say."""
+"""Options under ``run:``."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def check_url(url: str) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """How a graph runs, where the command line says nothing else."""
+    """How a graph runs, unless the command line says otherwise."""
 
     until_s: float | None = param(None, gt=0.0, le=1e9, doc="when to stop; null runs until a source finishes")
     seed: int = param(0, ge=0, le=4_294_967_295, doc="all randomness of a run derives from it")

@@ -1,4 +1,4 @@
-"""Plain YAML scalars by the core rules of YAML 1.2: ``1e-3`` is a number; ``on``, ``no`` and ``1:30`` are texts."""
+"""Plain YAML scalars by the core rules of YAML 1.2: ``1e-3`` is a number; ``on``, ``no`` and ``1:30`` are strings."""
 
 from __future__ import annotations
 

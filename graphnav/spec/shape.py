@@ -1,4 +1,4 @@
-"""Checks of shape that all words of a graph share, and the problems that they find."""
+"""Check the shape of a graph's values, and collect the problems."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Shapes:
     def _text(self, value: Value, who: str, hint: str = "put it in quotes if it is meant") -> str:
         if isinstance(value.data, str):
             return value.data
-        self._problem(value.place, f"{who} must be a text, not {value.kind}", hint)
+        self._problem(value.place, f"{who} must be a string, not {value.kind}", hint)
         return ""
 
     def _number(self, value: Value, who: str, wanted: str, fits: Callable[[float], bool]) -> float | None:

@@ -1,27 +1,38 @@
-"""The words of a graph: their shape is checked here, their meaning against the catalog later."""
+"""Read a graph: the shape of its values is checked here, their meaning against the catalog later."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from graphnav.errors import Place, Problem
+from graphnav.spec.declared.read_record import read_record
+from graphnav.spec.declared.record import Record, key
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, OutsideWords, QueueSpec
 from graphnav.spec.value import Entry, Value
 
 GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "deploy", "inputs", "outputs", "queues")
 STAGE_KEYS = ("use", "with", "in", *TIME_KEYS)
-DEPLOY_KEYS = ("stages", "host", "restart")
-RESTARTS = ("never", "on_failure", "always")
 STAGE_NAME = re.compile(r"[a-z][a-z0-9_]*")
 RESERVED_STAGES = ("run",)
 """No stage is called so: ``--set run.seed=1`` means the option."""
 
 
+class ProcessKeys(Record):
+    """One process of ``deploy``."""
+
+    noun = "a process"
+
+    stages: tuple[str, ...] = key(doc="the names of its stages", hint="write stages: [name, ...]")
+    host: str = key("", doc="where it runs; without it, on this machine")
+    restart: Literal["never", "on_failure", "always"] = key("never", doc="when it is started again")
+
+
 @dataclass
 class StageSpec:
-    """What is written under one stage's name."""
+    """One of ``stages``."""
 
     name: str
     place: Place
@@ -29,31 +40,31 @@ class StageSpec:
     use_place: Place
     params: dict[str, Entry] = field(default_factory=dict)
     wires: dict[str, Entry] = field(default_factory=dict)
-    """By input port; the value is a text, the reference."""
+    """By input port; the value is a string, the reference."""
     times: dict[str, Entry] = field(default_factory=dict)
     """``every_ms`` and ``deadline_ms`` where they are given; the value is a number."""
     has_timer: bool = False
     """Whether ``every_ms`` is written, right or wrong."""
     use_note: str = ""
-    """The ``--set`` that swapped it, empty if the graph says so."""
+    """The ``--set`` that swapped it, empty if the graph itself uses it."""
     wire_notes: dict[str, str] = field(default_factory=dict)
     """How swaps came to wires, by input port."""
     unwired: set[str] = field(default_factory=set)
     """Inputs that are known to be open, which has been said."""
     unclear: bool = False
-    """Whether something is wrong with ``in`` or ``with`` as a whole, so that what seems missing may stand there."""
+    """Whether something is wrong with ``in`` or ``with`` as a whole, so that what seems missing may be in it."""
 
 
 @dataclass
 class Spec:
-    """What is written in a graph."""
+    """A graph as it is written."""
 
     about: str = ""
     run: dict[str, Entry] = field(default_factory=dict)
     stages: dict[str, StageSpec] = field(default_factory=dict)
     stages_place: Place | None = None
     channels: dict[str, Entry] = field(default_factory=dict)
-    """By reference; the value is a text, the channel's name."""
+    """By reference; the value is a string, the channel's name."""
     deploy: dict[str, Entry] = field(default_factory=dict)
     inputs: dict[str, InputSpec] = field(default_factory=dict)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
@@ -63,7 +74,7 @@ class Spec:
 
 
 def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
-    """Return the words of a graph and everything that is wrong with their shape."""
+    """Return a graph as it is written, and everything that is wrong with its shape."""
     parser = _Parser()
     return parser.graph(value), parser.problems
 
@@ -88,8 +99,8 @@ class _Parser(OutsideWords):
         for ref, entry in spec.channels.items():
             self._text(entry.value, f"the channel name of '{ref}'")
         spec.deploy = self._section(words, "deploy")
-        for name, entry in spec.deploy.items():
-            self._process(name, entry)
+        for entry in spec.deploy.values():
+            self.problems += read_record(ProcessKeys, entry.value)[1]
         spec.inputs, spec.outputs, spec.queues = self._inputs(words), self._outputs(words), self._queues(words)
         return spec
 
@@ -140,23 +151,3 @@ class _Parser(OutsideWords):
             unclear=unclear
             or any(not isinstance(words[word].value.data, dict | None) for word in ("with", "in") if word in words),
         )
-
-    def _process(self, name: str, entry: Entry) -> None:
-        who = f"process '{name}' of 'deploy'"
-        words = self._mapping(entry.value, who)
-        if not isinstance(entry.value.data, dict | None):
-            return
-        self._known(words, DEPLOY_KEYS, who)
-        stages = words["stages"].value if "stages" in words else None
-        if stages is None or not isinstance(stages.data, list) or not all(isinstance(s.data, str) for s in stages.data):
-            place = stages.place if stages else entry.place
-            self._problem(place, f"{who} does not list its stages", "write stages: [name, ...]")
-        if "host" in words:
-            self._text(words["host"].value, f"'host' of {who}")
-        if "restart" in words and words["restart"].value.data not in RESTARTS:
-            value = words["restart"].value
-            self._problem(value.place, f"'restart' of {who} must be {_any_of(RESTARTS)}, not {value.kind}")
-
-
-def _any_of(words: tuple[str, ...]) -> str:
-    return f"{', '.join(words[:-1])} or {words[-1]}"

@@ -1,4 +1,4 @@
-"""What a YAML file holds, every value with its place."""
+"""The values of a YAML file, each with its place."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.spec.scalar import Scalar
 
 @dataclass(frozen=True)
 class Value:
-    """A scalar, a list of values, or a mapping of text to entries."""
+    """A scalar, a list of values, or a mapping of strings to entries."""
 
     data: Scalar | list[Value] | dict[str, Entry]
     place: Place
@@ -37,14 +37,16 @@ class Value:
             case bool():
                 return "true" if self.data else "false"
             case str():
-                return f"the text '{self.data}'" if len(self.data) <= 60 else f"a text of {len(self.data)} characters"
+                return (
+                    f"the string '{self.data}'" if len(self.data) <= 60 else f"a string of {len(self.data)} characters"
+                )
             case _:
                 return f"the number {self.data}"
 
 
 @dataclass(frozen=True)
 class Entry:
-    """What stands under a key, and where the key stands."""
+    """The value of a key, and the place of the key."""
 
     place: Place
     value: Value

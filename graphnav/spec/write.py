@@ -33,7 +33,7 @@ def write_value(value: Any) -> str:
 def _number(value: float) -> str:
     if math.isfinite(value):
         digits, e, exponent = repr(value).partition("e")
-        return digits + ("" if "." in digits or not e else ".0") + e + exponent  # for YAML 1.1, 1e-09 is a text
+        return digits + ("" if "." in digits or not e else ".0") + e + exponent  # for YAML 1.1, 1e-09 is a string
     return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
 
 

@@ -17,34 +17,42 @@ MAX_DEPTH = 20
 _PLAIN = "plain"
 _PREFIX = "tag:yaml.org,2002:"
 _SAYINGS = (
-    ("'\\t'", "a tab cannot stand here", "use spaces"),
-    ("nest more than", "{what}", "flatten it"),
-    ("expected a single document", "a second document begins here", "keep one graph in a file, without '---' between"),
+    ("'\\t'", "a tab is not allowed here", "use spaces"),
     ("flow mapping: expected ','", "the '{{' of line {line} is not closed", "write '}' or a comma before this"),
     ("flow sequence: expected ','", "the '[' of line {line} is not closed", "write ']' or a comma before this"),
-    ("expected <block end>", "this is indented otherwise than its block, which begins in line {line}", "align it"),
-    ("mapping values are not allowed", "a ':' cannot stand here", "put a text that holds ': ' in quotes"),
+    ("expected <block end>", "inconsistent indentation: the block begins in line {line}", "align it"),
+    ("mapping values are not allowed", "a ':' is not allowed here", "put a string that contains ': ' in quotes"),
     ("unexpected end of stream", "the quote of line {line} is not closed", "write the closing quote"),
     ("could not find expected ':'", "the key of line {line} has no ':'", "write ': ' after the key"),
-    ("undefined alias", "{what}", "write out what is meant, without & and *"),
 )
-"""What PyYAML says (a part of it), what we say, and what to do."""
+"""Part of PyYAML's message, which has no code, with ours and the fix."""
 _KNOWN_TAGS = (_PLAIN, f"{_PREFIX}str", f"{_PREFIX}seq", f"{_PREFIX}map")
-
-
-class _TooDeep(yaml.MarkedYAMLError):
-    """Nesting beyond reason."""
 
 
 class _Composer(yaml.SafeLoader):
     """Composes nodes; marks scalars as plain or quoted instead of guessing their type; limits depth."""
 
-    _depth = 0
+    def __init__(self, text: str, source: str) -> None:
+        super().__init__(text)
+        self._source, self._depth = source, 0
+
+    def compose_root(self) -> Any:
+        """Return the root node of the one document, None without one."""
+        if not self.check_node():
+            return None
+        root = self.get_node()
+        if self.check_node():
+            hint = "keep one document in a file, without '---' between"
+            raise UserError.of("a second document begins here", hint, self._place())
+        return root
 
     def compose_node(self, parent: Any, index: Any) -> Any:
+        """Return the next node, with those in it."""
         if self._depth > MAX_DEPTH:
-            mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
-            raise _TooDeep(None, None, f"values nest more than {MAX_DEPTH} deep", mark)
+            raise UserError.of(f"values are nested more than {MAX_DEPTH} deep", "flatten it", self._place())
+        if self.check_event(yaml.AliasEvent) and self.peek_event().anchor not in self.anchors:  # type: ignore[no-untyped-call]
+            what = f"undefined alias '{self.peek_event().anchor}'"  # type: ignore[no-untyped-call]
+            raise UserError.of(what, "write the value out, without & and *", self._place())
         self._depth += 1
         try:
             return super().compose_node(parent, index)
@@ -56,6 +64,10 @@ class _Composer(yaml.SafeLoader):
         if kind is yaml.ScalarNode:
             return _PLAIN if implicit[0] else f"{_PREFIX}str"
         return f"{_PREFIX}{'seq' if kind is yaml.SequenceNode else 'map'}"
+
+    def _place(self) -> Place:
+        mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
+        return Place(self._source, mark.line + 1, mark.column + 1)
 
 
 class _Reader:
@@ -72,15 +84,15 @@ class _Reader:
         self._read += 1
         if self._read > MAX_VALUES:
             raise UserError.of(
-                f"aliases make this more than {MAX_VALUES} values", "write out what is meant, without & and *", place
+                f"aliases expand to more than {MAX_VALUES} values", "write the values out, without & and *", place
             )
         if node.tag not in _KNOWN_TAGS:
             tag = node.tag.replace(_PREFIX, "!!")
-            self.problems.append(Problem(place, f"'{tag}' is a tag, and graphs have none", "leave the tag out"))
+            self.problems.append(Problem(place, f"the tag '{tag}' is not supported", "leave it out"))
         if isinstance(node, yaml.ScalarNode):
             return Value(parse_scalar(node.value) if node.tag == _PLAIN else node.value, place)
         if id(node) in self._open:
-            raise UserError.of("an alias stands inside what it stands for", "write out what is meant", place)
+            raise UserError.of("recursive alias", "write the value out, without & and *", place)
         self._open.add(id(node))
         try:
             if isinstance(node, yaml.SequenceNode):
@@ -95,12 +107,11 @@ class _Reader:
             key, entry = self.value(key_node), Entry(self.place(key_node), self.value(value_node))
             if not isinstance(key.data, str):
                 hint = "" if isinstance(key.data, list | dict) else "put it in quotes if it is meant"
-                self.problems.append(Problem(entry.place, f"a key must be a text, but this is {key.kind}", hint))
+                self.problems.append(Problem(entry.place, f"a key must be a string, not {key.kind}", hint))
             elif key.data in found:
                 first = found[key.data].place
-                self.problems.append(
-                    Problem(entry.place, f"'{key.data}' stands here again, first in line {first.line}", "keep one")
-                )
+                what = f"duplicate entry '{key.data}', first in line {first.line}"
+                self.problems.append(Problem(entry.place, what, "keep one"))
             else:
                 found[key.data] = entry
         return found
@@ -110,24 +121,24 @@ class _Reader:
 
 
 def parse_yaml(data: bytes, source: str) -> tuple[Value, list[Problem]]:
-    """Return what the bytes of a file say, and what is wrong with single values.
+    """Return what the bytes of a file contain, and what is wrong with single values.
 
     ``source`` is the file as errors name it.
 
     Raises
     ------
     UserError
-        It is no YAML, or beyond a limit (`MAX_BYTES`, `MAX_VALUES`, `MAX_DEPTH`).
+        It is not YAML, or beyond a limit (`MAX_BYTES`, `MAX_VALUES`, `MAX_DEPTH`).
     """
     text = _decoded(data, source)
     composer = None
     try:
-        composer = _Composer(text)
-        node = composer.get_single_node()
+        composer = _Composer(text, source)
+        node = composer.compose_root()
     except yaml.reader.ReaderError as error:
         raise UserError.of(
-            f"the character U+{ord(text[error.position]):04X} cannot stand in YAML",
-            "remove it; a graph is a text file",
+            f"the character U+{ord(text[error.position]):04X} is not allowed in YAML",
+            "remove it, or name a text file",
             _place_of(text, error.position, source),
         ) from error
     except yaml.MarkedYAMLError as error:
@@ -145,8 +156,8 @@ def parse_yaml(data: bytes, source: str) -> tuple[Value, list[Problem]]:
 def _decoded(data: bytes, source: str) -> str:
     if len(data) > MAX_BYTES:
         raise UserError.of(
-            f"it has more than {MAX_BYTES} bytes, the most that a graph may have",
-            "check that this is a graph",
+            f"it has more than {MAX_BYTES} bytes, the maximum of a YAML file that graphnav reads",
+            "check that this is the file that you mean",
             Place(source),
         )
     try:

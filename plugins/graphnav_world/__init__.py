@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from graphnav import Stage, hookimpl
+from typing import Any
+
+from graphnav import FileFormat, Stage, hookimpl
 
 
 @hookimpl
@@ -12,3 +14,11 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_world.world import Pymunk
 
     return [Pymunk, Robot]
+
+
+@hookimpl
+def graphnav_file_formats() -> list[FileFormat[Any]]:
+    """Return the format of maps."""
+    from graphnav_world.maps.map_format import MAP
+
+    return [MAP]

@@ -9,6 +9,7 @@ import sysconfig
 from pathlib import Path
 
 import pytest
+import yaml
 
 from graphnav.catalog import Catalog
 from graphnav.cli import COMMANDS
@@ -49,6 +50,18 @@ def test_every_stage_and_every_graph_is_listed() -> None:
         row = next((line for line in README.splitlines() if line.startswith(f"| `{family}`")), "")
         assert all(f"`{name}`" in row for name in catalog.names(family)), family
     assert all(f"`{name}`" in README for name in shipped_graphs())
+
+
+def test_the_graph_is_the_one_that_ships() -> None:
+    """The graph of the README leaves out scores and nothing else."""
+    block = next(
+        block for block in re.findall(r"^```yaml\n(.*?)^```", README, re.DOTALL | re.MULTILINE) if "robot:" in block
+    )
+    shown, shipped = yaml.safe_load(block), yaml.safe_load(shipped_graphs()["corridor_ccw"].read_text())
+    assert shown["run"] == shipped["run"]
+    left_out = set(shipped["stages"]) - set(shown["stages"])
+    assert all(shipped["stages"][name]["use"].startswith("score.") for name in left_out)
+    assert shown["stages"] == {name: stage for name, stage in shipped["stages"].items() if name not in left_out}
 
 
 def test_the_pictures_are_there() -> None:

@@ -62,8 +62,8 @@ def test_a_run_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
     ]
     rows = {line.split()[0]: " ".join(line.split()[1:]) for line in lines[4:] if line.strip() and "─" not in line}
     assert rows["channel"] == "type messages rate size total lost"
-    assert rows["control.twist"] == "graphnav_lcm.twist_t 18 8.50 Hz 40 B 720 B 3"
-    assert rows["flow.flow"] == "graphnav_lcm.flow_t 21 10.00 Hz 98 B 2 kB 0"
+    assert rows["control.twist"] == "twist_t 18 8.50 Hz 40 B 720 B 3"
+    assert rows["flow.flow"] == "flow_t 21 10.00 Hz 98 B 2 kB 0"
     assert rows["other"] == "not_installed.thing_t (fingerprint 0102030405060708) 2 5 B to 8 B 13 B"
     assert lines[-1] == "other: 1 of 2 messages cannot be decoded as not_installed.thing_t"
 

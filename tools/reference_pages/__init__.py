@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from reference_pages.commands import commands_page
+from reference_pages.formats import format_page
 from reference_pages.graphs import graphs_page
 from reference_pages.messages import messages_page
 from reference_pages.python import python_page
@@ -13,6 +14,8 @@ PAGES: Mapping[str, Callable[[], str]] = {
     "stages.md": stages_page,
     **{f"stages/{family}.md": partial(family_page, family) for family in FAMILIES},
     "graphs.md": graphs_page,
+    "maps.md": partial(format_page, "map"),
+    "studies.md": partial(format_page, "study"),
     "messages.md": messages_page,
     "commands.md": commands_page,
     "python.md": python_page,

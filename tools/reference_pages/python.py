@@ -28,6 +28,7 @@ _GROUPS = {
         *("hookimpl", "Continuity", "block_sum", "coarsen"),
     ),
     "Write an adapter or a drawing": ("Adapter", "PictureContext", "VideoFrames"),
+    "Read a file of your own": ("FileFormat", "Record", "key", "Range", "Value"),
     "Errors": (
         *("GraphnavError", "UserError", "ParamError", "DeclarationError", "RunError"),
         *("Problem", "Place", "did_you_mean", "shown_path"),

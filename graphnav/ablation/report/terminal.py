@@ -29,13 +29,8 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
     metrics = shown_metrics(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
         rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
-        table = new_table(graph, ["variant", "worlds", "outcomes"])
-        for metric in metrics:
-            table.add_column(Text(f"{plan.label(metric)}{ARROWS[plan.better(metric)]}"))
-            table.add_column("difference")
-        for row in rows:
-            table.add_row(*_cells(row, metrics, plan))
-        print_wide(console, table)
+        groups = [["worlds", "outcomes"], *([_heading(plan, name), "difference"] for name in metrics)]
+        print_grouped(console, graph, ["variant"], groups, [_cells(row, metrics, plan) for row in rows])
         for line in same_graphs(comparison.of_graph(graph)):
             console.print(Text(line, style="dim"), soft_wrap=True)
         for row in rows:
@@ -48,30 +43,43 @@ def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
     """Print how each variant changed from the first study to the second, and what cannot be compared."""
     metrics = tuple(pairing.metrics)[:DECIDING]
     for graph in pairing.graphs:
-        table = new_table(graph, ["variant", "worlds"])
-        for metric in metrics:
-            for name in (f"{pairing.plan_of(metric).label(metric)}{ARROWS[pairing.metrics[metric]]} A", "B", "B - A"):
-                table.add_column(Text(name))
-        for row in pairing.rows:
-            if row.graph == graph:
-                table.add_row(*_pair_cells(row, metrics, pairing))
-        print_wide(console, table)
+        groups = [_paired_headings(pairing, name) for name in metrics]
+        rows = [_pair_cells(row, metrics, pairing) for row in pairing.rows if row.graph == graph]
+        print_grouped(console, graph, ["variant", "worlds"], groups, rows)
     for line in (*only_in_one(pairing), *different_versions(pairing)):
         console.print(Text(line, style="yellow"), soft_wrap=True)
 
 
-def new_table(title: str, columns: Sequence[str]) -> Table:
-    """Return an empty table."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=Text(title, style="bold"), title_justify="left")
+def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Text]]) -> Table:
+    """Return a table that is as wide as it needs."""
+    shown = Text(title, style="bold") if title else None
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=shown, title_justify="left")
     for name in columns:
-        table.add_column(name)
+        table.add_column(Text(name))
+    for row in rows:
+        table.add_row(*row)
+    console = Console(width=_MAX_COLS)
+    table.width = Measurement.get(console, console.options, table).maximum
     return table
 
 
-def print_wide(console: Console, table: Table) -> None:
-    """Print a table as wide as it needs."""
-    table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
-    console.print(table, soft_wrap=True)
+def print_grouped(
+    console: Console, title: str, names: Sequence[str], groups: Sequence[Sequence[str]], rows: Sequence[Sequence[Text]]
+) -> None:
+    """Print a table whose columns are ``names`` and those of all groups; a table for each group on a narrow terminal.
+
+    ``rows``: cells in the order of the columns. A table is as wide as it needs.
+    """
+    columns = [*names, *(column for group in groups for column in group)]
+    every = _table(title, columns, rows)
+    if every.width is not None and console.is_terminal and every.width > console.width:
+        begin = len(names)
+        for place, group in enumerate(groups):
+            cells = [[*row[: len(names)], *row[begin : begin + len(group)]] for row in rows]
+            console.print(_table("" if place else title, [*names, *group], cells), soft_wrap=True)
+            begin += len(group)
+    else:
+        console.print(every, soft_wrap=True)
 
 
 def difference_cell(found: Difference | None, better: Better) -> Text:
@@ -101,3 +109,11 @@ def _pair_cells(row: PairedRow, metrics: Sequence[str], pairing: PairedStudies) 
         cells += [Text(estimate_text(side[metric], len(row.seeds)) if metric in side else "") for side in sides]
         cells.append(difference_cell(row.differences.get(metric), pairing.metrics[metric]))
     return cells
+
+
+def _paired_headings(pairing: PairedStudies, metric: str) -> list[str]:
+    return [f"{_heading(pairing.plan_of(metric), metric)} A", "B", "B - A"]
+
+
+def _heading(plan: Plan, metric: str) -> str:
+    return f"{plan.label(metric)}{ARROWS[plan.better(metric)]}"

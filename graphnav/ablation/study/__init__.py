@@ -4,8 +4,10 @@ from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
 from graphnav.ablation.study.override_targets import Target, settings_of, swaps_of, targets_of
 from graphnav.ablation.study.study import Axis, Choice, Study
+from graphnav.ablation.study.study_keys import STUDY
 
 __all__ = [
+    "STUDY",
     "Axis",
     "Choice",
     "MetricExpression",

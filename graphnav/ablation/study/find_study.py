@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
+from graphnav.ablation.study.study_keys import StudyKeys
 from graphnav.errors import Place, UserError, did_you_mean, shown_path
 from graphnav.graph import find_graph, shipped_folder, shipped_graphs
-from graphnav.spec import MAX_BYTES, Value, parse_yaml
+from graphnav.spec import Value, keys_of, parse_yaml, read_bytes
 
-STUDY_KEYS = ("about", "graph", "graphs", "seeds", "one_at_a_time", "set", "vary", "within", "metrics")
-_ONLY_IN_STUDIES = frozenset(STUDY_KEYS) - {"about"}
+_ONLY_IN_STUDIES = (keys_of(StudyKeys).keys() | StudyKeys.renamed.keys()) - {"about"}
 
 
 def shipped_studies() -> dict[str, Path]:
@@ -50,11 +50,7 @@ def read(path: Path) -> bytes:
     UserError
         It cannot be read.
     """
-    try:
-        with path.open("rb") as file:
-            return file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise UserError.of(f"it cannot be read: {error.strerror}", place=Place(shown_path(path))) from error
+    return read_bytes(path, Place(shown_path(path)))
 
 
 def kind_of(value: Value) -> Literal["study", "graph"]:
@@ -71,7 +67,7 @@ def classify(name: str | Path) -> Literal["study", "graph"]:
     Raises
     ------
     UserError
-        There is no such file, or it is no YAML.
+        There is no such file, or it is not YAML.
     """
     path = find(name)
     return kind_of(parse_yaml(read(path), shown_path(path))[0])

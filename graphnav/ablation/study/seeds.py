@@ -22,7 +22,7 @@ def parse_seeds(text: str, place: Place | None = None) -> tuple[int, ...]:
     Raises
     ------
     UserError
-        It says no seed, one twice, something else, or more than anybody runs.
+        There is no seed in it, a duplicate, something else, or too many.
     """
     if found := _RANGE.fullmatch(text):
         first, end = int(found[1]), int(found[2])
@@ -37,7 +37,7 @@ def parse_seeds(text: str, place: Place | None = None) -> tuple[int, ...]:
         return checked_seeds(range(first, end), place)
     listed = _LIST.fullmatch(text)
     if listed is None:
-        raise UserError.of(f"'{text}' says no seeds", HINT, place)
+        raise UserError.of(f"'{text}' is not a range or a list of seeds", HINT, place)
     words = listed[2].split(",")
     if len(words) == 1 and not listed[1]:
         raise bare_number(words[0].strip(), place)
@@ -50,7 +50,7 @@ def checked_seeds(seeds: Sequence[int], place: Place | None = None) -> tuple[int
     Raises
     ------
     UserError
-        There are none or too many, one stands twice, or is out of bounds.
+        There are none or too many, a duplicate, or one out of bounds.
     """
     if not seeds:
         raise UserError.of("there is no seed in the list", HINT, place)
@@ -61,8 +61,8 @@ def checked_seeds(seeds: Sequence[int], place: Place | None = None) -> tuple[int
             raise UserError.of(f"a seed must be from 0 to {MAX_SEED}, not {seed}", "write another", place)
     twice = [seed for seed, times in Counter(seeds).items() if times > 1]
     if twice:
-        hint = "keep one: a world that is met twice tells nothing new"
-        raise UserError.of(f"the seed {twice[0]} stands here {Counter(seeds)[twice[0]]} times", hint, place)
+        hint = "keep one: the same world twice adds nothing"
+        raise UserError.of(f"duplicate seed {twice[0]}", hint, place)
     return tuple(seeds)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from functools import cached_property
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from graphnav.ablation.results import Comparison, Record, Row, in_plan_order, me
 from graphnav.api.extras import import_pandas
 from graphnav.api.result_folder import KeptFolder
 from graphnav.api.studies.study_files import StudyFiles
+from graphnav.html_templates import rendered
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,7 +96,7 @@ class Study:
         return text.getvalue().rstrip()
 
     def _repr_html_(self) -> str:
-        return f"<p>{escape(self.plan.about)}</p><pre>{escape(str(self))}</pre><p>{escape(str(self.report))}</p>"
+        return rendered("graphnav.api", "study.html", about=self.plan.about, table=str(self), report=self.report)
 
 
 _COLUMNS = (

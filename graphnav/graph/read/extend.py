@@ -19,7 +19,7 @@ _READ_BEFORE = ("extends", "plugins")
 _VALUES = ("run",)
 """Sections in which null is a value."""
 _SECTIONS = ("channels", "deploy", "inputs", "outputs", "queues")
-"""Sections in which null removes what the extended graph says."""
+"""Sections in which null removes an entry of the extended graph."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph.find import find_graph
-from graphnav.spec import MAX_BYTES, Entry, Value, parse_yaml
+from graphnav.spec import Entry, Value, parse_yaml, read_bytes
 
 MAX_EXTENDED = 8
 """How many files one graph may extend, one through the other."""
@@ -22,21 +22,6 @@ class GraphFile:
     path: Path
     source: str
     """The file as places name it."""
-
-
-def read_bytes(path: Path, place: Place, who: str = "it") -> bytes:
-    """Return what a graph's file holds, or one byte more than a graph may have; ``who``: what errors call the file.
-
-    Raises
-    ------
-    UserError
-        It cannot be read; said at ``place``.
-    """
-    try:
-        with path.open("rb") as file:
-            return file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise UserError.of(f"{who} cannot be read: {error.strerror}", place=place) from error
 
 
 def read_files(data: bytes, path: Path, source: str, problems: list[Problem]) -> tuple[GraphFile, ...]:

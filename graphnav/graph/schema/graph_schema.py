@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import types
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, Literal, Union, get_args, get_origin
-
 from graphnav.catalog import Catalog
 from graphnav.graph.schema.outside_schema import inputs_schema, outputs_schema, queues_schema
-from graphnav.graph.schema.schema_parts import CHANNEL, PORT, Schema, object_schema
+from graphnav.graph.schema.schema_parts import CHANNEL, PORT
 from graphnav.graph.schema.schema_variants import by_keys, stage_variants
-from graphnav.spec import RunOptions
+from graphnav.spec import DIALECT, RunOptions, Schema, object_schema, param_schema, record_object
 from graphnav.spec.outside import MAX_EVERY_MS, MIN_EVERY_MS
-from graphnav.spec.spec import RESERVED_STAGES, RESTARTS, STAGE_NAME
-from graphnav.stage import Param, Stage, params_of, plain_data, ports_of, summary_of
+from graphnav.spec.spec import RESERVED_STAGES, STAGE_NAME, ProcessKeys
+from graphnav.stage import Stage, params_of, ports_of, summary_of
 
 _REF = rf"^{STAGE_NAME.pattern}(\.{STAGE_NAME.pattern})?$"
-_SCALARS: Mapping[Any, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
 def graph_schema(catalog: Catalog) -> Schema:
@@ -35,7 +29,7 @@ def graph_schema(catalog: Catalog) -> Schema:
     classes = {use: catalog.stage(use) for use in uses}
     stage = _stage(list(classes))
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": DIALECT,
         "title": "A graph of graphnav",
         **by_keys(_graph()),
         "$defs": {"stage": stage, **stage_variants(stage), **{use: _use(cls) for use, cls in classes.items()}},
@@ -56,7 +50,7 @@ def _graph() -> Schema:
                 "items": {"type": "string", "minLength": 1},
                 "description": "files with stages, relative to this one",
             },
-            "run": _optional({name: _param(param) for name, param in params_of(RunOptions).items()}),
+            "run": _optional({name: param_schema(param) for name, param in params_of(RunOptions).items()}),
             "stages": {
                 "type": "object",
                 "minProperties": 1,
@@ -113,61 +107,18 @@ def _use(cls: type[Stage]) -> Schema:
     return {
         "description": summary_of(cls),
         "properties": {
-            "with": _optional({name: _param(param) for name, param in params.items()}, needed),
+            "with": _optional({name: param_schema(param) for name, param in params.items()}, needed),
             "in": _optional(wires, plain),
         },
         "required": [word for word, names in (("with", needed), ("in", plain)) if names],
     }
 
 
-def _param(param: Param) -> Schema:
-    schema = {**_type(param.type), "description": param.doc}
-    bounds = {"minimum": param.ge, "exclusiveMinimum": param.gt, "maximum": param.le, "exclusiveMaximum": param.lt}
-    given = {word: bound for word, bound in bounds.items() if bound is not None}
-    _bound(schema, given)
-    if not param.required:
-        schema["default"] = plain_data(param.default)
-    return schema
-
-
-def _bound(schema: Schema, bounds: Mapping[str, float]) -> None:
-    """Put bounds on every number of a schema."""
-    if schema.get("type") in ("integer", "number"):
-        schema.update(bounds)
-    items = schema.get("items")
-    for member in [*schema.get("anyOf", ()), *schema.get("prefixItems", ()), *([items] if items else ())]:
-        _bound(member, bounds)
-
-
-def _type(kind: Any) -> Schema:
-    origin, args = get_origin(kind), get_args(kind)
-    if origin is Literal:
-        return {"enum": list(args)}
-    if origin is tuple and args[-1] is Ellipsis:
-        return {"type": "array", "items": _type(args[0])}
-    if origin is tuple:
-        each = [_type(member) for member in args]
-        return {"type": "array", "prefixItems": each, "minItems": len(each), "maxItems": len(each)}
-    if origin in (Union, types.UnionType):
-        return {"anyOf": [{"type": "null"} if member is type(None) else _type(member) for member in args]}
-    if kind is Path:
-        return {"type": ["string", "integer"], "minLength": 1, "minimum": 0}
-    return {"type": _SCALARS[kind]}
-
-
 def _deploy() -> Schema:
-    process = object_schema(
-        {
-            "stages": {"type": "array", "items": {"type": "string"}},
-            "host": {"type": "string"},
-            "restart": {"enum": list(RESTARTS)},
-        },
-        required=["stages"],
-    )
     return {
         "type": ["object", "null"],
         "description": "which stages would run in which process and where; lockstep does not use it",
-        "additionalProperties": process,
+        "additionalProperties": record_object(ProcessKeys, {}),
     }
 
 

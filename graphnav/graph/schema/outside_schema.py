@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from graphnav.graph.schema.schema_parts import CHANNEL, PORT, Schema, object_schema
+from graphnav.graph.schema.schema_parts import CHANNEL, PORT
+from graphnav.spec import Schema, object_schema
 from graphnav.spec.outside import MAX_INPUT_AGE_S, MAX_STOP_AFTER_S, STOP_AFTER_S
 
 _TYPE = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-Schema = dict[str, Any]
+from graphnav.spec import Schema
 
 FAMILY_STAGE = r"^[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*$"
 _NULL: Schema = {"type": "null"}

@@ -2,57 +2,37 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-import yaml
 
 from graphnav.arrays import Doubles
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
-from graphnav_world.maps.map_shapes import read_height, read_texture
-from graphnav_world.maps.map_text import MapText
+from graphnav_world.maps.body_keys import Pillars
+from graphnav_world.maps.draws import Draws
 
-PILLAR_HEIGHT_M = 0.5
-MOST = 1000
 ROUNDS = 2000
-DRAWS = 20
+TRIES = 20
 PUSH = 0.9
 SHAKE = 0.3
 """The share of a lack of room that a round makes up for, and the random part of it, which ends after two thirds."""
 
 
-def read_pillars(text: MapText, node: yaml.Node, textures: tuple[str, ...]) -> list[Body]:
-    """Return pillars: ``count`` of ``radius_m`` within ``field``, rims apart by ``gap_m`` or more."""
-    known = ("count", "radius_m", "gap_m", "field", "height_m", "texture")
-    found = text.mapping(node, "'pillars'", known, ("count", "radius_m", "gap_m", "field"))
-    if not {"count", "radius_m", "gap_m", "field"} <= found.keys():
-        return []
-    count = text.number(found["count"], "pillars.count", least=1, whole=True)
-    if count > MOST:
-        text.wrong(found["count"], f"'count' is {int(count)}, but must be at most {MOST}")
-        return []
-    gap = text.number(found["gap_m"], "pillars.gap_m", least=0)
-    field = text.mapping(found["field"], "the field", ("corner_m", "size_m"), ("corner_m", "size_m"))
-    height = read_height(text, found, "pillars", PILLAR_HEIGHT_M)
-    texture = read_texture(text, found, "obstacle", textures)
-    least, most = text.span(found["radius_m"], "pillars.radius_m", above=0)
-    if len(field) < 2 or math.isnan(count + gap + height + least + most):
-        return []
-    corner = text.pair(field["corner_m"], "pillars.corner_m")
-    size = text.pair(field["size_m"], "pillars.size_m", above=0)
-    if not np.isfinite([*corner, *size]).all():
-        return []
-    rng = text.rng("pillars")
-    draws = (rng.uniform(least, most, int(count)) for _ in range(DRAWS))
-    placed = ((spread(radii, gap, np.array(size), rng), radii) for radii in draws)
+def draw_pillars(draws: Draws, keys: Pillars) -> list[Body]:
+    """Return pillars within their field, rims apart by the gap or more; none if they do not fit."""
+    count, gap, height = draws.count(keys.count), draws.number(keys.gap_m), draws.number(keys.height_m)
+    corner, size = draws.pair(keys.field.corner_m), draws.pair(keys.field.size_m)
+    low, high = keys.radius_m.low, keys.radius_m.high
+    rng = draws.rng("pillars")
+    tries = (rng.uniform(low, high, count) for _ in range(TRIES))
+    placed = ((spread(radii, gap, np.array(size), rng), radii) for radii in tries)
     places, radii = next((one for one in placed if one[0] is not None), (None, np.zeros(0)))
     if places is None:
         hint = "give a larger field, a smaller gap or fewer pillars"
-        text.wrong(found["count"], f"{_counted(int(count))} with gaps of {gap:g} m cannot be placed in the field", hint)
+        what = f"{_counted(count)} with gaps of {gap:g} m cannot be placed in the field"
+        draws.wrong(keys.place("count"), what, hint)
         return []
     return [
-        Body.prism(outlines.circle(x + corner[0], y + corner[1], radius), height, texture)
+        Body.prism(outlines.circle(x + corner[0], y + corner[1], radius), height, keys.texture)
         for (x, y), radius in zip(places, radii, strict=True)
     ]
 

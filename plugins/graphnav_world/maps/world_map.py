@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav import Problem, UserError, shown_path
+from graphnav import Problem, UserError
 from graphnav_world.geometry.scene import Kind
-from graphnav_world.maps.map_file import MapDraw, extent_m, read_map
-from graphnav_world.maps.map_text import MapText, compose
+from graphnav_world.maps.draws import Draws
+from graphnav_world.maps.map_file import MapDraw, draw_map, extent_m
+from graphnav_world.maps.map_format import MAP
 from graphnav_world.maps.passage import Passage
 
 ATTEMPTS = 300
@@ -34,25 +35,25 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
     UserError
         All problems of the file, each with its place.
     """
-    root, problems = compose(path)
-    for attempt in range(ATTEMPTS if root else 0):
-        assert root is not None
-        text = MapText(shown_path(path), seed, attempt)
-        draw = read_map(text, root)
-        problems = text.problems
+    keys, problems = MAP.read(path)
+    for attempt in range(ATTEMPTS if keys else 0):
+        assert keys is not None
+        draws = Draws(seed, attempt)
+        draw = draw_map(draws, keys)
+        problems += draws.problems
         if problems or draw is None:
             break
         largest = max(extent_m(draw))
         if largest > LARGEST_M:
             what = f"the map extends over {largest:.0f} m, but must fit into {LARGEST_M:.0f} m"
-            problems = [Problem(text.place(root), what, "bring everything nearer together")]
+            problems = [Problem(keys.place(), what, "bring everything nearer together")]
             break
         passage = Passage(draw.bodies, draw.start, draw.goal_m)
         misfit = _misfit(draw, passage, robot_radius_m)
         if misfit is None:
             return WorldMap(draw, passage.shortest_m(robot_radius_m) if len(draw.goal_m) else 0.0)
-        problems = [misfit]
-        if not text.drew:
+        if not draws.drew or attempt == ATTEMPTS - 1:
+            problems = [misfit]
             break
     raise UserError(problems)
 

@@ -8,17 +8,23 @@ To write the golden texts anew, and then read them::
 from __future__ import annotations
 
 import contextlib
+import copy
 import itertools
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Kind
 from graphnav_world.maps.passage import Passage
 from graphnav_world.maps.world_map import WorldMap, load_map
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from graphnav import UserError
+from graphnav import Problem, UserError
 
 HERE = Path(__file__).parent
 BROKEN = HERE / "broken_maps"
@@ -40,6 +46,35 @@ def test_refused_with_the_golden_message(case: str, monkeypatch: pytest.MonkeyPa
 
 def test_every_text_has_its_map() -> None:
     assert sorted(path.stem for path in BROKEN.glob("*.txt")) == CASES
+
+
+CROSSING = yaml.safe_load((HERE.parents[2] / "graphs/graphnav_graphs/maps/crossing.yaml").read_text())
+STRANGE = [0, -1, 1e308, -1e9, 5e-324, 10**400, [1e300, 1e308], [3, 2], [], {}, None, "x", True]
+
+
+def _parts(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    for key, inner in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
+        yield (*path, key)
+        yield from _parts(inner, (*path, key))
+
+
+@given(st.sampled_from(list(_parts(CROSSING))), st.sampled_from(STRANGE))
+@settings(max_examples=40)
+def test_whatever_is_in_a_map_it_is_drawn_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, part: tuple[Any, ...], value: Any
+) -> None:
+    whole = inner = copy.deepcopy(CROSSING)
+    for key in part[:-1]:
+        inner = inner[key]
+    inner[part[-1]] = value
+    path = tmp_path_factory.getbasetemp() / "strange.yaml"
+    path.write_text(yaml.safe_dump(whole))
+    problems: list[Problem] = []
+    try:
+        load_map(path, 0, RADIUS_M)
+    except UserError as error:
+        problems = error.problems
+    assert all(problem.place for problem in problems)
 
 
 @pytest.mark.parametrize("name", ["corridor_ccw", "pillars", "approach", "crossing", "crowded", "movers"])

@@ -159,5 +159,5 @@ def test_a_missing_map_is_shown_at_its_parameter(tmp_path: Path) -> None:
 def test_a_wrong_map_is_shown_at_its_own_places(tmp_path: Path) -> None:
     path = tmp_path / "map.yaml"
     path.write_text("start: {at_m: [0, 0]}\nwals: []\n")
-    with pytest.raises(UserError, match=r"map\.yaml:2:1: a map has no 'wals'"):
+    with pytest.raises(UserError, match=r"map\.yaml:2:1: a map has no key 'wals'"):
         Pymunk(map=path).check()

@@ -7,7 +7,7 @@ import pytest
 
 from graphnav.cli import COMMANDS
 
-HEAVY = {"numpy", "cv2", "lcm", "yaml", "pluggy", "rich", "sklearn", "pymunk", "matplotlib"}
+HEAVY = {"numpy", "cv2", "lcm", "yaml", "pluggy", "rich", "sklearn", "pymunk", "matplotlib", "jinja2", "argcomplete"}
 
 
 @pytest.mark.parametrize("words", [["--help"], *([command, "--help"] for command in COMMANDS)])

@@ -65,3 +65,5 @@ def test_what_listens_ends(tmp_path: Path) -> None:
         for k in range(10_000):
             log.write("twist", k, encode(Twist(0.5, 0.0), k, k))
     assert left_by_its_reader("echo", "twist", tmp_path / "log", lines=1) == (141, "")
+    for command in ("info", "hz", "bw", "spy"):  # their tables are printed by rich, which exits with 1 by itself
+        assert left_by_its_reader(command, tmp_path / "log") == (141, ""), command

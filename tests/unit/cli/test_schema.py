@@ -9,10 +9,12 @@ import pytest
 
 from graphnav.catalog import Catalog
 from graphnav.cli import main
-from graphnav.graph import graph_schema, shipped_graphs
+from graphnav.graph import graph_schema, shipped_folder, shipped_graphs
 from graphnav.spec import parse_yaml
 
-ERRORS = Path(__file__).parent.parent.parent / "errors"
+TESTS = Path(__file__).parent.parent.parent
+ERRORS = TESTS / "errors"
+BROKEN_MAPS = TESTS / "plugins" / "world" / "broken_maps"
 
 REFUSED = """
 inputs_were_queues inputs_a_list input_channel_names outputs_wrong output_channel_names queues_wrong times_wrong
@@ -142,3 +144,92 @@ def test_words_are_described_for_editors(toy_schema: dict[str, Any]) -> None:
     assert params["layers"] == {
         "type": "integer", "description": "layers of the pyramid", "minimum": 1, "maximum": 8, "default": 3,
     }  # fmt: skip
+
+
+NOT_YAML = "alias bad_yaml deep not_utf8 repeated_key two_documents no_yaml label_a_number".split()  # noqa: SIM905
+"""Refused by the reader of YAML before any schema is asked."""
+
+MAPS_THAT_ONLY_DRAWING_REFUSES = """
+corridor_wider_than_its_bend gap_too_narrow no_path pillar_larger_than_field start_inside_a_wall
+start_inside_an_obstacle straight_way_is_free too_large too_many_pillars too_thick_for_its_bend
+""".split()  # noqa: SIM905
+"""Every number is right by itself, but not the geometry: what touches, crosses, leaves no way, or does not fit."""
+
+STUDIES_THAT_A_SCHEMA_REFUSES = """
+axis_a_text graph_and_graphs graphs_of_all_kinds key_of_before key_unknown no_graphs nothing_varies seeds_negative
+seeds_of_all_kinds seeds_one_number study_a_list types value_a_mapping vary_a_list within_a_mapping
+""".split()  # noqa: SIM905
+"""Wrong in themselves. What the others name (graphs, stages, axes, metrics) or repeat, no schema of the file knows."""
+
+
+def schema_of(name: str, capsys: pytest.CaptureFixture[str], *options: str) -> dict[str, Any]:
+    assert main(["schema", "--of", name, *options]) == 0
+    schema: dict[str, Any] = json.loads(capsys.readouterr().out)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return schema
+
+
+@pytest.mark.parametrize(("name", "folder"), [("map", "maps"), ("study", "studies")])
+def test_files_that_ship_are_valid(name: str, folder: str, capsys: pytest.CaptureFixture[str]) -> None:
+    schema = schema_of(name, capsys)
+    files = sorted((shipped_folder() / folder).glob("*.yaml"))
+    assert files
+    for path in files:
+        assert is_valid(plain(path), schema), path.name
+
+
+def test_broken_maps_are_refused_but_those_that_have_to_be_drawn(capsys: pytest.CaptureFixture[str]) -> None:
+    schema = schema_of("map", capsys)
+    cases = [path for path in sorted(BROKEN_MAPS.glob("*.yaml")) if path.stem not in NOT_YAML]
+    valid = [path.stem for path in cases if is_valid(plain(path), schema)]
+    assert valid == MAPS_THAT_ONLY_DRAWING_REFUSES
+
+
+def test_broken_studies_are_refused_where_the_file_alone_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
+    schema = schema_of("study", capsys)
+    cases = [path for path in sorted((ERRORS / "studies").glob("*.yaml")) if path.stem not in NOT_YAML]
+    studies = [path for path in cases if isinstance(plain(path), dict | list)]
+    refused = [path.stem for path in studies if not is_valid(plain(path), schema)]
+    assert refused == STUDIES_THAT_A_SCHEMA_REFUSES
+
+
+NOTES = """
+from graphnav import FileFormat, Record, hookimpl, key
+
+class Notes(Record):
+    noun = "a book of notes"
+    lines: tuple[str, ...] = key(min_items=1, doc="what was noted")
+
+@hookimpl
+def graphnav_file_formats():
+    return [FileFormat(%s, Notes, title="Notes", doc="")]
+"""
+
+
+def test_a_plugin_offers_a_format_of_its_own(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plugin = tmp_path / "notes.py"
+    plugin.write_text(NOTES % "'notes'")
+    schema = schema_of("notes", capsys, "--plugin", str(plugin))
+    assert is_valid({"lines": ["a"]}, schema)
+    assert not is_valid({"lines": []}, schema)
+
+
+@pytest.mark.parametrize(
+    ("hook", "said"),
+    [
+        (NOTES % "'map'", "there is another file format 'map'"),
+        (NOTES.replace("[FileFormat", "5 or [FileFormat") % "'notes'", "does not return a list of FileFormat"),
+    ],
+)
+def test_a_format_that_cannot_be_offered(
+    hook: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plugin = tmp_path / "notes.py"
+    plugin.write_text(hook)
+    assert main(["schema", "--of", "map", "--plugin", str(plugin)]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_an_unknown_format_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", "--of", "mapp"]) == 2
+    assert capsys.readouterr().err == "--of: there is no file format 'mapp'\n  did you mean 'map'?\n"

@@ -67,7 +67,7 @@ def test_an_array_gives_the_others_their_size() -> None:
             "twist_t",
             "v_mps: fast, omega_radps: .nan",
             (
-                "FIELDS:1:8: 'v_mps' is a number (double), but this is the text 'fast'\n  write a number\n"
+                "FIELDS:1:8: 'v_mps' is a number (double), but this is the string 'fast'\n  write a number\n"
                 "FIELDS:1:27: 'omega_radps' is not finite: nan\n  write a finite number"
             ),
         ),
@@ -159,14 +159,14 @@ def test_an_array_gives_the_others_their_size() -> None:
             "status_t",
             "stages: [x]",
             (
-                "FIELDS:1:10: graphnav_lcm.stage_status_t needs fields, but this is the text 'x'\n"
+                "FIELDS:1:10: graphnav_lcm.stage_status_t needs fields, but this is the string 'x'\n"
                 "  write name: value, name: value"
             ),
         ),
         (
             "twist_t",
             "v_mps: 1, v_mps: 2",
-            "FIELDS:1:11: 'v_mps' stands here again, first in line 1\n  keep one",
+            "FIELDS:1:11: duplicate entry 'v_mps', first in line 1\n  keep one",
         ),
         ("twist_t", "v_mps: [1", "FIELDS: the '[' of line 1 is not closed\n  write ']' or a comma before this"),
     ],

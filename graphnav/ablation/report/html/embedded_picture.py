@@ -6,15 +6,17 @@ import base64
 import io
 from pathlib import Path
 
-from graphnav.ablation.report.html.markup import Html, esc, tag
+from markupsafe import Markup
+
+from graphnav.ablation.report.html.render import rendered
 
 _QUALITY = 82
 
 
-def embedded_picture(file: Path, about: Html, max_px: int) -> Html:
+def embedded_picture(file: Path, about: str, max_px: int) -> Markup:
     """Return the picture ``file`` as part of the page, at most ``max_px`` wide.
 
-    WebP keeps the colours of small marks at a fifth of PNG's size. A text stands for a picture that cannot be read.
+    WebP keeps the colours of small marks at a fifth of PNG's size. A sentence replaces a picture that cannot be read.
     """
     from PIL import Image, features
 
@@ -22,12 +24,12 @@ def embedded_picture(file: Path, about: Html, max_px: int) -> Html:
         with Image.open(file) as opened:
             picture = opened.convert("RGB")
     except (OSError, SyntaxError) as error:
-        return tag("p", esc(f"{file.name} cannot be read: {type(error).__name__}"), class_="note warn")
+        return rendered("picture.html", file=file.name, error=type(error).__name__)
     if picture.width > max_px:
         picture = picture.resize((max_px, round(picture.height * max_px / picture.width)), Image.Resampling.LANCZOS)
     kind = "webp" if features.check("webp") else "png"
     data = io.BytesIO()
     picture.save(data, kind.upper(), quality=_QUALITY)
-    text = base64.b64encode(data.getvalue()).decode("ascii")
-    size = f'width="{picture.width}" height="{picture.height}"'
-    return f'<img alt="{about}" {size} loading="lazy" src="data:image/{kind};base64,{text}">'
+    encoded = base64.b64encode(data.getvalue()).decode("ascii")
+    size = {"width": picture.width, "height": picture.height}
+    return rendered("picture.html", error="", about=about, kind=kind, data=encoded, **size)

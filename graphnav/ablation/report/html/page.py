@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
+from typing import NamedTuple
+
+from markupsafe import Markup
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.atomic_write import write_atomically
-from graphnav.ablation.report.html.markup import Html, esc, section, tag
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections import drawings, gallery, maps, overview, plots, reproduce, tables, timing
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.results import Comparison, Record
 from graphnav.catalog import Catalog
 
 REPORT = "report.html"
+
+
+class _Section(NamedTuple):
+    """A part of the page that ``#name`` finds; it is left out where its body is empty."""
+
+    name: str
+    title: str
+    body: Markup
 
 
 def write_report(plan: Plan, comparison: Comparison, records: Sequence[Record], folder: Path, catalog: Catalog) -> Path:
@@ -28,30 +38,16 @@ def write_report(plan: Plan, comparison: Comparison, records: Sequence[Record], 
     return path
 
 
-def page_of(study: StudyResults) -> Html:
-    """Return the whole page."""
-    parts = {
-        "graph": ("What was swapped", drawings(study)),
-        "tables": ("Results", tables(study)),
-        "plots": ("Metrics", plots(study)),
-        "paths": ("Paths", maps(study)),
-        "time": ("Time per stage", timing(study)),
-        "failures": ("Failures", gallery(study)),
-        "reproduce": ("Reproduce", reproduce(study)),
-    }
-    style = resources.files(__package__).joinpath("style.css").read_text(encoding="utf-8")
-    links = [tag("a", esc(title), href=f"#{name}") for name, (title, body) in parts.items() if body]
-    sections = [section(name, title, body) for name, (title, body) in parts.items()]
-    return "\n".join(
-        [
-            '<!doctype html><html lang="en"><head><meta charset="utf-8">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            '<meta name="color-scheme" content="light dark">',
-            tag("title", esc(f"{study.plan.name}: {study.plan.about}")),
-            f"<style>{style}</style></head><body>",
-            tag("nav", *links),
-            f"<main>{overview(study)}",
-            *sections,
-            "</main></body></html>\n",
-        ]
-    )
+def page_of(study: StudyResults) -> Markup:
+    """Return the page."""
+    sections = [
+        _Section("graph", "What was swapped", drawings(study)),
+        _Section("tables", "Results", tables(study)),
+        _Section("plots", "Metrics", plots(study)),
+        _Section("paths", "Paths", maps(study)),
+        _Section("time", "Time per stage", timing(study)),
+        _Section("failures", "Failures", gallery(study)),
+        _Section("reproduce", "Reproduce", reproduce(study)),
+    ]
+    title = f"{study.plan.name}: {study.plan.about}"
+    return rendered("page.html", title=title, overview=overview(study), sections=sections) + "\n"

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.plan import Case
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.results import Row
 
 BASE = "#1f5fa8"
 METHODS = (
@@ -31,17 +28,6 @@ def colours_of(study: StudyResults) -> dict[str, str]:
     return found
 
 
-def badge_of(row: Row) -> str:
-    """Return the word that stands beside a variant's name; empty for a plain method."""
-    return "base" if row.case.is_base else "" if row.case.role == "method" else row.case.role
-
-
-def badge(word: str) -> Html:
-    """Return a word in a box."""
-    return tag("span", esc(word), class_=f"pill {word}") if word else ""
-
-
-def chips(named: Sequence[tuple[str, str]]) -> Html:
-    """Return a legend: names, each with its colour."""
-    drawn = [tag("span", tag("i", style=f"background:{colour}"), esc(name), class_="chip") for name, colour in named]
-    return tag("p", *drawn, class_="chips") if drawn else ""
+def badge_of(case: Case) -> str:
+    """Return the label beside a variant's name; empty for a method that is not the base."""
+    return "base" if case.is_base else "" if case.role == "method" else case.role

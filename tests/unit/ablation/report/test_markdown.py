@@ -161,6 +161,15 @@ def test_terminal_shows_whole_numbers_however_narrow_it_is(study: tuple[Plan, li
     assert "a.x" not in out.getvalue(), "only the metrics that decide"
 
 
+def test_a_terminal_that_is_too_narrow_gets_a_table_for_each_metric(study: tuple[Plan, list[Record]]) -> None:
+    plan, records = study
+    out = io.StringIO()
+    print_comparison(Console(file=out, width=80, force_terminal=True, color_system=None), compare(plan, records), plan)
+    assert max(map(len, out.getvalue().splitlines())) <= 80
+    for text in ("0.95 [0.76, 0.99]", "+1.000 [+1.000, +1.000], 0–20", "drive.time_s ↓", "failed: a|b"):
+        assert text in out.getvalue()
+
+
 def test_terminal_colours_what_is_sure(study: tuple[Plan, list[Record]]) -> None:
     plan, records = study
     out = io.StringIO()

@@ -8,13 +8,21 @@ from dataclasses import dataclass, replace
 
 from graphnav.ablation.report.html.number_text import number
 
-_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
+_STEPS = (1, 2, 2.5, 5, 10)
 _FLAT = 1e-9
 """A range that is no larger, of the values or of 1, is none."""
 _WIDE = 100.0
 """From a ratio of the greatest to the least value on, an axis is logarithmic."""
 _NOISE = 1e-4
-"""By how much of a step a value may pass a tick that stands for it; intervals are rounded to single precision."""
+"""By how much of the range a value may lie outside the last tick; intervals are rounded to single precision."""
+
+
+@dataclass(frozen=True)
+class PlacedTick:
+    """A tick of an axis: its pixel and its number."""
+
+    at: float
+    text: str
 
 
 @dataclass(frozen=True)
@@ -36,8 +44,17 @@ class Scale:
         share = (inside - low) / (high - low)
         return self.start + share * (self.stop - self.start)
 
-    def said(self, tick: float) -> str:
-        """Return the number that stands at a tick; at the lower end of a logarithmic axis, that all below is there."""
+    @property
+    def middle(self) -> float:
+        """The pixel of the middle, where the axis' title is."""
+        return (self.start + self.stop) / 2
+
+    def placed_ticks(self) -> list[PlacedTick]:
+        """Return all ticks."""
+        return [PlacedTick(self.at(tick), self.label(tick)) for tick in self.ticks]
+
+    def label(self, tick: float) -> str:
+        """Return the number of a tick; ``≤`` precedes the lower end of a logarithmic axis, which holds all below."""
         if self.is_log:
             return f"≤{tick:g}" if tick == self.low else f"{tick:g}"
         return number(tick, f".{self.decimals}f")
@@ -57,9 +74,8 @@ def scale_of(values: Iterable[float], max_ticks: int = 5) -> Scale:
     if high - low <= _FLAT * max(size, 1.0):
         half = 0.5 * size if size > _FLAT else 0.5
         low, high = low - half, high + half
-    step = _step((high - low) / max_ticks)
-    first, last = math.floor(low / step + _NOISE), math.ceil(high / step - _NOISE)
-    ticks = tuple(round(number * step, 12) for number in range(first, last + 1))
+    margin = _NOISE * (high - low)
+    ticks = _even_ticks(low + margin, high - margin, max_ticks)
     decimals = max(len(f"{tick:.10f}".rstrip("0").partition(".")[2]) for tick in ticks)
     return Scale(ticks[0], ticks[-1], ticks, decimals, 0.0, 1.0)
 
@@ -74,15 +90,23 @@ def wide_scale_of(values: Iterable[float]) -> Scale:
     positive = [value for value in finite if value > 0]
     if not positive or min(finite) < 0 or max(positive) < max(1.0, _WIDE * min(positive)):
         return scale_of(finite)
-    powers = range(math.floor(math.log10(min(positive))), math.ceil(math.log10(max(positive))) + 1)
-    marks = [mark * 10.0**power for power in powers for mark in (1.0, 3.0)]
-    low = max(mark for mark in marks if mark <= min(positive) * (1 + 1e-9))
-    high = min(mark for mark in marks if mark >= max(positive) * (1 - 1e-9))
-    ticks = tuple(mark for mark in marks if low <= mark <= high)
-    return Scale(low, high, ticks, 0, 0.0, 1.0, is_log=True)
+    ticks = _decade_ticks(min(positive), max(positive))
+    return Scale(ticks[0], ticks[-1], ticks, 0, 0.0, 1.0, is_log=True)
 
 
-def _step(least: float) -> float:
-    """Return the round number that is at least so large."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(power * step for step in _STEPS if power * step >= least * (1 - 1e-9))
+def _even_ticks(low: float, high: float, max_ticks: int) -> tuple[float, ...]:
+    """Return round numbers at equal distances from ``low`` or below to ``high`` or above."""
+    from matplotlib.ticker import MaxNLocator
+
+    locator = MaxNLocator(nbins=max_ticks, steps=_STEPS)
+    return tuple(round(float(tick), 12) for tick in locator.tick_values(low, high))
+
+
+def _decade_ticks(low: float, high: float) -> tuple[float, ...]:
+    """Return 1, 3, 10, 30 and so on from ``low`` or below to ``high`` or above."""
+    from matplotlib.ticker import LogLocator
+
+    ticks = [float(f"{tick:.0e}") for tick in LogLocator(subs=(1, 3)).tick_values(low, 10 * high)]
+    first = max(place for place, tick in enumerate(ticks) if tick <= low * (1 + _FLAT))
+    last = min(place for place, tick in enumerate(ticks) if tick >= high * (1 - _FLAT))
+    return tuple(ticks[first : last + 1])

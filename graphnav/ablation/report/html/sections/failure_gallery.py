@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+from markupsafe import Markup
+
 from graphnav.ablation.report.html.embedded_picture import embedded_picture
-from graphnav.ablation.report.html.markup import Html, details, esc, tag
 from graphnav.ablation.report.html.number_text import counted
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.html.variant_style import badge
+from graphnav.ablation.report.html.variant_style import badge_of
 from graphnav.ablation.results import Record, failure_folder, is_failure
 from graphnav.ablation.worker import ENDING
 
@@ -18,22 +21,32 @@ _MOST = 24
 _MAX_PX = 1180
 
 
-def gallery(study: StudyResults) -> Html:
+@dataclass(frozen=True)
+class _Failure:
+    """A failed run with its picture."""
+
+    run: Record
+    badge: str
+    picture: Markup
+
+
+def gallery(study: StudyResults) -> Markup:
     """Return the pictures that the folder has of failures, the methods' first, few of each variant."""
     failures = _failures(study)
     found = [(run, file) for run in failures if (file := _picture(study, run)) is not None]
-    n = len(failures)
-    if not found:
-        said = "No run ended otherwise than it should." if not n else f"{counted(n, 'run')} failed; none is drawn."
-        return tag("p", said, class_="note")
     kept = _spread(study, found)
-    parts = [tag("p", f"Shown are {len(kept)} of {counted(n, 'failure')}.", class_="note")]
-    for cause, title in _CAUSES.items():
-        of = [(run, file) for run, file in kept if run.outcome == cause]
-        if of:
-            drawn = [_failure(study, run, file, is_open=place == 0) for place, (run, file) in enumerate(of)]
-            parts += [tag("h3", f"{title} ({len(of)})"), *drawn]
-    return "".join(parts)
+    causes = [
+        (title, [_failure(study, run, file) for run, file in kept if run.outcome == cause])
+        for cause, title in _CAUSES.items()
+    ]
+    n = len(failures)
+    return rendered(
+        "failures.html",
+        causes=[(title, of) for title, of in causes if of],
+        missing=f"{counted(n, 'run')} failed; none is drawn." if n else "No run ended in a failure.",
+        n_shown=len(kept),
+        n_failures=counted(n, "failure"),
+    )
 
 
 def _failures(study: StudyResults) -> list[Record]:
@@ -60,11 +73,7 @@ def _spread(study: StudyResults, found: Sequence[tuple[Record, Path]]) -> list[t
     return [(run, file) for _, _, run, file in ranked[:_MOST]]
 
 
-def _failure(study: StudyResults, run: Record, file: Path, *, is_open: bool) -> Html:
-    case = study.plan.case(run.graph, run.variant)
-    role = "base" if case.is_base else "" if case.role == "method" else case.role
-    said = f"{tag('b', esc(run.variant))} {badge(role)} on {esc(run.graph)}, seed {run.seed}: "
-    said += f"{esc(run.outcome)} after {run.sim_s:.1f} s"
-    said += f" {tag('span', esc(run.failure), class_='reason')}" if run.failure else ""
-    about = esc(f"{run.variant} on {run.graph}, seed {run.seed}: {run.outcome}")
-    return details(said, embedded_picture(file, about, _MAX_PX), **({"open": ""} if is_open else {}))
+def _failure(study: StudyResults, run: Record, file: Path) -> _Failure:
+    about = f"{run.variant} on {run.graph}, seed {run.seed}: {run.outcome}"
+    badge = badge_of(study.plan.case(run.graph, run.variant))
+    return _Failure(run, badge, embedded_picture(file, about, _MAX_PX))

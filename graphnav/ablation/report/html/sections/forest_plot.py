@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from markupsafe import Markup
+
 from graphnav.ablation.report.html.charts import PANELS, Mark, Panel, whisker_chart
-from graphnav.ablation.report.html.markup import Html, esc, tag
 from graphnav.ablation.report.html.number_text import estimated
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import badge_of
 from graphnav.ablation.report.html.verdict import WORDS, verdict_of
@@ -17,7 +19,7 @@ from graphnav.runner import Outcome
 MAX_ROWS = 24
 
 
-def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Html:
+def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Markup:
     """Return charts of a metric; ``with_worlds``: a small dot for every world, coloured by how its run ended."""
     shown = shown_variants(study, metric)
     labels = {variant: _badge(study, variant) for variant in shown}
@@ -29,16 +31,7 @@ def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Ht
         some = graphs[begin : begin + columns]
         panels = [_panel(study, graph, metric, with_worlds=with_worlds) for graph in some]
         charts.append(whisker_chart(labels, panels, x_label, f"{metric} of every variant", columns))
-    left_out = len(study.own_variants) - len(shown)
-    if left_out:
-        charts.append(
-            tag(
-                "p",
-                f"Shown are the base, baselines, oracles and the best; {left_out} more are in the tables.",
-                class_="note",
-            )
-        )
-    return "".join(charts)
+    return rendered("forest.html", charts=charts, n_left_out=len(study.own_variants) - len(shown))
 
 
 def shown_variants(study: StudyResults, metric: str) -> Sequence[str]:
@@ -60,7 +53,7 @@ def shown_variants(study: StudyResults, metric: str) -> Sequence[str]:
 
 
 def _badge(study: StudyResults, variant: str) -> str:
-    return next(badge_of(row) for row in study.comparison.rows if row.case.variant == variant)
+    return next(badge_of(row.case) for row in study.comparison.rows if row.case.variant == variant)
 
 
 def _panel(study: StudyResults, graph: str, metric: str, *, with_worlds: bool) -> Panel:
@@ -101,22 +94,14 @@ def missing_reason(row: Row) -> str:
     return "undefined in all runs" if row.runs else "no run yet"
 
 
-def chart_key(*, with_worlds: bool = False) -> Html:
+def chart_key(*, with_worlds: bool = False) -> Markup:
     """Return what the marks mean."""
     kinds = [
         ("base method", "the base"), ("better method", "better than the base"), ("worse method", "worse"),
         ("unclear method", "no difference that these worlds can tell"), ("unclear baseline", "baseline"),
         ("unclear oracle", "oracle"),
     ]  # fmt: skip
-    drawn = []
-    for look, words in kinds:
-        shape = (
-            '<path class="dot" d="M8,2.5l5.5,5.5l-5.5,5.5l-5.5,-5.5z"/>'
-            if "oracle" in look
-            else '<circle class="dot" cx="8" cy="8" r="4.5"/>'
-        )
-        svg = f'<svg class="chart" width="16" height="16"><g class="mark {look}">{shape}</g></svg>'
-        drawn.append(tag("span", svg, esc(words), class_="chip"))
+    shown = [{"look": look, "text": text, "is_oracle": "oracle" in look} for look, text in kinds]
     rest = "Whiskers: 95 % intervals. Dashed: the base."
     rest += " Small dots: worlds, red where the robot touched something." if with_worlds else ""
-    return tag("p", *drawn, tag("span", esc(rest), class_="chip"), class_="chips key")
+    return rendered("chart_key.html", kinds=shown, rest=rest)

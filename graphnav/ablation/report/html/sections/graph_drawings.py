@@ -3,44 +3,56 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
 from pathlib import Path
 
+from markupsafe import Markup
+
 from graphnav.ablation.plan import Case
-from graphnav.ablation.report.html.markup import Html, esc, listed, tag
 from graphnav.ablation.report.html.number_text import counted
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.errors import GraphnavError
 from graphnav.graph import graph_of
 from graphnav.render import svg_of
 
 
-def drawings(study: StudyResults) -> Html:
+@dataclass(frozen=True)
+class _Drawing:
+    """The base's graph with marked stages, or why it cannot be drawn; for each marked stage what changes."""
+
+    picture: Markup
+    error: str
+    changes: tuple[tuple[str, str], ...]
+
+
+def drawings(study: StudyResults) -> Markup:
     """Return the base's graph, once for all graphs that are wired alike, and what each marked stage is swapped for."""
-    drawn: dict[Html, list[str]] = {}
+    drawn: dict[_Drawing, list[str]] = {}
     for graph in study.plan.graphs:
         cases = [case for case in study.plan.cases if case.graph == graph]
         drawn.setdefault(_drawing(study, cases), []).append(graph)
-    return "".join(tag("h3", esc(", ".join(graphs))) + picture for picture, graphs in drawn.items())
+    return rendered("drawings.html", drawings=drawn.items())
 
 
-def _drawing(study: StudyResults, cases: list[Case]) -> Html:
+def _drawing(study: StudyResults, cases: list[Case]) -> _Drawing:
     base = next(case for case in cases if case.is_base)
     rivals = _rivals(base, cases)
     tuned = _tuned(base, cases)
     notes = {stage: counted(sum(map(bool, uses)), "rival") for stage, uses in rivals.items() if stage in base.uses}
     notes |= {stage: "varied" for stage in tuned if stage in base.uses and stage not in notes}
-    lines = [
-        f"{tag('b', esc(stage))}: {esc(base.uses.get(stage, 'not in the base'))}; swapped for {esc(_or(uses))}"
-        for stage, uses in rivals.items()
+    changes = [
+        (stage, f"{base.uses.get(stage, 'not in the base')}; swapped for {_or(uses)}") for stage, uses in rivals.items()
     ]
-    lines += [f"{tag('b', esc(stage))}: {esc(', '.join(targets))} varied" for stage, targets in tuned.items()]
+    changes += [(stage, f"{', '.join(targets)} varied") for stage, targets in tuned.items()]
+    picture, reason = Markup(""), ""
     try:
         graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), study.catalog, is_recorded=True)
     except GraphnavError as error:
-        picture = tag("p", f"It cannot be drawn here: {esc(str(error).splitlines()[0])}", class_="note warn")
+        reason = str(error).splitlines()[0]
     else:
-        picture = tag("div", svg_of(dataclasses.replace(graph, about=""), notes), class_="scroll drawing")
-    return picture + listed(lines, class_="swaps")
+        picture = svg_of(dataclasses.replace(graph, about=""), notes)
+    return _Drawing(picture, reason, tuple(changes))
 
 
 def _or(uses: list[str]) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.report.html.markup import Html, details, esc, tag
+from markupsafe import Markup
+
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections.forest_plot import chart_key, forest
 from graphnav.ablation.report.html.sections.parameter_sweeps import sweeps
 from graphnav.ablation.report.html.study_results import StudyResults
@@ -11,17 +13,17 @@ _MAX_METRICS = 8
 _OPEN = 3
 
 
-def plots(study: StudyResults) -> Html:
+def plots(study: StudyResults) -> Markup:
     """Return the lines over numeric axes, then dots with every world; the first few open."""
     metrics = [name for name in study.metrics[: 1 + _MAX_METRICS] if _has_worlds(study, name)]
-    charts = [
-        details(tag("b", esc(metric)), forest(study, metric, with_worlds=True), **({"open": ""} if k < _OPEN else {}))
-        for k, metric in enumerate(metrics)
-    ]
-    left_out = len(study.metrics) - 1 - _MAX_METRICS
-    if left_out > 0:
-        charts.append(tag("p", f"{left_out} more metrics are in the tables.", class_="note"))
-    return sweeps(study) + (chart_key(with_worlds=True) if metrics else "") + "".join(charts)
+    return rendered(
+        "metric_plots.html",
+        sweeps=sweeps(study),
+        key=chart_key(with_worlds=True) if metrics else "",
+        charts=[(metric, forest(study, metric, with_worlds=True)) for metric in metrics],
+        n_open=_OPEN,
+        n_left_out=len(study.metrics) - 1 - _MAX_METRICS,
+    )
 
 
 def _has_worlds(study: StudyResults, metric: str) -> bool:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
+from markupsafe import Markup
+
 from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.report.html.charts import FULL_WIDTH, HALF_WIDTH, Point, Series, line_chart
-from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import BASE, METHODS
 
@@ -29,19 +31,19 @@ class Chart:
     series: Sequence[Series]
 
 
-def deciding_sweeps(study: StudyResults) -> Html:
+def deciding_sweeps(study: StudyResults) -> Markup:
     """Return line charts of the metric that decides, with those of the same name; nothing without numeric axes."""
     kin = _family(study.deciding or "")
     metrics = [metric for metric in study.metrics if _family(metric) == kin]
     charts = [chart for _, of in _by_axis(study, metrics) for chart in of]
-    return _grid(charts[:_MAX_FIRST])
+    return _grids([("", charts[:_MAX_FIRST])])
 
 
-def sweeps(study: StudyResults) -> Html:
+def sweeps(study: StudyResults) -> Markup:
     """Return line charts of all other metrics."""
     kin = _family(study.deciding or "")
     metrics = [metric for metric in study.metrics if _family(metric) != kin]
-    return "".join(tag("h3", esc(title)) + _grid(of[:_MAX_CHARTS]) for title, of in _by_axis(study, metrics))
+    return _grids([(title, of[:_MAX_CHARTS]) for title, of in _by_axis(study, metrics)])
 
 
 def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
@@ -51,12 +53,13 @@ def axis_numbers(labels: Sequence[str]) -> dict[str, float] | None:
     return numbers if len(numbers) == len(labels) and len({*numbers.values()}) >= 3 else None
 
 
-def _grid(charts: Sequence[Chart]) -> Html:
-    if not charts:
-        return ""
+def _grids(groups: Iterable[tuple[str, Sequence[Chart]]]) -> Markup:
+    return rendered("sweeps.html", groups=[(title, _drawn(charts)) for title, charts in groups])
+
+
+def _drawn(charts: Sequence[Chart]) -> list[Markup]:
     width = FULL_WIDTH if len(charts) == 1 else HALF_WIDTH
-    drawn = [line_chart(chart.title, chart.axis, chart.series, width) for chart in charts]
-    return tag("div", *drawn, class_="grid" if len(drawn) > 1 else "scroll")
+    return [line_chart(chart.title, chart.axis, chart.series, width) for chart in charts]
 
 
 def _by_axis(study: StudyResults, metrics: Sequence[str]) -> Iterator[tuple[str, list[Chart]]]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
+from markupsafe import Markup
+
 from graphnav.ablation.report.html.embedded_picture import embedded_picture
-from graphnav.ablation.report.html.markup import Html, esc, tag
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.html.variant_style import chips, colours_of
+from graphnav.ablation.report.html.variant_style import colours_of
 from graphnav.ablation.results import Record
 from graphnav.errors import DrawingError, GraphnavError
 from graphnav.pictures import DRAWING_FAMILY, drawing
@@ -23,26 +26,35 @@ _MAX_PATHS = {"method": 8, "baseline": 3, "oracle": 2}
 _MAX_PX = 520
 
 
-def maps(study: StudyResults) -> Html:
+@dataclass(frozen=True)
+class _World:
+    """The map of a world with the paths through it, or why it cannot be drawn."""
+
+    seed: int
+    picture: Markup
+    outcomes: str
+    error: str = ""
+
+
+def maps(study: StudyResults) -> Markup:
     """Return maps with paths: of the first worlds and of those in which variants differ most."""
     variants = _variants(study)
     colours = colours_of(study)
     study.catalog.load(DRAWING_FAMILY)
-    parts = []
+    graphs = []
     for graph in study.plan.graphs:
         own = [variant for variant in variants if not study.plan.case(graph, variant).same_as]
         runs = {v: {run.seed: run for run in study.runs.get((graph, v), ())} for v in own}
         seeds = _worlds(study, graph, variants)
         drawn = [_map(study, graph, seed, [of[seed] for of in runs.values() if seed in of], colours) for seed in seeds]
-        shown = [metric for metric in drawn if metric]
-        if shown:
-            parts += [tag("h3", esc(graph)), tag("div", *shown, class_="maps")]
-    if not parts:
-        return tag("p", "No log of a run has a map and a path, or the logs are gone.", class_="note")
-    left_out = len(study.own_variants) - len(variants)
-    note = "Dot: start. Ring: end. Cross: contact, in the colour of whoever touched."
-    note += f" {left_out} more variants are not drawn." if left_out else ""
-    return chips([(variant, colours[variant]) for variant in variants]) + tag("p", note, class_="note") + "".join(parts)
+        if shown := [world for world in drawn if world is not None]:
+            graphs.append((graph, shown))
+    return rendered(
+        "path_maps.html",
+        graphs=graphs,
+        colours=[(variant, colours[variant]) for variant in variants],
+        n_left_out=len(study.own_variants) - len(variants),
+    )
 
 
 def _variants(study: StudyResults) -> Sequence[str]:
@@ -77,21 +89,20 @@ def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequenc
     return [*begin, *(most or rest[:disputed])]
 
 
-def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> Html:
+def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> _World | None:
     beside = Path(next(case.folder for case in study.plan.cases if case.graph == graph)).parent.name
     file = study.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
     try:
         drawn = _drawn(study, runs, colours, file)
     except DrawingError as error:
-        return tag("p", f"World {seed} of {esc(graph)} cannot be drawn: {esc(str(error))}", class_="note warn")
+        return _World(seed, Markup(""), "", f"World {seed} of {graph} cannot be drawn: {error}")
     except GraphnavError:  # a log that cannot be read shows no path
         drawn = None
     if drawn is None:
-        return ""
+        return None
     ends = dict.fromkeys(run.outcome for run in runs)
     counts = ", ".join(f"{sum(run.outcome == end for run in runs)} {end}" for end in ends)
-    picture = embedded_picture(drawn, esc(f"paths through world {seed} of {graph}"), _MAX_PX)
-    return tag("figure", picture, tag("figcaption", f"seed {seed}: {esc(counts)}"))
+    return _World(seed, embedded_picture(drawn, f"paths through world {seed} of {graph}", _MAX_PX), counts)
 
 
 def _drawn(study: StudyResults, runs: Sequence[Record], colours: dict[str, str], file: Path) -> Path | None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.report.html.markup import Html, details, esc, listed, tag
+from markupsafe import Markup
+
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.legend import INTERVALS, counting, seeds_text
 from graphnav.ablation.results import MIN_WORLDS
@@ -20,44 +22,26 @@ A baseline lacks what a method claims to need: where a method does not beat it, 
 test nothing. An oracle sees the truth: it bounds what methods can reach."""
 
 
-def reproduce(study: StudyResults) -> Html:
+def reproduce(study: StudyResults) -> Markup:
     """Return the command, the versions, the statistics, and every graph as it ran."""
     plan = study.plan
     versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
-    facts = [
-        ("seeds", seeds_text(plan.seeds)),
-        ("versions", versions or "not recorded"),
-        ("plugins", ", ".join(plan.plugins) or "none beside those that ship"),
-    ]
-    drawn = [tag("div", tag("dt", esc(name)), tag("dd", esc(text))) for name, text in facts]
-    return "".join(
-        [
-            tag("pre", esc(plan.command), class_="command"),
-            tag("dl", *drawn, class_="facts"),
-            _meaning(study),
-            _notices(study),
-            *(_graph(study, graph) for graph in plan.graphs),
-        ]
+    own = [case for case in plan.cases if not case.same_as]
+    return rendered(
+        "reproduction.html",
+        command=plan.command,
+        origin=[
+            ("seeds", seeds_text(plan.seeds)),
+            ("versions", versions or "not recorded"),
+            ("plugins", ", ".join(plan.plugins) or "none but those that ship"),
+        ],
+        meaning=_meaning(study),
+        notices=[case for case in own if case.notices],
+        graphs=[(graph, [case for case in own if case.graph == graph]) for graph in plan.graphs],
     )
 
 
-def _meaning(study: StudyResults) -> Html:
+def _meaning(study: StudyResults) -> list[str]:
     n = sum(1 for row in study.comparison.rows if row.differences and not row.case.same_as)
     own = _MEANING.format(least=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
-    said = [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics)]
-    return tag("h3", "What the intervals mean") + listed([esc(text) for text in said], class_="meaning")
-
-
-def _notices(study: StudyResults) -> Html:
-    found = [
-        f"{tag('b', esc(case.variant))} on {esc(case.graph)}: {esc('; '.join(case.notices))}"
-        for case in study.plan.cases
-        if case.notices and not case.same_as
-    ]
-    return details("What the swaps rewired, pruned and set to defaults", listed(found)) if found else ""
-
-
-def _graph(study: StudyResults, graph: str) -> Html:
-    cases = [case for case in study.plan.cases if case.graph == graph and not case.same_as]
-    inner = [details(esc(case.variant), tag("pre", esc(case.graph_yaml))) for case in cases]
-    return details(f"{esc(graph)}: the {len(cases)} graphs as they ran", *inner)
+    return [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics)]

@@ -2,70 +2,83 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.report.html.markup import Html, details, esc, table, tag
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
 from graphnav.ablation.report.html.number_text import counted, estimated
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.html.variant_style import OUTCOMES, badge, badge_of
-from graphnav.ablation.report.html.verdict import verdict_of
+from graphnav.ablation.report.html.variant_style import OUTCOMES, badge_of
+from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results import Row
 
 _MAX_OPEN = 40
-"""Rows of a table that stands open."""
+"""Longer tables are folded."""
 
 
-def tables(study: StudyResults) -> Html:
+@dataclass(frozen=True)
+class _Cell:
+    """A mean and its paired difference; no ``value``: no run has the metric; ``n``: in how many, where not in all."""
+
+    value: str = ""
+    interval: str = ""
+    n: int | None = None
+    change: str = ""
+    verdict: Verdict | None = None
+    worlds: str = ""
+
+
+@dataclass(frozen=True)
+class _TableRow:
+    """A variant on a graph; with ``same_as`` the row says only that."""
+
+    variant: str
+    badge: str
+    same_as: str
+    look: str
+    failures: Sequence[str]
+    worlds: str
+    outcomes: Sequence[tuple[str, int]]
+    metrics: Sequence[_Cell]
+
+
+def tables(study: StudyResults) -> Markup:
     """Return a table for every graph."""
-    return "".join(_table(study, graph) for graph in study.plan.graphs)
-
-
-def _table(study: StudyResults, graph: str) -> Html:
-    rows = study.comparison.of_graph(graph)
-    head = [esc("variant"), esc("worlds"), esc("how they ended"), *(_head(study, name) for name in study.metrics)]
-    drawn = table(head, (_row(study, row) for row in rows), class_="results")
-    title = tag("h3", esc(graph))
-    return title + drawn if len(rows) <= _MAX_OPEN else title + details(f"{len(rows)} variants", drawn)
-
-
-def _head(study: StudyResults, metric: str) -> Html:
-    return f"{esc(study.plan.label(metric))}<br>" + tag("small", f"{study.plan.better(metric)} is better")
-
-
-def _row(study: StudyResults, row: Row) -> Html:
-    case = row.case
-    reasons = "".join(
-        tag("div", f"{counted(n, 'run')} failed: {esc(reason)}", class_="reason") for reason, n in row.failures.items()
+    graphs = study.plan.graphs
+    return rendered(
+        "result_tables.html",
+        metrics=[(study.plan.label(name), study.plan.better(name)) for name in study.metrics],
+        tables=[(graph, [_row(study, row) for row in study.comparison.of_graph(graph)]) for graph in graphs],
+        max_open=_MAX_OPEN,
     )
-    name = tag("th", esc(case.variant), badge(badge_of(row)), reasons if not case.same_as else "", scope="row")
-    if case.same_as:
-        said = f"the same graph as {esc(case.same_as)}: its runs are these"
-        return tag("tr", name, tag("td", said, colspan=2 + len(study.metrics), class_="quiet"), class_="same")
+
+
+def _row(study: StudyResults, row: Row) -> _TableRow:
+    case = row.case
     missing = "" if row.runs >= study.n_seeds else f" of {study.n_seeds}"
-    cells = [tag("td", f"{row.runs}{missing}", class_="number"), tag("td", _outcomes(row))]
-    cells += [tag("td", _metric(study, row, metric)) for metric in study.metrics]
-    return tag("tr", name, *cells, class_=f"{case.role} {'base' if case.is_base else ''}".strip())
+    return _TableRow(
+        case.variant,
+        badge_of(case),
+        case.same_as,
+        f"{case.role} base" if case.is_base else case.role,
+        [f"{counted(n, 'run')} failed: {reason}" for reason, n in row.failures.items()],
+        f"{row.runs}{missing}",
+        [(name, row.outcomes[name]) for name in OUTCOMES if row.outcomes.get(name)],
+        [_cell(study, row, metric) for metric in study.metrics],
+    )
 
 
-def _outcomes(row: Row) -> Html:
-    found = [(name, row.outcomes[name]) for name in OUTCOMES if row.outcomes.get(name)]
-    bar = "".join(tag("i", class_=name, style=f"flex:{n}") for name, n in found)
-    return tag("div", bar, class_="bar") + tag("small", ", ".join(f"{n} {name}" for name, n in found))
-
-
-def _metric(study: StudyResults, row: Row, metric: str) -> Html:
+def _cell(study: StudyResults, row: Row, metric: str) -> _Cell:
     estimate, difference = row.estimates.get(metric), row.differences.get(metric)
     if estimate is None:
-        return tag("span", "\N{EM DASH}", class_="quiet")
-    value = tag("b", *_split(estimated(estimate.mean, estimate.low, estimate.high)))
-    few = "" if estimate.n >= row.runs else tag("small", f" in {estimate.n}")
+        return _Cell()
+    value, _, interval = estimated(estimate.mean, estimate.low, estimate.high).partition(" ")
+    n = None if estimate.n >= row.runs else estimate.n
     if difference is None:
-        return value + few
-    look = verdict_of(row, metric, study.plan.better(metric))
+        return _Cell(value, interval, n)
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
     more, less = ("higher", "lower") if study.plan.better(metric) == "neither" else ("won", "lost")
-    worlds = tag("small", f"{more} {difference.won}, {less} {difference.lost} of {difference.n}")
-    return value + few + tag("div", change, class_=f"change {look}") + worlds
-
-
-def _split(text: str) -> tuple[Html, Html]:
-    mean, _, interval = text.partition(" ")
-    return mean, tag("span", f" {interval}", class_="interval") if interval else ""
+    worlds = f"{more} {difference.won}, {less} {difference.lost} of {difference.n}"
+    return _Cell(value, interval, n, change, verdict_of(row, metric, study.plan.better(metric)), worlds)

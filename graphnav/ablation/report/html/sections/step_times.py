@@ -3,38 +3,48 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
 
 from graphnav.ablation.report.html.charts import stacked_bars
-from graphnav.ablation.report.html.markup import Html, details, esc, table, tag
+from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections.forest_plot import MAX_ROWS
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.html.variant_style import BASE, METHODS, chips
+from graphnav.ablation.report.html.variant_style import BASE, METHODS
 
 _PALETTE = ("#aab4c0", BASE, *METHODS)
 _REST, _REST_COLOUR = "all others", "#dfe3e8"
 
 
-def timing(study: StudyResults) -> Html:
+@dataclass(frozen=True)
+class _GraphTimes:
+    """Bars of the first ``n_shown`` rows, and the times of all in milliseconds by variant and stage."""
+
+    name: str
+    colours: Mapping[str, str]
+    bars: Markup
+    n_shown: int
+    stages: list[str]
+    rows: Mapping[str, Mapping[str, float]]
+
+
+def timing(study: StudyResults) -> Markup:
     """Return bars and a table of each graph, of the rows that have runs."""
-    parts = []
+    graphs = []
     for graph in study.plan.graphs:
         rows = {row.case.variant: row.p50_ms for row in study.own_rows(graph) if row.p50_ms}
-        if not rows:
-            continue
-        stages = list(dict.fromkeys(stage for times in rows.values() for stage in times))
-        colours = _colours(stages, rows)
-        shown = {variant: _gathered(times, colours) for variant, times in list(rows.items())[:MAX_ROWS]}
-        cells = [
-            tag("tr", tag("th", esc(variant), scope="row"), *(_cell(times.get(stage)) for stage in stages))
-            for variant, times in rows.items()
-        ]
-        parts.append(tag("h3", esc(graph)) + chips(list(colours.items())))
-        parts.append(stacked_bars(shown, colours, "median time of one step, ms"))
-        if len(shown) < len(rows):
-            parts.append(tag("p", f"Shown are {len(shown)} of {len(rows)}; the table has all.", class_="note"))
-        parts.append(details("In numbers, ms", table(["variant", *map(esc, stages)], cells, class_="results")))
-    note = "Medians over runs of each run's median step, measured while the study ran, with all its processes beside."
-    return "".join([*parts, tag("p", note, class_="note")]) if parts else ""
+        if rows:
+            graphs.append(_graph_times(graph, rows))
+    return rendered("step_times.html", graphs=graphs)
+
+
+def _graph_times(graph: str, rows: Mapping[str, Mapping[str, float]]) -> _GraphTimes:
+    stages = list(dict.fromkeys(stage for times in rows.values() for stage in times))
+    colours = _colours(stages, rows)
+    shown = {variant: _gathered(times, colours) for variant, times in list(rows.items())[:MAX_ROWS]}
+    bars = stacked_bars(shown, colours, "median time of one step, ms")
+    return _GraphTimes(graph, colours, bars, len(shown), stages, rows)
 
 
 def _colours(stages: Sequence[str], rows: Mapping[str, Mapping[str, float]]) -> dict[str, str]:
@@ -50,7 +60,3 @@ def _gathered(times: Mapping[str, float], colours: Mapping[str, str]) -> dict[st
     own = {stage: times[stage] for stage in colours if stage in times}
     rest = sum(value for stage, value in times.items() if stage not in colours)
     return {**own, _REST: rest} if rest else own
-
-
-def _cell(value: float | None) -> Html:
-    return tag("td", "\N{EM DASH}" if value is None else f"{value:.2f}", class_="number")

@@ -48,7 +48,7 @@ def test_an_axis_is_logarithmic_where_values_differ_a_hundredfold() -> None:
     assert not wide_scale_of([-1.0, 0.01, 10.0]).is_log
     scale = wide_scale_of([0.0, 0.031, math.nan, 10.4]).between(0.0, 300.0)
     assert scale.ticks == pytest.approx((0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0))
-    assert [scale.said(tick) for tick in scale.ticks] == ["≤0.03", "0.1", "0.3", "1", "3", "10", "30"]
+    assert [scale.label(tick) for tick in scale.ticks] == ["≤0.03", "0.1", "0.3", "1", "3", "10", "30"]
     assert [scale.at(value) for value in (0.0, 0.03, 0.3, 30.0)] == pytest.approx([0.0, 0.0, 100.0, 300.0])
 
 

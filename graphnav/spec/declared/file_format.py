@@ -1,0 +1,61 @@
+"""A kind of file, by its declared root: how it is read, checked and described."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from graphnav.errors import Place, Problem, shown_path
+from graphnav.spec.declared.json_schema import Schema, record_schema
+from graphnav.spec.declared.read_record import read_record
+from graphnav.spec.declared.record import Record
+from graphnav.spec.declared.reference_page import reference_page
+from graphnav.spec.file_bytes import read_bytes
+from graphnav.spec.yaml import parse_yaml
+
+R = TypeVar("R", bound=Record)
+
+
+@dataclass(frozen=True)
+class FileFormat(Generic[R]):
+    """A kind of YAML file that a plugin reads, named as in ``graphnav schema --of NAME``."""
+
+    name: str
+    record: type[R]
+    title: str
+    """Of the reference page."""
+    doc: str
+    """What the reference page begins with, in Markdown: units, frames, a complete example."""
+
+    def read(self, path: Path) -> tuple[R | None, list[Problem]]:
+        """Return what a file says, and everything that is wrong with single values, each with its place.
+
+        None: something required is wrong or missing. What else is wrong has its default, so that more can be checked.
+
+        Raises
+        ------
+        UserError
+            It cannot be read or is not YAML.
+        """
+        source = shown_path(path)
+        return self.parse(read_bytes(path, Place(source)), source)
+
+    def parse(self, data: bytes, source: str) -> tuple[R | None, list[Problem]]:
+        """Return what the bytes of a file say, as `read` does; messages call it ``source``.
+
+        Raises
+        ------
+        UserError
+            They are not YAML.
+        """
+        value, problems = parse_yaml(data, source)
+        return (None, problems) if problems else read_record(self.record, value)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of such files."""
+        return record_schema(self.record, f"{self.record.noun} of graphnav".capitalize())
+
+    def reference(self) -> str:
+        """Return the reference page, in Markdown."""
+        return reference_page(self.record, self.title, self.doc)

@@ -1,0 +1,50 @@
+"""Draw the numbers of a map from a seed."""
+
+from __future__ import annotations
+
+import zlib
+
+import numpy as np
+
+from graphnav import Place, Problem, Range
+from graphnav_world.maps.shape_keys import Point, Size
+
+_UNNAMED = {("pillars", 1, "field"), ("walls", 4, "arc")}
+"""Keys that are not in the names of draws: the root, how deep, the key. Worlds depend on these names."""
+
+
+class Draws:
+    """Draws numbers from their ranges and collects problems.
+
+    Each draw depends on the seed, the attempt and on where in the map it is, not on other draws, so that a change in
+    one place leaves the others as they are.
+    """
+
+    def __init__(self, seed: int, attempt: int) -> None:
+        self.problems: list[Problem] = []
+        self.drew = False
+        self._seed, self._attempt = seed, attempt
+
+    def rng(self, *path: str) -> np.random.Generator:
+        """Return the generator of one place of the map."""
+        self.drew = True
+        name = ".".join(part for depth, part in enumerate(path) if (path[0], depth, part) not in _UNNAMED)
+        return np.random.default_rng([self._seed, self._attempt, zlib.crc32(name.encode())])
+
+    def number(self, wanted: Range[float]) -> float:
+        """Return a number, drawn if it is a range."""
+        low, high = wanted.low, wanted.high
+        return low if low == high else self.rng(*wanted.path).uniform(low, high)
+
+    def count(self, wanted: Range[int]) -> int:
+        """Return an integer, drawn if it is a range; both ends may be drawn."""
+        low, high = wanted.low, wanted.high
+        return low if low == high else int(self.rng(*wanted.path).integers(low, high + 1))
+
+    def pair(self, wanted: Point | Size) -> tuple[float, float]:
+        """Return two numbers, each drawn if it is a range."""
+        return self.number(wanted.x), self.number(wanted.y)
+
+    def wrong(self, place: Place | None, what: str, hint: str = "") -> None:
+        """Add a problem."""
+        self.problems.append(Problem(place, what, hint))

@@ -1,0 +1,13 @@
+"""The pages of files that are declared: maps, studies, and what a plugin reads."""
+
+from __future__ import annotations
+
+from graphnav.ablation.study import STUDY
+from graphnav.catalog import Catalog
+from graphnav.spec import plugin_formats
+
+
+def format_page(name: str) -> str:
+    """Return the page of a kind of file, by the name that ``graphnav schema --of`` takes."""
+    formats = {STUDY.name: STUDY, **plugin_formats(Catalog())}
+    return formats[name].reference()
