@@ -51,7 +51,21 @@ if TYPE_CHECKING:
     from graphnav.pictures import PictureContext, VideoFrames
     from graphnav.record import Recording
     from graphnav.spec import FileFormat, Range, Record, Value, key
-    from graphnav.stage import Age, Finished, Latest, Role, Since, Source, Stage, Stamp, Stamped, param
+    from graphnav.stage import (
+        MEASURED,
+        UNDEFINED,
+        Age,
+        Finished,
+        Latest,
+        Metric,
+        Role,
+        Since,
+        Source,
+        Stage,
+        Stamp,
+        Stamped,
+        param,
+    )
 
 __version__ = "0.2.0"
 
@@ -103,11 +117,27 @@ _HOMES = {
     "graphnav.pictures": ("PictureContext", "VideoFrames"),
     "graphnav.record": ("Recording",),
     "graphnav.spec": ("FileFormat", "Range", "Record", "Value", "key"),
-    "graphnav.stage": ("Age", "Finished", "Latest", "Role", "Since", "Source", "Stage", "Stamp", "Stamped", "param"),
+    "graphnav.stage": (
+        "MEASURED",
+        "UNDEFINED",
+        "Age",
+        "Finished",
+        "Latest",
+        "Metric",
+        "Role",
+        "Since",
+        "Source",
+        "Stage",
+        "Stamp",
+        "Stamped",
+        "param",
+    ),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [
+    "MEASURED",
+    "UNDEFINED",
     "About",
     "Adapter",
     "Age",
@@ -126,6 +156,7 @@ __all__ = [
     "Log",
     "Map",
     "Message",
+    "Metric",
     "Motion",
     "Odometry",
     "ParamError",

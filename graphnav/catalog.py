@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args
 
 import pluggy
 
@@ -18,7 +18,7 @@ import graphnav.hooks
 from graphnav.adapter import Adapters, collect_adapters
 from graphnav.errors import CatalogError, DeclarationError, Hint, did_you_mean, message_line, one_line
 from graphnav.messages import snake_case
-from graphnav.stage import Source, Stage, params_of, ports_of
+from graphnav.stage import Role, Source, Stage, former_names, metrics_of, params_of, ports_of
 
 GROUP = "graphnav"
 """The group of entry points; an entry point's name is a family, its value a module with hooks."""
@@ -234,9 +234,14 @@ class Catalog:
 def _check_declaration(cls: type[Stage], origin: str) -> None:
     try:
         params_of(cls)
+        metrics_of(cls)
         plain = [port.name for port in ports_of(cls).inputs if port.is_plain]
     except DeclarationError as error:
         raise CatalogError(f"{origin}: {error}") from error
+    if cls.role not in get_args(Role):
+        hint = former_names.suggestion(cls.role, former_names.ROLES, get_args(Role))
+        hint = hint or f"roles are {', '.join(get_args(Role))}"
+        raise CatalogError(f"{origin}: the role of {cls.__qualname__} is '{cls.role}'", hint)
     if issubclass(cls, Source) and plain:
         raise CatalogError(
             f"{origin}: {cls.__qualname__} is a Source, but its input '{plain[0]}' is not sampled",

@@ -75,6 +75,11 @@ class Problem:
 class GraphnavError(Exception):
     """Base of every error that graphnav raises on purpose."""
 
+    @property
+    def cause(self) -> str:
+        """What went wrong without the time at which it did: the same for errors of one kind."""
+        return str(self)
+
 
 class UserError(GraphnavError):
     """Something that a user wrote or asked for is wrong; exit status 2.
@@ -122,6 +127,11 @@ class StageError(GraphnavError):
     def __init__(self, stage: str, use: str, at_s: float, what: str) -> None:
         self.stage, self.use, self.at_s, self.what = stage, use, at_s, what
         super().__init__(f"stage '{stage}' ({use}) failed at {at_s:.2f} s: {what}")
+
+    @property
+    def cause(self) -> str:
+        """What went wrong without the time at which it did."""
+        return f"stage '{self.stage}' ({self.use}) failed: {self.what}"
 
 
 class BusError(GraphnavError):

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from graphnav.codec import encode
-from graphnav.errors import ParamError
+from graphnav.errors import DeclarationError, ParamError
 from graphnav.graph.find import shipped_folder
 from graphnav.graph.paths import resolve_paths
 from graphnav.messages import Message
-from graphnav.stage import Latest, Source, Stage, Stamped, params_of, ports_of
+from graphnav.stage import Latest, Source, Stage, Stamped, metrics_of, params_of, ports_of, reported_metrics
+from graphnav.stage.metric import suffix_unit
 
 __all__ = ["check_stage"]
 
@@ -30,8 +31,8 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
     """Check that a stage keeps to what every stage keeps to.
 
     Its declaration can be read and is documented; its defaults fit; it can be made, reset again and again, asked for
-    its figures and closed. With ``steps`` also: the same seed gives the same outputs, these have the declared types and
-    are finite where they must be, and inputs are not written to.
+    its metrics, all of which are declared, and closed. With ``steps`` also: the same seed gives the same outputs, these
+    have the declared types and are finite where they must be, and inputs are not written to.
 
     Parameters
     ----------
@@ -90,6 +91,19 @@ def _check_declaration(cls: type[Stage]) -> None:
                 param.parse(param.default)
             except ParamError as error:
                 raise AssertionError(f"{cls.__qualname__}: the default does not fit: {error}") from error
+    _check_metrics(cls)
+
+
+def _check_metrics(cls: type[Stage]) -> None:
+    declared = metrics_of(cls)
+    has_summary = cls.summary is not Stage.summary
+    _require(has_summary or not declared, cls, "declares metrics, but has no summary() that returns them")
+    _require(bool(declared) or not has_summary, cls, "has a summary(), but declares no metrics = (Metric(...), ...)")
+    for name, metric in declared.items():
+        unit = suffix_unit(name) or metric.unit
+        _require(metric.unit == unit, cls, f"metric '{name}' has the unit '{metric.unit}', but its name says '{unit}'")
+        _require(name.rpartition("_")[2] not in _NO_UNITS, cls, f"metric '{name}' has no suffix of graphnav's units")
+        _require(metric.help.rstrip().endswith("."), cls, f"the help of metric '{name}' is not a sentence")
 
 
 def _params(cls: type[Stage], given: Mapping[str, Any]) -> dict[str, Any] | None:
@@ -110,9 +124,13 @@ def _check_rate(stage: Stage) -> None:
 
 
 def _check_summary(stage: Stage) -> None:
-    for name, figure in stage.summary().items():
-        is_number = isinstance(figure, int | float | np.floating | np.integer)
-        _require(isinstance(name, str) and is_number, type(stage), f"figure {name!r} of summary() is {figure!r}")
+    for name, value in stage.summary().items():
+        is_number = isinstance(value, int | float | np.floating | np.integer)
+        _require(isinstance(name, str) and is_number, type(stage), f"metric {name!r} of summary() is {value!r}")
+    try:
+        reported_metrics(stage)
+    except DeclarationError as error:
+        raise AssertionError(str(error)) from error
 
 
 def _step(stage: Stage, given: Mapping[str, Any]) -> dict[str, bytes | None]:

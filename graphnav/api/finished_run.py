@@ -87,8 +87,9 @@ class Run:
         from graphnav.report.table import print_summary
 
         text = io.StringIO()
-        print_summary(Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False), self.summary)
+        console = Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False)
+        print_summary(console, self.summary, self.graph.metrics)
         return "\n".join([text.getvalue().rstrip(), *([self.failure] if self.failure else [])])
 
     def _repr_html_(self) -> str:
-        return run_html(self.summary, self.pictures)
+        return run_html(self.summary, self.pictures, self.graph.metrics)

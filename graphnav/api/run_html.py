@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import zip_longest
 from pathlib import Path
 
@@ -11,18 +11,21 @@ from markupsafe import Markup
 
 from graphnav.html_templates import rendered
 from graphnav.runner.recording.summary import Summary
+from graphnav.stage import Metric
 
 _COLOURS = {"goal": "#2e7d4f", "end": "#2e7d4f", "contact": "#c0392b", "failed": "#c0392b", "timeout": "#b8860b"}
+Declared = Mapping[str, Mapping[str, Metric]]
+"""The declared metrics of each stage, by name."""
 _MAX_PICTURE_BYTES = 8 << 20
 """Larger pictures would make a notebook that no viewer opens."""
 
 
-def run_html(summary: Summary, pictures: Iterable[Path]) -> Markup:
+def run_html(summary: Summary, pictures: Iterable[Path], declared: Declared) -> Markup:
     """Return HTML that needs nothing else; what a stage or a graph wrote is shown as text.
 
     The metrics of all stages are side by side: a table that is wide, not long.
     """
-    stages = {stage: _cells(metrics) for stage, metrics in summary.scores.items() if metrics}
+    stages = {stage: _cells(metrics, declared.get(stage, {})) for stage, metrics in summary.scores.items() if metrics}
     return rendered(
         "graphnav.api",
         "run.html",
@@ -34,8 +37,9 @@ def run_html(summary: Summary, pictures: Iterable[Path]) -> Markup:
     )
 
 
-def _cells(metrics: dict[str, float]) -> list[tuple[str, str]]:
-    return [(name, f"{value:.4g}") for name, value in metrics.items()]
+def _cells(metrics: dict[str, float], declared: Mapping[str, Metric]) -> list[tuple[str, str]]:
+    labels = {name: declared[name].label if name in declared else name for name in metrics}
+    return [(labels[name], f"{value:.4g}") for name, value in metrics.items()]
 
 
 def _images(pictures: Iterable[Path]) -> Iterator[tuple[str, str]]:

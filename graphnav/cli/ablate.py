@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_plugin_option, catalog_of, count
+from graphnav.cli.options import add_former_option, add_plugin_option, catalog_of, count
 from graphnav.cli.status import INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError
 
@@ -28,7 +28,7 @@ existing ones.
 
 
 _OF_RUNS = (
-    ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--figures", "figures"),
+    ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
     ("--one-at-a-time", "one_at_a_time"), ("--plugin", "plugins"), ("--cluster", "cluster"),
 )  # fmt: skip
 """Options that only a study that runs takes, and what the arguments call them."""
@@ -76,12 +76,13 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         help="axes that are conditions: variants are compared with the base under the same one",
     )
     parser.add_argument(
-        "--figures",
+        "--metrics",
         action="append",
         default=[],
-        metavar="STAGE.FIGURE,...",
+        metavar="STAGE.METRIC,...",
         help="columns of the table, deciding first",
     )
+    add_former_option(parser, "--figures", "--metrics")
     add_plugin_option(parser)
 
 
@@ -106,7 +107,7 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
         type=_count_or_none,
         default=2,
         metavar="N",
-        help="failures of each variant that are run again and drawn (default 2; controls 1)",
+        help="failures of each variant that are run again and drawn (default 2; baselines 1)",
     )
     parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the failures that are drawn")
     parser.add_argument("--yes", action="store_true", help="do not ask before more than 1000 runs")
@@ -163,7 +164,7 @@ def _request(args: argparse.Namespace) -> StudyRequest:
         varies=parse_varies(args.varies, problems),
         overrides=parse_overrides(args.sets, problems),
         seeds=args.seeds,
-        metrics=args.figures,
+        metrics=args.metrics,
         within=args.within,
         one_at_a_time=args.one_at_a_time,
         plugins=args.plugins,

@@ -67,6 +67,16 @@ def add_plugin_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_former_option(parser: argparse.ArgumentParser, former: str, now: str) -> None:
+    """Refuse an option of an earlier version, and suggest what it is called now."""
+
+    class Refuse(argparse.Action):
+        def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+            parser.error(f"there is no option {former}: did you mean '{now}'?")
+
+    parser.add_argument(former, action=Refuse, help=argparse.SUPPRESS)
+
+
 def seconds(text: str) -> float:
     """Return a duration above 0 that an option gives."""
     try:

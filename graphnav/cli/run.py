@@ -87,7 +87,7 @@ def main(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps(summary.as_json() | {"folder": str(folder)}))
     else:
-        print_summary(console, summary)
+        print_summary(console, summary, graph.metrics)
     if summary.failure:
         print(summary.failure, file=sys.stderr)
     files = _draw(args, catalog, summary, folder)

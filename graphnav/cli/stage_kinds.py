@@ -220,8 +220,12 @@ def steering_to(theta_rad: float) -> Steering:
     ),
     "score": Kind(
         doc="The mean share of obstacle.",
-        imports="from collections.abc import Mapping\n\nfrom graphnav import Plane, Stage, hookimpl, param",
-        params='    skip: int = param(0, ge=0, doc="frames at the start that do not count")\n',
+        imports="from collections.abc import Mapping\nfrom typing import ClassVar\n\n"
+        "from graphnav import Metric, Plane, Stage, hookimpl, param",
+        params="    metrics: ClassVar[tuple[Metric, ...]] = (\n"
+        '        Metric("obstacle_ratio", unit="ratio", better="lower", help="Mean share of obstacle."),\n'
+        "    )\n\n"
+        '    skip: int = param(0, ge=0, doc="frames at the start that do not count")\n',
         body="""    def reset(self, seed: int) -> None:
         self._ratios: list[float] = []
 
@@ -235,7 +239,7 @@ def steering_to(theta_rad: float) -> Steering:
         test_imports="import numpy as np\nimport pytest\nfrom graphnav import Plane",
         example=_PLANE_EXAMPLE,
         steps='{"plane": plane_of(left=0, right=1)}, {"plane": plane_of(left=0, right=0)}',
-        test="""def test_the_figure_is_the_mean_over_the_frames() -> None:
+        test="""def test_the_metric_is_the_mean_over_the_frames() -> None:
     stage = $cls()
     stage.reset(seed=0)
     assert stage.summary() == {}

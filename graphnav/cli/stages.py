@@ -109,6 +109,12 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     if params.row_count:
         console.print()
         console.print(params)
+    metrics = TextTable("metric", "unit", "better", "if failed", "what it means")
+    for metric in described["metrics"]:
+        metrics.add_text(metric["name"], metric["unit"], metric["better"], _if_failed(metric), metric["doc"])
+    if metrics.row_count:
+        console.print()
+        console.print(metrics)
     console.print()
     console.print("In a graph:")
     console.print(_snippet(described), markup=False)
@@ -121,6 +127,13 @@ def _reading(port: Mapping[str, Any]) -> str:
     if port["since"]:
         return "all that came since the last firing; may stay open"
     return "fires the stage; may stay open" if port["open"] else "fires the stage"
+
+
+def _if_failed(metric: Mapping[str, Any]) -> str:
+    """Return what a metric is of a drive that did not arrive; an outcome says whether it did."""
+    value = metric["if_failed"]
+    text = value if isinstance(value, str) else f"{value:g}"
+    return f"{text} (outcome)" if metric["outcome"] else text
 
 
 def _flowing(doc: str) -> str:

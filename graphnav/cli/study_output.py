@@ -1,4 +1,4 @@
-"""Write and print what a study came to."""
+"""Write and print the results of a study."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from rich.console import Console
 from graphnav.ablation.execution import read_plan
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
+    METRICS,
     RESULTS,
     TABLE,
     TIMING,
@@ -16,22 +17,21 @@ from graphnav.ablation.report import (
     print_comparison,
     print_paired_studies,
 )
-from graphnav.ablation.results import metric_columns, pair_studies, read_records
+from graphnav.ablation.results import pair_studies, read_records
 from graphnav.api.studies.study_files import StudyFiles
-from graphnav.errors import UserError, did_you_mean
+from graphnav.errors import UserError
 
 
 def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console) -> None:
     """Print the table of a study in short, and the files that were written."""
     comparison = files.comparison
     print_comparison(console, comparison, plan)
-    for figure in plan.figures if files.records else ():
-        if not comparison.has_metric(figure):
-            hint = did_you_mean(figure, metric_columns(plan, files.records)) or f"{RESULTS} has them all"
-            console.print(f"no run says the figure '{figure}'\n  {hint}", style="yellow", markup=False)
+    for metric in plan.metrics if files.records else ():
+        if not comparison.has_metric(metric):
+            console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
-        console.print(f"{missing} of {plan.n_jobs} runs do not exist yet")
-    console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
+        console.print(f"{missing} of {plan.n_jobs} runs are pending")
+    console.print(f"{folder}: {RESULTS}, {METRICS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from graphnav.errors import ParamError, Problem, UserError, one_line
 from graphnav.graph.node import Channel, InputChannel, Node, OutputChannel
 from graphnav.spec import RunOptions
-from graphnav.stage import Stage
+from graphnav.stage import Metric, Stage, metrics_of
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,12 @@ class Graph:
     def sources(self) -> tuple[Node, ...]:
         """The stages that the clock fires, in the file's order."""
         return tuple(node for node in self.nodes if node.is_source)
+
+    @property
+    def metrics(self) -> Mapping[str, Mapping[str, Metric]]:
+        """What each stage that reports metrics declares of them, by the names of stage and metric."""
+        found = {node.name: metrics_of(node.stage_class) for node in self.nodes}
+        return {name: declared for name, declared in found.items() if declared}
 
     def node(self, name: str) -> Node:
         """Return the stage called ``name``."""

@@ -16,6 +16,7 @@ from graphnav.graph.overrides.swap import apply_overrides
 from graphnav.graph.read.extend import merge_files, rewire_merged
 from graphnav.graph.read.graph_files import read_files
 from graphnav.graph.read.plugin_files import load_plugins
+from graphnav.graph.read.recorded_names import rename_parameters
 from graphnav.spec import parse_spec, read_bytes
 
 
@@ -44,10 +45,13 @@ def graph_of(
     source: str = "",
     replaced: Collection[str] = (),
     problems: Sequence[Problem] = (),
+    *,
+    is_recorded: bool = False,
 ) -> Graph:
     """Return the checked graph in the bytes of the file ``path``; errors name it ``source``.
 
     ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
+    ``is_recorded``: whether a run wrote it, of an earlier version perhaps, whose names of parameters are then read.
 
     Raises
     ------
@@ -63,6 +67,8 @@ def graph_of(
     problems += more + unusable
     if unusable:
         raise UserError(_without_repetitions(problems))  # what their stages lack is not worth telling
+    if is_recorded:
+        rename_parameters(spec)
     spec.folders = {file.source: file.path.parent for file in files}
     rewire_merged(spec, merged, catalog, problems, notices)
     spec = apply_overrides(spec, overrides, catalog, problems, notices)

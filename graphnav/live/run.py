@@ -32,7 +32,7 @@ from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import ChannelsExcept, ChannelsOnly, SmallOnly
 from graphnav.runner.recording.run_recorded import LiveSink, write_summary
 from graphnav.runner.recording.saved_graph import save_graph
-from graphnav.runner.recording.summary import Summary, figures_of, scores_of, versions
+from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
 from graphnav.stage import Stage
 
 
@@ -152,13 +152,14 @@ class _LiveRun:
             frames=self._runner.firings,
             sim_s=status.run_s,
             wall_s=round(status.wall_s, 4),
-            stages=figures_of(self._runner.units),
+            stages=steps_of(self._runner.units),
             scores=self._scores,
             notices=[*self._graph.notices, *self._observer.told],
             tap_dropped=status.tap_dropped,
             run_id=run_id,
             versions=versions(),
             behind_s=status.behind_s,
+            cause=self._failures.cause,
             live=_live_part(status, self._writer, self._url),
         )
 

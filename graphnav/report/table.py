@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from rich import box
@@ -13,6 +14,7 @@ from rich.text import Text
 
 from graphnav.runner.recording.summary import Summary
 from graphnav.runner.simulated_clock import MAX_LATE_S
+from graphnav.stage import Better, Metric
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
 _ENDINGS = {
@@ -21,16 +23,22 @@ _ENDINGS = {
     "timeout": "time limit reached",
     "end": "end of the input reached",
 }
+_WHERE_BETTER: dict[Better, str] = {"higher": "higher", "lower": "lower", "neither": ""}
 _MAX_COLS = 1000
 """Tables are as wide as they need: a narrow terminal wraps them, because a truncated number would be a wrong one."""
 
 
-def print_summary(console: Console, summary: Summary) -> None:
-    """Print what each stage did, what was scored, and last how the run ended."""
+Declared = Mapping[str, Mapping[str, Metric]]
+"""The declared metrics of each stage of a graph, by name."""
+NONE_DECLARED: Declared = MappingProxyType({})
+
+
+def print_summary(console: Console, summary: Summary, declared: Declared = NONE_DECLARED) -> None:
+    """Print what each stage did, what was scored, and last how the run ended; ``declared``: of the graph."""
     console.print(_amount(summary))
     tables = [_stages(summary), *_outside(summary.live or {})]
     if any(summary.scores.values()):
-        tables.append(_scores(summary))
+        tables.append(_scores(summary, declared))
     for table in tables:
         table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
     console.print(Group(*tables), soft_wrap=True)
@@ -93,12 +101,15 @@ def _right_table(names: Sequence[str], values: Sequence[str]) -> Table:
     return table
 
 
-def _scores(summary: Summary) -> Table:
+def _scores(summary: Summary, declared: Declared = NONE_DECLARED) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("score")
     table.add_column("metric")
     table.add_column("value", justify="right")
-    for stage, metrics in summary.scores.items():
-        for place, (metric, value) in enumerate(metrics.items()):
-            table.add_row("" if place else stage, metric, f"{value:.4g}")
+    table.add_column("better")
+    for stage, values in summary.scores.items():
+        for place, (name, value) in enumerate(values.items()):
+            metric = declared.get(stage, {}).get(name)
+            label, better = (metric.label, _WHERE_BETTER[metric.better]) if metric else (name, "")
+            table.add_row("" if place else stage, Text(label), f"{value:.4g}", better)
     return table

@@ -1,14 +1,20 @@
 """Stages: what people write to plug into a graph."""
 
 from graphnav.stage.describe import describe, plain_data, summary_of, unit_of
+from graphnav.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_of
 from graphnav.stage.param import Param, param, params_of
 from graphnav.stage.port import Age, Latest, Port, Ports, Since, Stamp, Stamped, ports_of
+from graphnav.stage.reported_metrics import reported_metrics
 from graphnav.stage.stage import Finished, Role, Source, Stage
 
 __all__ = [
+    "MEASURED",
+    "UNDEFINED",
     "Age",
+    "Better",
     "Finished",
     "Latest",
+    "Metric",
     "Param",
     "Port",
     "Ports",
@@ -19,10 +25,12 @@ __all__ = [
     "Stamp",
     "Stamped",
     "describe",
+    "metrics_of",
     "param",
     "params_of",
     "plain_data",
     "ports_of",
+    "reported_metrics",
     "summary_of",
     "unit_of",
 ]

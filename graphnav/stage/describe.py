@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from graphnav.stage.metric import Metric, metrics_of
 from graphnav.stage.param import Param, params_of
 from graphnav.stage.port import Port, ports_of
 from graphnav.stage.stage import Source, Stage
@@ -45,6 +46,7 @@ def describe(use: str, cls: type[Stage], origin: str) -> dict[str, Any]:
         "inputs": [_port(port) for port in ports.inputs],
         "outputs": [_port(port) for port in ports.outputs],
         "parameters": [_param(param) for param in params_of(cls).values()],
+        "metrics": [_metric(metric) for metric in metrics_of(cls).values()],
     }
 
 
@@ -82,3 +84,14 @@ def _param(param: Param) -> dict[str, Any]:
     if not param.required:
         described["default"] = plain_data(param.default)
     return described
+
+
+def _metric(metric: Metric) -> dict[str, Any]:
+    return {
+        "name": metric.name,
+        "unit": metric.unit,
+        "better": metric.better,
+        "if_failed": metric.if_failed,
+        "outcome": metric.is_outcome,
+        "doc": metric.help,
+    }

@@ -7,13 +7,14 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, dataclass_transform, get_args
 
 from graphnav.errors import ParamError
+from graphnav.stage.metric import Metric
 from graphnav.stage.param import param, params_of
 
 Ending = Literal["goal", "contact", "end"]
 """The outcomes that a source can give a run."""
 
-Role = Literal["method", "control", "oracle"]
-"""What a stage is in a comparison: a method, a control that a method has to beat, an oracle that sees the truth."""
+Role = Literal["method", "baseline", "oracle"]
+"""What a stage is in a comparison: a method, a baseline that a method has to beat, an oracle that sees the truth."""
 
 
 @dataclass_transform(kw_only_default=True, eq_default=False)
@@ -31,8 +32,8 @@ class Stage:
 
     role: ClassVar[Role] = "method"
     """What tables mark it as."""
-    less_is_better: ClassVar[frozenset[str]] = frozenset()
-    """Figures of `summary` of which less is better."""
+    metrics: ClassVar[tuple[Metric, ...]] = ()
+    """The metrics that `summary` returns."""
     is_guard: ClassVar[bool] = False
     """Whether it stops the robot when its inputs are late, lost or blind: only a guard may write a motor channel."""
 
@@ -74,7 +75,7 @@ class Stage:
         return 0.1
 
     def summary(self) -> Mapping[str, float]:
-        """Return figures for the run's summary; they become the columns of every table."""
+        """Return the values of the declared ``metrics``, by name; one that is not defined for this run is left out."""
         return {}
 
     def close(self) -> None:

@@ -26,7 +26,7 @@ class Gain(Mean):
     there is nothing to fit, and no cell of the planar flow is.
     """
 
-    role: ClassVar[Role] = "control"
+    role: ClassVar[Role] = "baseline"
 
     noise_px: float = param(NOISE_PX, gt=0.0, doc=NOISE_DOC)
 

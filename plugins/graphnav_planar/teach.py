@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Motion, PlanarModel, Stage, coarsen, param
+from graphnav import Flow, Metric, Motion, PlanarModel, Stage, coarsen, param
 from graphnav.arrays import Doubles
 from graphnav_planar.interval import check_interval
 from graphnav_planar.normal_equations import NormalEquations
@@ -32,6 +33,20 @@ class Teach(Stage):
     ----------
     .. [OI] N. Ohnishi, A. Imiya, Combination of Supervised and Unsupervised Methods for Navigation Path Mining, eq. 1.
     """
+
+    metrics: ClassVar[tuple[Metric, ...]] = (
+        Metric("frames", better="neither", help="Frames taught."),
+        Metric(
+            "residual_px", unit="px", better="lower", help="What the model leaves of the flow, median over the cells."
+        ),
+        Metric("turn_span_rad", unit="rad", better="neither", help="Span of the turns per frame that were taught."),
+        Metric(
+            "forward_span_m",
+            unit="m",
+            better="neither",
+            help="Span of the forward displacements per frame that were taught.",
+        ),
+    )
 
     terms: tuple[Term, ...] = param(
         ("mean", "v", "w", "vw", "ww"),
@@ -74,13 +89,13 @@ class Teach(Stage):
         return self._model
 
     def summary(self) -> Mapping[str, float]:
-        """Return the frames taught, the span of their motion, and what the model leaves, median over the cells."""
-        figures = {"frames": float(self._frames)}
+        """Return the frames taught and, of a model, what it leaves and the span of its motion."""
+        values = {"frames": float(self._frames)}
         if self._model is not None:
-            figures["residual_px"] = float(np.median(self._model.residual_px[self._model.valid != 0]))
-            figures["turn_span_rad"] = float(np.ptp(self._model.turn_range_rad))
-            figures["forward_span_m"] = float(np.ptp(self._model.forward_range_m))
-        return figures
+            values["residual_px"] = float(np.median(self._model.residual_px[self._model.valid != 0]))
+            values["turn_span_rad"] = float(np.ptp(self._model.turn_range_rad))
+            values["forward_span_m"] = float(np.ptp(self._model.forward_range_m))
+        return values
 
     def _add(self, cells: Flow, moved: Motion | None) -> None:
         rows, cols = cells.valid.shape

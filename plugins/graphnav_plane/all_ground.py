@@ -16,7 +16,7 @@ class AllGround(Stage):
     gains over this one.
     """
 
-    role: ClassVar[Role] = "control"
+    role: ClassVar[Role] = "baseline"
 
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
 

@@ -16,7 +16,7 @@ class Residual(Detector):
     The control for `plane.ica`: the same inputs without the separation. An ablation of ICA is believed only beside it.
     """
 
-    role: ClassVar[Role] = "control"
+    role: ClassVar[Role] = "baseline"
 
     def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> Plane:
         """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.

@@ -16,7 +16,7 @@ class RowPrior(Stage):
     that looks ahead gives this control a high AUROC. A detector is believed for what it adds.
     """
 
-    role: ClassVar[Role] = "control"
+    role: ClassVar[Role] = "baseline"
 
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
     horizon_ratio: float = param(

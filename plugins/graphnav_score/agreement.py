@@ -6,26 +6,34 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from graphnav import Stage, Steering, param
+from graphnav import Metric, Stage, Steering, param
 
 
 class Agreement(Stage):
-    """How well steering agrees with an oracle's on the same frames, whoever of the two drives.
+    """How well steering agrees with an oracle's on the same frames, whichever of the two drives."""
 
-    Its figures:
+    metrics: ClassVar[tuple[Metric, ...]] = (
+        Metric("frames", better="neither", help="Frames that had both."),
+        Metric(
+            "angle_error_rad",
+            unit="rad",
+            better="lower",
+            help="Mean angle between the two directions, 0 to pi; left out without a frame.",
+        ),
+        Metric(
+            "right_sign_ratio",
+            unit="ratio",
+            better="higher",
+            help="Of the frames in which the oracle turns by at least `min_turn_deg`, the share in which the steering "
+            "turns to the same side; straight ahead is wrong; left out without such a frame.",
+        ),
+    )
 
-    - ``frames``: how many had both.
-    - ``angle_error_rad``: mean angle between the two directions, 0 to pi.
-    - ``right_sign_ratio``: of the frames in which the oracle turns by at least ``least_turn_deg``, the share in which
-      the steering turns to the same side; straight ahead counts as wrong.
-
-    A figure without a frame that counts is left out.
-    """
-
-    less_is_better: ClassVar[frozenset[str]] = frozenset({"angle_error_rad"})
-
-    least_turn_deg: float = param(
-        5.0, ge=0.0, lt=180.0, doc="least angle of the oracle for the side to count; less adds frames that say little"
+    min_turn_deg: float = param(
+        5.0,
+        ge=0.0,
+        lt=180.0,
+        doc="minimum angle of the oracle for the side to count; less adds unclear frames",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
@@ -37,15 +45,15 @@ class Agreement(Stage):
         """Count this frame."""
         self._frames += 1
         self._sum_rad += abs(math.remainder(steering.theta_rad - oracle.theta_rad, 2 * math.pi))
-        if abs(oracle.theta_rad) >= math.radians(self.least_turn_deg) and oracle.theta_rad:
+        if abs(oracle.theta_rad) >= math.radians(self.min_turn_deg) and oracle.theta_rad:
             self._turns += 1
             self._right += steering.theta_rad * oracle.theta_rad > 0
 
     def summary(self) -> Mapping[str, float]:
-        """Return the figures that are defined."""
-        figures = {"frames": float(self._frames)}
+        """Return the metrics that are defined."""
+        values = {"frames": float(self._frames)}
         if self._frames:
-            figures["angle_error_rad"] = self._sum_rad / self._frames
+            values["angle_error_rad"] = self._sum_rad / self._frames
         if self._turns:
-            figures["right_sign_ratio"] = self._right / self._turns
-        return figures
+            values["right_sign_ratio"] = self._right / self._turns
+        return values

@@ -8,21 +8,32 @@ from typing import ClassVar
 import numpy as np
 
 import graphnav
-from graphnav import Stage, Truth, coarsen, param
+from graphnav import Metric, Stage, Truth, coarsen, param
 from graphnav_score.pixels import cell_factor
 
 
 class Flow(Stage):
     """How far a flow is from the truth, over all valid vectors of all frames.
 
-    A coarser flow than the truth is compared with the truth's mean over its cells. Its figures:
-
-    - ``frames``, ``valid_ratio``: share of vectors that are valid.
-    - ``epe_px``: mean length of the error (end-point error), ``outlier_ratio``: share of vectors that are off by more
-      than ``outlier_px``. Left out without a valid vector.
+    A coarser flow than the truth is compared with the truth's mean over its cells.
     """
 
-    less_is_better: ClassVar[frozenset[str]] = frozenset({"epe_px", "outlier_ratio"})
+    metrics: ClassVar[tuple[Metric, ...]] = (
+        Metric("frames", better="neither", help="Frames that were compared."),
+        Metric("valid_ratio", unit="ratio", better="higher", help="Share of vectors that are valid."),
+        Metric(
+            "epe_px",
+            unit="px",
+            better="lower",
+            help="Mean length of the error (end-point error); left out without a valid vector.",
+        ),
+        Metric(
+            "outlier_ratio",
+            unit="ratio",
+            better="lower",
+            help="Share of valid vectors that are off by more than `outlier_px`; left out without one.",
+        ),
+    )
 
     outlier_px: float = param(1.0, gt=0.0, doc="error above which a vector is an outlier")
 
@@ -53,11 +64,11 @@ class Flow(Stage):
         self._sum_px += float(off_px.sum(dtype=np.float64))
 
     def summary(self) -> Mapping[str, float]:
-        """Return the figures that are defined."""
-        figures = {"frames": float(self._frames)}
+        """Return the metrics that are defined."""
+        values = {"frames": float(self._frames)}
         if self._vectors:
-            figures["valid_ratio"] = self._valid / self._vectors
+            values["valid_ratio"] = self._valid / self._vectors
         if self._valid:
-            figures["epe_px"] = self._sum_px / self._valid
-            figures["outlier_ratio"] = self._outliers / self._valid
-        return figures
+            values["epe_px"] = self._sum_px / self._valid
+            values["outlier_ratio"] = self._outliers / self._valid
+        return values

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Latest, Map, Stage, Stamp, State, param
+from graphnav import UNDEFINED, Latest, Map, Metric, Stage, Stamp, State, param
 from graphnav.arrays import Doubles
 
 NOTHING_NEAR_M = 1000.0
@@ -18,18 +18,8 @@ NOTHING_NEAR_M = 1000.0
 class Navigation(Stage):
     """How a drive went.
 
-    Its figures:
-
-    - ``success``, ``collision``, ``timeout``: one of them is 1: at the goal without a contact, touched something,
-      neither. Without a goal on the map there is no ``success`` and no ``timeout``.
-    - ``least_clearance_m``, ``mean_clearance_m``: from the robot's rim to what is nearest; left out
-      where nothing ever was.
-    - ``path_length_m``, ``duration_s``, ``mean_jerk_mps3`` (length of the velocity's second derivative).
-    - ``spl``: success x shortest path / max(path, shortest path) [SPL].
-    - ``barn``: success x optimal time / clip(time, 2 x, 8 x optimal time), 0.5 at best [BARN]; the optimal time is that
-      of the shortest path at ``optimal_speed_mps``.
-
-    ``spl`` and ``barn`` need the map.
+    Without a goal on the map no drive arrives or fails: all that is measured is reported, and ``success``, ``timeout``,
+    ``spl`` and ``barn`` are left out. The last two need the map.
 
     References
     ----------
@@ -38,8 +28,50 @@ class Navigation(Stage):
        Benchmark Autonomous Robot Navigation Challenge at ICRA 2022, IEEE RAM 29(4), 2022.
     """
 
-    less_is_better: ClassVar[frozenset[str]] = frozenset(
-        {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3"}
+    metrics: ClassVar[tuple[Metric, ...]] = (
+        Metric(
+            "success",
+            better="higher",
+            if_failed=0.0,
+            is_outcome=True,
+            help="1 if the robot reached the goal without a contact, else 0.",
+        ),
+        Metric("timeout", better="lower", help="1 if it neither reached the goal nor touched anything, else 0."),
+        Metric("collision", better="lower", help="1 if it touched anything, else 0."),
+        Metric(
+            "min_clearance_m",
+            unit="m",
+            better="higher",
+            help="From the robot's rim to what was nearest, minimum over the drive; left out if nothing ever was.",
+        ),
+        Metric(
+            "mean_clearance_m",
+            unit="m",
+            better="higher",
+            help="From the robot's rim to what was nearest, mean over the drive; left out if nothing ever was.",
+        ),
+        Metric("path_length_m", unit="m", better="lower", if_failed=UNDEFINED, help="Length of the path driven."),
+        Metric("duration_s", unit="s", better="lower", if_failed=UNDEFINED, help="Time from first to last state."),
+        Metric(
+            "mean_jerk_mps3",
+            unit="m/s³",
+            better="lower",
+            if_failed=UNDEFINED,
+            help="Mean length of the velocity's second derivative.",
+        ),
+        Metric(
+            "spl",
+            better="higher",
+            if_failed=0.0,
+            help="Success weighted by path length: shortest path / max(path, shortest path), 0 if failed [SPL].",
+        ),
+        Metric(
+            "barn",
+            better="higher",
+            if_failed=0.0,
+            help="Optimal time / clip(time, 2 x, 8 x optimal time), 0 if failed, 0.5 at best; the optimal time is that "
+            "of the shortest path at `optimal_speed_mps` [BARN].",
+        ),
     )
 
     optimal_speed_mps: float = param(
@@ -52,7 +84,7 @@ class Navigation(Stage):
         self._states = 0
         self._first_us = self._last_us = 0
         self._at_goal = self._contact = False
-        self._least_clearance_m, self._sum_clearance_m = math.inf, 0.0
+        self._min_clearance_m, self._sum_clearance_m = math.inf, 0.0
         self._path_m = 0.0
         self._place_m = np.zeros(2)
         self._jerk = MeanJerk()
@@ -68,40 +100,40 @@ class Navigation(Stage):
         self._states += 1
         self._at_goal |= state.at_goal
         self._contact |= state.contact
-        self._least_clearance_m = min(self._least_clearance_m, state.clearance_m)
+        self._min_clearance_m = min(self._min_clearance_m, state.clearance_m)
         self._sum_clearance_m += state.clearance_m
         velocity = state.v_mps * np.array([math.cos(state.yaw_rad), math.sin(state.yaw_rad)])
         self._jerk.add(velocity, stamp * 1e-6)
 
     def summary(self) -> Mapping[str, float]:
-        """Return the figures of the drive so far, none before its first state."""
+        """Return the metrics of the drive so far, none before its first state."""
         if not self._states:
             return {}
         duration_s = (self._last_us - self._first_us) * 1e-6
-        figures = {
+        values = {
             "collision": float(self._contact),
-            "least_clearance_m": self._least_clearance_m,
+            "min_clearance_m": self._min_clearance_m,
             "mean_clearance_m": self._sum_clearance_m / self._states,
             "path_length_m": self._path_m,
             "duration_s": duration_s,
         }
-        if self._least_clearance_m >= NOTHING_NEAR_M:
-            del figures["least_clearance_m"], figures["mean_clearance_m"]
+        if self._min_clearance_m >= NOTHING_NEAR_M:
+            del values["min_clearance_m"], values["mean_clearance_m"]
         if self._jerk.mean_mps3 is not None:
-            figures["mean_jerk_mps3"] = self._jerk.mean_mps3
+            values["mean_jerk_mps3"] = self._jerk.mean_mps3
         has_goal = self._at_goal if self._map is None else len(self._map.goal_m) > 0
         if self._map is not None and not has_goal:
-            return figures
+            return values
         success = self._at_goal and not self._contact
-        figures = {
+        values = {
             "success": float(success),
             "timeout": float(not success and not self._contact),
-            **figures,
+            **values,
         }
         if self._map is not None:
-            figures["spl"] = success * spl(self._map.shortest_m, self._path_m)
-            figures["barn"] = success * barn(self._map.shortest_m / self.optimal_speed_mps, duration_s)
-        return figures
+            values["spl"] = success * spl(self._map.shortest_m, self._path_m)
+            values["barn"] = success * barn(self._map.shortest_m / self.optimal_speed_mps, duration_s)
+        return values
 
 
 class MeanJerk:

@@ -14,7 +14,7 @@ def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
     Raises
     ------
     ValueError
-        The grid is of another image, or its cells are no multiple of the truth's.
+        The grid is of another image, or its cells are not a multiple of the truth's.
     """
     factor, rest = divmod(step_px, truth.step_px)
     rows, cols = truth.obstacle.shape

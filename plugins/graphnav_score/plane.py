@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 import graphnav
-from graphnav import Stage, Truth, param
+from graphnav import Metric, Stage, Truth, param
 from graphnav.arrays import Bools, Longs
 from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
@@ -22,25 +22,48 @@ class Plane(Stage):
     Compares at the truth's pixels: every cell speaks for all of its pixels, only cells that the detector judged count,
     and the pixels of all frames are pooled. A frame counts if between ``min_obstacle_ratio`` and ``max_obstacle_ratio``
     of its true picture is obstacle: beyond one half the ground is not the dominant plane; and if something in it moved
-    by ``least_motion_px``: where the camera stands still there is no flow, and no detector can tell. Its figures:
+    by ``min_motion_px``: where the camera stands still there is no flow, and no detector can tell.
 
-    - ``frames``: how many counted, ``judged_ratio``: share of their pixels that was judged.
-    - ``auroc``: of the score, and ``recall_at_5_false_alarms_ratio``: share of obstacle found where the score is split
-      so that 5 % of the ground is called obstacle.
-    - ``balanced_accuracy_ratio``, ``iou_ratio``: of the map; the mean of both recalls, and intersection over union of
-      obstacle.
-    - ``false_obstacle_ratio``: share of ground called obstacle, over these frames and those without any obstacle.
-    - ``flicker_ratio``: share of cells whose map changed since the last frame although the truth did not; all frames.
-
-    A figure that is not defined (no such frame, no obstacle, no ground) is left out.
+    A metric that is not defined (no such frame, no obstacle, no ground) is left out.
     """
 
-    less_is_better: ClassVar[frozenset[str]] = frozenset({"false_obstacle_ratio", "flicker_ratio"})
+    metrics: ClassVar[tuple[Metric, ...]] = (
+        Metric("frames", better="neither", help="Frames that count."),
+        Metric("judged_ratio", unit="ratio", better="higher", help="Share of their pixels that was judged."),
+        Metric("auroc", better="higher", help="Area under the receiver operating characteristic of the score."),
+        Metric(
+            "recall_at_5_false_alarms_ratio",
+            unit="ratio",
+            better="higher",
+            help="Share of obstacle found where the score is split so that 5 % of the ground is called obstacle.",
+        ),
+        Metric(
+            "balanced_accuracy_ratio",
+            unit="ratio",
+            better="higher",
+            help="Of the map: mean of the recalls of obstacle and of ground.",
+        ),
+        Metric(
+            "iou_ratio", unit="ratio", better="higher", help="Of the map: intersection over union of obstacle, pooled."
+        ),
+        Metric(
+            "false_obstacle_ratio",
+            unit="ratio",
+            better="lower",
+            help="Share of ground called obstacle, over the frames that count and those without any obstacle.",
+        ),
+        Metric(
+            "flicker_ratio",
+            unit="ratio",
+            better="lower",
+            help="Share of cells whose map changed since the last frame although the truth did not; all frames.",
+        ),
+    )
 
-    min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="least true share of obstacle in a frame that counts")
-    max_obstacle_ratio: float = param(0.5, ge=0.0, le=1.0, doc="greatest true share of obstacle in a frame that counts")
+    min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="minimum true share of obstacle in a frame that counts")
+    max_obstacle_ratio: float = param(0.5, ge=0.0, le=1.0, doc="maximum true share of obstacle in a frame that counts")
 
-    least_motion_px: float = param(
+    min_motion_px: float = param(
         0.1, ge=0.0, doc="true flow, right or down, that somewhere in the picture makes a frame count; 0 counts all"
     )
 
@@ -88,10 +111,10 @@ class Plane(Stage):
         self._kept += other._kept
 
     def summary(self) -> Mapping[str, float]:
-        """Return the figures that are defined."""
+        """Return the metrics that are defined."""
         (kept, false), (missed, hit) = self._confusion.tolist()
         ground_recall, recall = _share(kept, kept + false), _share(hit, hit + missed)
-        figures = {
+        values = {
             "judged_ratio": _share(int(self._confusion.sum()), self._pixels),
             "auroc": self._roc.area(),
             "recall_at_5_false_alarms_ratio": self._roc.recall(FALSE_ALARM_RATIO),
@@ -100,11 +123,11 @@ class Plane(Stage):
             "false_obstacle_ratio": _share(false + int(self._empty[1]), kept + false + int(self._empty.sum())),
             "flicker_ratio": _share(self._changed, self._changed + self._kept),
         }
-        return {"frames": float(self._frames)} | {name: value for name, value in figures.items() if value is not None}
+        return {"frames": float(self._frames)} | {name: value for name, value in values.items() if value is not None}
 
     def _counts(self, truth: Truth, obstacle_ratio: float) -> bool:
         moved_px = float(np.abs(truth.flow_px).max(initial=0.0))
-        return self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio and moved_px >= self.least_motion_px
+        return self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio and moved_px >= self.min_motion_px
 
     def _watch_flicker(self, judged: Bools, called: Bools, true: Bools) -> None:
         if self._last is not None and self._last[0].shape == judged.shape:

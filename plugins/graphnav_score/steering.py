@@ -1,33 +1,47 @@
-"""Whether steering points to the freer side, and how sure its direction is."""
+"""Whether steering points to the freer side, and how certain its direction is."""
 
 from __future__ import annotations
 
 import math
 from array import array
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
 import graphnav
-from graphnav import Stage, Truth, param
+from graphnav import Metric, Stage, Truth, param
 
 
 class Steering(Stage):
-    """Whether the control force points to the side with less true obstacle, and how sure its direction is.
+    """Whether the control force points to the side with less true obstacle, and how certain its direction is.
 
-    Its figures:
-
-    - ``frames``: in how many the shares of the picture that are obstacle in its left and in its right half differ
-      clearly. Only these count for ``right_sign_ratio``, the share in which the force points to the freer side; no
-      force to either side counts as wrong.
-    - ``median_eigenvalue_ratio``: of the first over the second eigenvalue of the gradients' covariance, over all frames
-      that have a gradient; near 1 the principal direction is arbitrary.
-
-    A figure without a frame that counts, and a median that is infinite, is left out.
+    A frame counts for the side if the shares of the picture that are obstacle in its left and in its right half differ
+    clearly.
     """
 
-    least_times: float = param(2.0, ge=1.0, doc="a frame counts if one half holds at least so many times the other's")
-    least_difference_ratio: float = param(
+    metrics: ClassVar[tuple[Metric, ...]] = (
+        Metric("frames", better="neither", help="Frames that count for the side."),
+        Metric(
+            "right_sign_ratio",
+            unit="ratio",
+            better="higher",
+            help="Share of them in which the force points to the freer side; no force to either side is wrong; left "
+            "out without such a frame.",
+        ),
+        Metric(
+            "median_eigenvalue_ratio",
+            unit="ratio",
+            better="higher",
+            help="First over second eigenvalue of the gradients' covariance, median over all frames with a gradient; "
+            "near 1 the principal direction is arbitrary; left out if infinite.",
+        ),
+    )
+
+    min_side_ratio: float = param(
+        2.0, ge=1.0, doc="a frame counts if one half holds at least this many times the obstacle of the other"
+    )
+    min_difference_ratio: float = param(
         0.05, gt=0.0, le=0.5, doc="and if they differ by at least this share of the picture"
     )
 
@@ -45,18 +59,18 @@ class Steering(Stage):
         is_obstacle = truth.obstacle != 0
         left = np.count_nonzero(is_obstacle[:, :half]) / is_obstacle.size
         right = np.count_nonzero(is_obstacle[:, is_obstacle.shape[1] - half :]) / is_obstacle.size
-        clear = max(left, right) >= self.least_times * min(left, right)
-        if not clear or abs(left - right) < self.least_difference_ratio:
+        clear = max(left, right) >= self.min_side_ratio * min(left, right)
+        if not clear or abs(left - right) < self.min_difference_ratio:
             return
         self._frames += 1
         to_the_right = float(steering.control[0])
         self._right += to_the_right > 0 if left > right else to_the_right < 0
 
     def summary(self) -> Mapping[str, float]:
-        """Return the figures that are defined."""
-        figures = {"frames": float(self._frames)}
+        """Return the metrics that are defined."""
+        values = {"frames": float(self._frames)}
         if self._frames:
-            figures["right_sign_ratio"] = self._right / self._frames
+            values["right_sign_ratio"] = self._right / self._frames
         if self._ratios and math.isfinite(median := float(np.median(self._ratios))):
-            figures["median_eigenvalue_ratio"] = median
-        return figures
+            values["median_eigenvalue_ratio"] = median
+        return values

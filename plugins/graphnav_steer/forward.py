@@ -16,7 +16,7 @@ class Forward(Stage):
     A control: worlds that this stage survives test nothing.
     """
 
-    role: ClassVar = "control"
+    role: ClassVar = "baseline"
 
     def step(self, plane: Plane) -> Steering:  # noqa: ARG002  # the plane only says when to steer
         """Return no repulsive force and the guiding force (0, 1)."""

@@ -17,7 +17,7 @@ class Random(Stage):
     A control: a method that is no better than this one sees nothing.
     """
 
-    role: ClassVar = "control"
+    role: ClassVar = "baseline"
 
     widest_deg: float = param(90.0, gt=0.0, le=180.0, doc="headings are drawn uniformly up to so far to either side")
     hold_s: float = param(1.0, gt=0.0, doc="mean time for which a heading is held; times are exponential")

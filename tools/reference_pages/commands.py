@@ -28,7 +28,11 @@ def commands_page() -> str:
 def _section(name: str) -> str:
     parser = _parser_of(name)
     words = [action for action in parser._actions if not action.option_strings]  # noqa: SLF001
-    options = [action for action in parser._actions if action.option_strings and action.dest != "help"]  # noqa: SLF001
+    options = [
+        action
+        for action in parser._actions  # noqa: SLF001
+        if action.option_strings and action.dest != "help" and action.help != argparse.SUPPRESS
+    ]
     usage = " ".join(["graphnav", name, *(["[OPTIONS]"] if options else []), *map(_word, words)])
     parts = [f"## {name}", parser.description or "", f"```\n{usage}\n```"]
     parts += [bullets(_line(action, parser) for action in (*words, *options)), *_epilog(parser)]

@@ -24,6 +24,7 @@ _GROUPS = {
     ),
     "Write a stage": (
         *("Stage", "Source", "Message", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role"),
+        *("Metric", "MEASURED", "UNDEFINED"),
         *("hookimpl", "Continuity", "block_sum", "coarsen"),
     ),
     "Write an adapter or a drawing": ("Adapter", "PictureContext", "VideoFrames"),
@@ -154,11 +155,14 @@ def _argument(argument: ast.arg, default: ast.expr | None) -> str:
 
 
 def _doc_of_constant(name: str) -> str:
-    """Return what the string below an assignment says, in the modules of stages and of ports."""
-    for module in (inspect.getmodule(graphnav.Stage), inspect.getmodule(graphnav.Latest)):
+    """Return what the string below an assignment says, in the modules of stages, ports and metrics."""
+    for module in map(inspect.getmodule, (graphnav.Stage, graphnav.Latest, graphnav.Metric)):
         assert module is not None
         body = ast.parse(inspect.getsource(module)).body
         for one, after in pairwise(body):
-            if isinstance(one, ast.Assign) and [ast.unparse(target) for target in one.targets] == [name]:
+            targets = (
+                one.targets if isinstance(one, ast.Assign) else [one.target] if isinstance(one, ast.AnnAssign) else []
+            )
+            if [ast.unparse(target) for target in targets] == [name]:
                 return f"```python\n{ast.unparse(one)}\n```\n\n{docstring(_constant(after))}"
     raise LookupError(name)

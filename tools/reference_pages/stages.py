@@ -1,4 +1,4 @@
-"""The pages of the stages that ship: ports, parameters, and what each one says of itself."""
+"""The pages of the stages that ship: ports, parameters, metrics, and what each one says of itself."""
 
 from __future__ import annotations
 
@@ -53,6 +53,7 @@ def _section(use: str) -> str:
             titled_bullets("Inputs", [_input(port) for port in said["inputs"]]),
             titled_bullets("Outputs", [f"`{port['name']}`: {_message(port)}" for port in said["outputs"]]),
             titled_bullets("Parameters", [_param(param) for param in said["parameters"]]),
+            titled_bullets("Metrics", [_metric(metric) for metric in said["metrics"]]),
         )
         if part
     )
@@ -73,6 +74,14 @@ def _param(param: dict[str, Any]) -> str:
     kind = sentence(_type(param["type"]), param["bounds"] and code(param["bounds"]), param["unit"])
     default = "required" if param["required"] else f"default {code(_value(param['default']))}"
     return f"`{param['name']}` ({kind}; {default}): {param['doc']}"
+
+
+def _metric(metric: dict[str, Any]) -> str:
+    better = "" if metric["better"] == "neither" else f"{metric['better']} is better"
+    failed = {"measured": "", "undefined": "only of drives that arrive"}
+    if_failed = failed.get(metric["if_failed"], f"{metric['if_failed']} if the drive failed")
+    kind = sentence(metric["unit"], better, if_failed)
+    return f"`{metric['name']}`{f' ({kind})' if kind else ''}: {docstring(metric['doc'])}"
 
 
 def _type(text: str) -> str:

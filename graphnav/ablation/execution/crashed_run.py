@@ -20,6 +20,7 @@ def crashed_run_files(task: Task) -> Mapping[str, bytes]:
     summary = Summary(
         outcome=Outcome.FAILED,
         failure=DIED,
+        cause=DIED,
         graph=Path(task.graph_path).stem,
         seed=task.seed,
         until_s=None,

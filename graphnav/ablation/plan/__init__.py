@@ -2,12 +2,11 @@
 
 from graphnav.ablation.plan.build_plan import CheckedStudy, check_study
 from graphnav.ablation.plan.compatibility import check_compatible
-from graphnav.ablation.plan.plan import RUNS, Better, Case, Job, Plan
+from graphnav.ablation.plan.plan import RUNS, Case, Job, Plan
 from graphnav.ablation.plan.provenance import difference_here, with_versions
 
 __all__ = [
     "RUNS",
-    "Better",
     "Case",
     "CheckedStudy",
     "Job",

@@ -9,7 +9,7 @@ from pathlib import Path
 from graphnav.ablation.plan.case_problems import CaseProblems
 from graphnav.ablation.plan.checked_cases import CheckedCase, check_cases, stage_classes
 from graphnav.ablation.plan.folder_names import folder_names
-from graphnav.ablation.plan.metric_checks import checked_metrics, less_is_better
+from graphnav.ablation.plan.metric_checks import checked_metrics, declared_metrics
 from graphnav.ablation.plan.plan import RUNS, Case, Plan
 from graphnav.ablation.plan.study_problems import study_problems
 from graphnav.ablation.plan.variants import Variant, expand
@@ -59,10 +59,10 @@ def check_study(study: Study, catalog: Catalog, command: str, plugins: Sequence[
         graphs=tuple(dict.fromkeys(case.graph for case in cases)),
         axes={axis.name: tuple(choice.label for choice in axis.choices) for axis in study.axes},
         seeds=study.seeds,
-        figures=metrics,
+        metrics=metrics,
         cases=cases,
         within=study.within,
-        less_is_better=less_is_better(classes),
+        declared=declared_metrics(classes),
         plugins=_plugins(plugins, checked),
         versions=versions(),
     )

@@ -14,7 +14,7 @@ from graphnav.graph import Graph, Node, Override, load_graph
 from graphnav.graph.paths import has_path
 from graphnav.stage import Role, Stage, params_of
 
-_ROLES: tuple[Role, ...] = ("oracle", "control", "method")
+_ROLES: tuple[Role, ...] = ("oracle", "baseline", "method")
 """The most special one first."""
 
 

@@ -1,50 +1,56 @@
-"""Check the metrics of a study against the stages that compute them."""
+"""Check the metrics of a study against the stages that declare them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from graphnav.ablation.plan.plan import Better
 from graphnav.ablation.study import MetricExpression, Study
 from graphnav.errors import Place, Problem, UserError, did_you_mean
-from graphnav.stage import Stage
+from graphnav.stage import Metric, Stage, former_names, metrics_of
 
 Classes = Mapping[str, Sequence[type[Stage]]]
 """The classes of the stages of all cases, by their names in the graphs."""
 
 
-def checked_metrics(study: Study, classes: Classes, problems: list[Problem]) -> dict[str, Better]:
-    """Return the columns of a study's table and which values are better; what is wrong is added to ``problems``.
-
-    Whether a stage says a metric of that name is known only after a run.
-    """
-    metrics: dict[str, Better] = {}
+def checked_metrics(study: Study, classes: Classes, problems: list[Problem]) -> tuple[str, ...]:
+    """Return the columns of a study's table; what is wrong is added to ``problems``."""
+    columns: list[str] = []
     for text in study.metrics:
         place = study.places.get(text)
         try:
-            metric = MetricExpression.parse(text)
+            column = MetricExpression.parse(text)
         except UserError as error:
             problems += [Problem(place, problem.what, problem.hint) for problem in error.problems]
             continue
-        wrong = list(_unknown(metric, place, classes))
+        wrong = list(_unknown(column, place, classes))
         problems += wrong
         if not wrong:
-            metrics[metric.text] = "less" if metric.operands[0] in less_is_better(classes) else "more"
-    return metrics
+            columns.append(column.text)
+    return tuple(dict.fromkeys(columns))
 
 
-def less_is_better(classes: Classes) -> tuple[str, ...]:
-    """Return every ``stage.metric`` of which less is better."""
-    found = ((name, metric) for name, each in classes.items() for cls in each for metric in sorted(cls.less_is_better))
-    return tuple(dict.fromkeys(f"{name}.{metric}" for name, metric in found))
+def declared_metrics(classes: Classes) -> dict[str, Metric]:
+    """Return the declared metrics by ``stage.metric``; of a stage that is swapped, the first class counts."""
+    found: dict[str, Metric] = {}
+    for stage, each in classes.items():
+        for cls in each:
+            for name, metric in metrics_of(cls).items():
+                found.setdefault(f"{stage}.{name}", metric)
+    return found
 
 
-def _unknown(metric: MetricExpression, place: Place | None, classes: Classes) -> Iterator[Problem]:
-    scored = [name for name, found in classes.items() if any(cls.summary is not Stage.summary for cls in found)]
-    known = f"stages that say figures are {', '.join(scored)}" if scored else "no stage says any: add a score"
-    for operand in metric.operands:
-        stage = operand.partition(".")[0]
+def _unknown(column: MetricExpression, place: Place | None, classes: Classes) -> Iterator[Problem]:
+    declared = declared_metrics(classes)
+    scored = [name for name, found in classes.items() if any(metrics_of(cls) for cls in found)]
+    stages = f"stages that report metrics are {', '.join(scored)}" if scored else "no stage reports any: add a score"
+    for operand in column.operands:
+        stage, _, metric = operand.partition(".")
         if stage not in classes:
-            yield Problem(place, f"'{operand}': no graph has a stage '{stage}'", did_you_mean(stage, scored) or known)
+            yield Problem(place, f"'{operand}': no graph has a stage '{stage}'", did_you_mean(stage, scored) or stages)
         elif stage not in scored:
-            yield Problem(place, f"'{operand}': stage '{stage}' says no figures", known)
+            yield Problem(place, f"'{operand}': stage '{stage}' reports no metrics", stages)
+        elif operand not in declared:
+            known = [name for cls in classes[stage] for name in metrics_of(cls)]
+            hint = former_names.suggestion(metric, former_names.METRICS, known)
+            hint = hint or f"its metrics are {', '.join(dict.fromkeys(known))}"
+            yield Problem(place, f"'{operand}': stage '{stage}' has no metric '{metric}'", hint)

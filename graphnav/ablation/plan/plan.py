@@ -8,13 +8,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+from graphnav.ablation.plan import former_plan
+from graphnav.ablation.study import MetricExpression
 from graphnav.errors import Place, shown_path
 from graphnav.graph import Override, Target, parse_override
-from graphnav.stage import Role
-
-Better = Literal["more", "less"]
+from graphnav.stage import Better, Metric, Role
 
 RUNS = "runs"
 """Where runs are, below the study's folder."""
@@ -35,7 +35,7 @@ class Case:
     overrides: tuple[Override, ...]
     is_base: bool
     role: Role
-    """The most special of what its axes put in: "control" or "oracle", else "method"."""
+    """Of the stages that its axes swap in: "oracle" if one is, else "baseline" if one is, else "method"."""
     folder: str
     """Where its runs are, below the study's folder; unique unless another case resolves to the same graph."""
     same_as: str
@@ -76,14 +76,14 @@ class Plan:
     axes: Mapping[str, tuple[str, ...]]
     """The labels of each axis, the base's first."""
     seeds: tuple[int, ...]
-    figures: Mapping[str, Better]
-    """Columns of the table, ``stage.metric``, and which values are better; the one that decides first."""
+    metrics: tuple[str, ...]
+    """Columns of the table, ``stage.metric`` or two of them, the one that decides first; empty for all metrics."""
     cases: tuple[Case, ...]
     """Graph by graph, in the same order of variants; the base first."""
     within: tuple[str, ...] = ()
     """Axes that are conditions, within which variants are compared."""
-    less_is_better: tuple[str, ...] = ()
-    """All ``stage.metric`` of which less is better, as the stages of the cases say."""
+    declared: Mapping[str, Metric] = field(default_factory=dict)
+    """What the stages of the cases declare of their metrics, by ``stage.metric``."""
     plugins: tuple[str, ...] = ()
     """Files given with ``--plugin`` and those that the graphs name, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -116,10 +116,20 @@ class Plan:
         """The number of runs."""
         return len(self.seeds) * sum(not case.same_as for case in self.cases)
 
-    def better(self, metric: str) -> Better:
-        """Return which values of a metric are better; a difference or a ratio is better where its first metric is."""
-        first = metric.split(maxsplit=1)[0]
-        return self.figures.get(metric) or ("less" if first in self.less_is_better else "more")
+    def metric(self, name: str) -> Metric:
+        """Return what is declared of ``stage.metric``."""
+        return self.declared.get(name) or former_plan.undeclared(name)
+
+    def better(self, column: str) -> Better:
+        """Return which values of a column are better; a difference or a ratio is better where its first metric is."""
+        return self.metric(MetricExpression.parse(column).operands[0]).better
+
+    def label(self, column: str) -> str:
+        """Return the heading of a column: its metric, with the unit where the name does not tell it."""
+        read = MetricExpression.parse(column)
+        if read.operator:
+            return column
+        return f"{column.partition('.')[0]}.{self.metric(column).label}"
 
     def case(self, graph: str, variant: str) -> Case:
         """Return the case of a graph and a variant."""
@@ -134,7 +144,8 @@ class Plan:
     @classmethod
     def read(cls, path: Path) -> Plan:
         """Read what `write` wrote, in this version or an earlier one."""
-        data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        data: dict[str, Any] = former_plan.as_written_now(json.loads(path.read_text(encoding="utf-8")))
+        data["declared"] = {name: Metric(**declared) for name, declared in data["declared"].items()}
         data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
         data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
         return cls(**{key: _tuple(value) for key, value in data.items()})

@@ -1,13 +1,14 @@
 """The tables and the report of a study."""
 
 from graphnav.ablation.report.atomic_write import write_atomically
-from graphnav.ablation.report.csv_files import RESULTS, TIMING, write_results, write_timing
+from graphnav.ablation.report.csv_files import METRICS, RESULTS, TIMING, write_metrics, write_results, write_timing
 from graphnav.ablation.report.html import write_report
 from graphnav.ablation.report.markdown import TABLE, table_markdown
 from graphnav.ablation.report.paired_markdown import paired_studies_markdown
 from graphnav.ablation.report.terminal import print_comparison, print_paired_studies
 
 __all__ = [
+    "METRICS",
     "RESULTS",
     "TABLE",
     "TIMING",
@@ -16,6 +17,7 @@ __all__ = [
     "print_paired_studies",
     "table_markdown",
     "write_atomically",
+    "write_metrics",
     "write_report",
     "write_results",
     "write_timing",

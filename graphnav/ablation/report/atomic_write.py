@@ -9,12 +9,12 @@ from graphnav.errors import GraphnavError
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a file beside the one that may be there, then put it in its place.
+    """Write a temporary file in the same folder, then rename it.
 
     Raises
     ------
     GraphnavError
-        The disk refuses; what was there is as it was.
+        The disk refuses; an existing file is unchanged.
     """
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     try:

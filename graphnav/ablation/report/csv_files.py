@@ -1,4 +1,4 @@
-"""Tables for other programs: ``results.csv`` with the result of every run, and ``timing.csv``."""
+"""Tables for other programs: ``results.csv`` with the result of every run, ``metrics.csv``, and ``timing.csv``."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.results import Record, in_plan_order, metric_columns
 
 RESULTS = "results.csv"
+METRICS = "metrics.csv"
 TIMING = "timing.csv"
 
 
@@ -39,6 +40,15 @@ def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
         ]
         for record in ordered
     )
+    _write(path, header, rows)
+
+
+def write_metrics(plan: Plan, records: Iterable[Record], path: Path) -> None:
+    """Write what is declared of each metric in ``results.csv``, a line a column: unit, direction, help."""
+    names = metric_columns(plan, in_plan_order(plan, records))
+    declared = {name: plan.metric(name) for name in names}
+    header = ["metric", "unit", "better", "if_failed", "outcome", "help"]
+    rows = ([name, m.unit, m.better, m.if_failed, m.is_outcome, m.help] for name, m in declared.items())
     _write(path, header, rows)
 
 

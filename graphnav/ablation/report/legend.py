@@ -5,32 +5,50 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.results import DRAWS, MIN_WORLDS, SEED, Comparison, Row
+from graphnav.ablation.results import DRAWS, MIN_WORLDS, SEED, Comparison, Row, shown_metrics
+from graphnav.ablation.study import MetricExpression
+from graphnav.stage import UNDEFINED
 
 INTERVALS = (
-    f"Intervals are 95 %, over worlds: the percentile bootstrap ({DRAWS} resamples, seed {SEED}). For figures that are "
+    f"Intervals are 95 %, over worlds: the percentile bootstrap ({DRAWS} resamples, seed {SEED}). For metrics that are "
     "0 or 1 in every run they are Wilson's score interval for the mean and Bonett and Price's adjusted Wald interval "
     "for the difference, which have a width also where all worlds agree. Each holds for itself: where nothing differs, "
     "one comparison in twenty still leaves out 0."
 )
-COUNTING = (
-    "A run that failed (a stage broke down) counts as no success, with spl and barn 0; its other figures do not count. "
-    "A world in which a figure is not defined does not count for it; n says how many did where not all have."
-)
+
+
+def counting(plan: Plan, columns: Iterable[str]) -> str:
+    """Return how failed runs count for the metrics of some columns, as declared; plain text."""
+    names = dict.fromkeys(name for column in columns for name in MetricExpression.parse(column).operands)
+    declared = {name: plan.metric(name).if_failed for name in names}
+    with_value = [f"{name} {value:g}" for name, value in declared.items() if isinstance(value, float)]
+    undefined = [name for name, value in declared.items() if value == UNDEFINED]
+    sentences = [
+        f"A run in which a stage failed counts as {', '.join(with_value)}; its other metrics do not count."
+        if with_value
+        else "The metrics of a run in which a stage failed do not count."
+    ]
+    if undefined:
+        sentences.append(f"{', '.join(undefined)}: only of drives that arrived.")
+    sentences.append("A world in which a metric is undefined does not count for it; n is how many did if not all do.")
+    return " ".join(sentences)
 
 
 def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     """Return the sentences below a study's table, plain text."""
     where = f", under the same {' and '.join(plan.within)}" if plan.within else ""
     reading = (
-        "Each cell is the mean over worlds with its interval; ↑ more is better, ↓ less. Differences are from the base, "
-        f"{plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was better–worse. "
+        "Each cell is the mean over worlds with its interval; ↑ higher is better, ↓ lower. Differences are from the "
+        f"base, {plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was "
+        "better–worse. "
         f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
     )
-    sentences = [reading, INTERVALS, COUNTING]
+    if any(plan.better(metric) == "neither" for metric in shown_metrics(plan, comparison)):
+        reading += " Of metrics without an arrow neither is better: in how many worlds it was higher–lower."
+    sentences = [reading, INTERVALS, counting(plan, shown_metrics(plan, comparison))]
     roles = {row.case.role for row in comparison.rows}
-    if "control" in roles:
-        sentences.append("A control is what every method has to beat; where it does well, the worlds test nothing.")
+    if "baseline" in roles:
+        sentences.append("A baseline is what every method has to beat; where it does well, the worlds test nothing.")
     if "oracle" in roles:
         sentences.append("An oracle sees the truth: it bounds what the methods can reach.")
     return tuple(sentences)
@@ -62,18 +80,18 @@ def same_graphs(rows: Iterable[Row]) -> Iterator[str]:
 
 
 def outcome_counts(outcomes: Mapping[str, int]) -> str:
-    """Return how often runs ended in which way, the most frequent first."""
+    """Return the number of runs by outcome, the most frequent first."""
     ordered = sorted(outcomes.items(), key=lambda item: (-item[1], item[0]))
     return ", ".join(f"{outcome} {times}" for outcome, times in ordered)
 
 
 def worlds_text(row: Row, plan: Plan) -> str:
-    """Return how many runs there are, and of how many where the study is not finished."""
+    """Return the number of runs, and of how many if the study is not finished."""
     return str(row.runs) if row.runs == len(plan.seeds) else f"{row.runs} of {len(plan.seeds)}"
 
 
 def seeds_text(seeds: Sequence[int]) -> str:
-    """Return seeds in short: ``1000 to 1049 (50)``; those that stand apart by commas."""
+    """Return seeds in short: ``1000 to 1049 (50)``; ranges and single seeds between commas."""
     runs: list[list[int]] = []
     for seed in sorted(seeds):
         if runs and seed == runs[-1][1] + 1:

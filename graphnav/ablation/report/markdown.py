@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.legend import legend, marks, origin, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.results import Comparison, Difference, Row, shown_metrics
+from graphnav.stage import Better
 
 TABLE = "table.md"
 METRICS_PER_TABLE = 3
-"""As many as are read without scrolling; more go into further tables."""
-ARROWS: dict[Better, str] = {"more": "↑", "less": "↓"}
+"""More would need scrolling, and go into further tables."""
+ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
+"""Behind the heading of a metric."""
 
 _ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
 
 
 def table_markdown(plan: Plan, comparison: Comparison) -> str:
-    """Return the table of a study, graph by graph, with what it takes to understand it and to make it again."""
+    """Return the table of a study, graph by graph, with how to read it and how to reproduce it."""
     parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else [])]
     for graph in plan.graphs:
         parts += [f"## {graph}", *_graph(plan, comparison, comparison.of_graph(graph))]
@@ -39,12 +41,12 @@ def bullets(lines: Iterable[str]) -> str:
 
 
 def escaped(text: str) -> str:
-    """Return a text that Markdown shows as it is, in a table too."""
+    """Return a string that Markdown shows unchanged, in a table too."""
     return text.translate(_ESCAPED)
 
 
 def code(text: str) -> str:
-    """Return a text as code."""
+    """Return a string as code."""
     return f"`{text}`" if "`" not in text else escaped(text)
 
 
@@ -63,7 +65,7 @@ def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[
         some = metrics[first : first + METRICS_PER_TABLE]
         header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
         for metric in some:
-            header += [f"{escaped(metric)} {ARROWS[plan.better(metric)]}", "difference"]
+            header += [f"{escaped(plan.label(metric))}{ARROWS[plan.better(metric)]}", "difference"]
         yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in own))
     if alike := list(same_graphs(rows)):
         yield bullets(map(escaped, alike))

@@ -8,14 +8,14 @@ from graphnav.ablation.results import Difference, Estimate
 
 MAX_DECIMALS = 4
 TINY = ".1e"
-"""The format of numbers of which so many decimals show nothing."""
+"""The format of numbers that have only zeros in so many decimals."""
 
 
 def format_of(mean: float, low: float, high: float) -> str:
     """Return the format that shows two digits of half the interval's width; of the mean, four, where it has none.
 
-    It has at most four decimals, unless they would show nothing: a mean reads as zero only where its interval holds
-    zero, and beside a bound that does not read so.
+    It has at most four decimals, unless they would all be zero: a mean is shown as zero only if its interval contains
+    zero and a bound is not shown as zero.
     """
     half = (high - low) / 2
     size, digits = (half, 2) if math.isfinite(half) and half > 0 else (abs(mean), 4)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from graphnav.ablation.report.legend import COUNTING, INTERVALS, origin, outcome_counts, seeds_text
+from graphnav.ablation.report.legend import INTERVALS, counting, origin, outcome_counts, seeds_text
 from graphnav.ablation.report.markdown import ARROWS, METRICS_PER_TABLE, bullets, code, difference_cell, escaped, table
 from graphnav.ablation.report.number_format import estimate_text
 from graphnav.ablation.results import MIN_WORLDS, PairedRow, PairedStudies
 
 READING = (
     "A is the first study, B the second. Each cell is the mean over the worlds that both have, with its interval; ↑ "
-    "more is better, ↓ less. B - A is the mean difference in the same worlds with its interval, then in how many of "
+    "higher is better, ↓ lower. B - A is the mean difference in the same worlds with its interval, then in how many of "
     "them B was better–worse. "
     f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
 )
@@ -24,7 +24,10 @@ def paired_studies_markdown(pairing: PairedStudies) -> str:
         parts += [f"## {graph}", *_graph(pairing, [row for row in pairing.rows if row.graph == graph])]
     if alone := list(only_in_one(pairing)):
         parts += ["## Only in one of them", bullets(map(escaped, alone))]
-    parts += ["## How to read and repeat this", bullets(map(escaped, (READING, INTERVALS, COUNTING)))]
+    parts += [
+        "## How to read and repeat this",
+        bullets(map(escaped, (READING, INTERVALS, counting(pairing.plan_b, pairing.metrics)))),
+    ]
     sides = (("A", pairing.plan_a), ("B", pairing.plan_b))
     facts = [f"{side}, {name}: {code(value)}" for side, plan in sides for name, value in origin(plan)]
     parts.append(bullets([*facts, *map(escaped, different_versions(pairing))]))
@@ -54,7 +57,11 @@ def _graph(pairing: PairedStudies, rows: Sequence[PairedRow]) -> Iterator[str]:
         some = metrics[first : first + METRICS_PER_TABLE]
         header = ["variant", *(["worlds", "outcomes of A", "outcomes of B"] if first == 0 else [])]
         for metric in some:
-            header += [f"{escaped(metric)} {ARROWS[pairing.metrics[metric]]} A", "B", "B - A"]
+            header += [
+                f"{escaped(pairing.plan_of(metric).label(metric))}{ARROWS[pairing.metrics[metric]]} A",
+                "B",
+                "B - A",
+            ]
         yield table(header, (_cells(row, some, with_runs=first == 0) for row in rows))
 
 

@@ -10,25 +10,26 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.markdown import ARROWS
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
 from graphnav.ablation.results import Comparison, Difference, PairedRow, PairedStudies, Row, shown_metrics
+from graphnav.stage import Better
 
 DECIDING = 2
 """Metrics that the terminal shows; `table.md` has them all."""
 _MAX_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, for a metric that is cut would be a wrong one."""
+"""Tables are as wide as they need: a narrow terminal wraps them, because a number that is cut would be a wrong one."""
 
 
 def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> None:
-    """Print, graph by graph, how the runs of each variant ended and the metrics that decide."""
+    """Print, graph by graph, the outcomes of each variant and its deciding metrics."""
     metrics = shown_metrics(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
         rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
-        groups = [["worlds", "outcomes"]] + [[f"{name} {ARROWS[plan.better(name)]}", "difference"] for name in metrics]
+        groups = [["worlds", "outcomes"], *([_heading(plan, name), "difference"] for name in metrics)]
         print_grouped(console, graph, ["variant"], groups, [_cells(row, metrics, plan) for row in rows])
         for line in same_graphs(comparison.of_graph(graph)):
             console.print(Text(line, style="dim"), soft_wrap=True)
@@ -39,10 +40,10 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
 
 
 def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
-    """Print what became of each variant from the first study to the second, and what cannot be compared."""
+    """Print how each variant changed from the first study to the second, and what cannot be compared."""
     metrics = tuple(pairing.metrics)[:DECIDING]
     for graph in pairing.graphs:
-        groups = [[f"{name} {ARROWS[pairing.metrics[name]]} A", "B", "B - A"] for name in metrics]
+        groups = [_paired_headings(pairing, name) for name in metrics]
         rows = [_pair_cells(row, metrics, pairing) for row in pairing.rows if row.graph == graph]
         print_grouped(console, graph, ["variant", "worlds"], groups, rows)
     for line in (*only_in_one(pairing), *different_versions(pairing)):
@@ -82,12 +83,12 @@ def print_grouped(
 
 
 def difference_cell(found: Difference | None, better: Better) -> Text:
-    """Return a difference, green or red where it is clear."""
+    """Return a difference, green or red where it is clear which is better."""
     if found is None:
         return Text()
-    if not found.is_clear:
+    if not found.is_clear or better == "neither":
         return Text(difference_text(found))
-    return Text(difference_text(found), style="green" if (found.low > 0) == (better == "more") else "red")
+    return Text(difference_text(found), style="green" if (found.low > 0) == (better == "higher") else "red")
 
 
 def _cells(row: Row, metrics: Sequence[str], plan: Plan) -> list[Text]:
@@ -108,3 +109,11 @@ def _pair_cells(row: PairedRow, metrics: Sequence[str], pairing: PairedStudies) 
         cells += [Text(estimate_text(side[metric], len(row.seeds)) if metric in side else "") for side in sides]
         cells.append(difference_cell(row.differences.get(metric), pairing.metrics[metric]))
     return cells
+
+
+def _paired_headings(pairing: PairedStudies, metric: str) -> list[str]:
+    return [f"{_heading(pairing.plan_of(metric), metric)} A", "B", "B - A"]
+
+
+def _heading(plan: Plan, metric: str) -> str:
+    return f"{plan.label(metric)}{ARROWS[plan.better(metric)]}"

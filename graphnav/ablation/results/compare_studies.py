@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.compare_variants import difference, estimate
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
-from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
+from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies, declaring_plan
 from graphnav.ablation.results.records import Record, in_plan_order
-from graphnav.ablation.study import MetricExpression
 from graphnav.errors import UserError
+from graphnav.stage import Better
 
 _Case = tuple[str, str]
 """Graph and variant."""
 _Cases = Mapping[_Case, Mapping[int, Record]]
 """The records of a study, by case and seed."""
+_Side = tuple[_Cases, Mapping[_Case, Mapping[str, Values]]]
+"""The records of a study and the values of its columns, by case."""
 
 
 def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, records_b: Iterable[Record]) -> PairedStudies:
     """Pair the runs of two studies by graph, variant and seed.
 
-    Cases that are the same graph as another one in both studies are told once.
+    Of cases that are the same graph in both studies, the first one is paired.
 
     Raises
     ------
@@ -42,10 +44,15 @@ def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, record
             "compare studies of the same graphs, variants and seeds",
         )
     columns = dict.fromkeys([*table_metrics(plan_a, all_a), *table_metrics(plan_b, all_b)])
-    metrics = {
-        metric.text: (plan_b if metric.text in plan_b.figures else plan_a).better(metric.text) for metric in columns
-    }
-    rows = tuple(_rows(matched, cases_a, cases_b, tuple(columns), metrics))
+    plans = {column: declaring_plan(plan_a, plan_b, column.text) for column in columns}
+    metrics = {column.text: plan.better(column.text) for column, plan in plans.items()}
+    values_a, values_b = (
+        {case: {c.text: values_of(plan, c, runs.values()) for c in columns} for case, runs in cases.items()}
+        for plan, cases in ((plan_a, cases_a), (plan_b, cases_b))
+    )
+    everything = [*values_a.values(), *values_b.values()]
+    binary = {c.text for c, plan in plans.items() if is_binary(plan, c, (found[c.text] for found in everything))}
+    rows = tuple(_rows(matched, (cases_a, values_a), (cases_b, values_b), metrics, binary))
     return PairedStudies(
         plan_a=plan_a,
         plan_b=plan_b,
@@ -57,26 +64,15 @@ def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, record
 
 
 def _rows(
-    matched: Sequence[_Case],
-    cases_a: _Cases,
-    cases_b: _Cases,
-    columns: Sequence[MetricExpression],
-    metrics: Mapping[str, Better],
+    matched: Sequence[_Case], a: _Side, b: _Side, metrics: Mapping[str, Better], binary: set[str]
 ) -> Iterator[PairedRow]:
-    values_a, values_b = (
-        {case: {c.text: values_of(c, runs.values()) for c in columns} for case, runs in cases.items()}
-        for cases in (cases_a, cases_b)
-    )
-    everything = [*values_a.values(), *values_b.values()]
-    binary = {column.text for column in columns if is_binary(column, (found[column.text] for found in everything))}
     for case in matched:
-        runs_a, runs_b = cases_a[case], cases_b[case]
-        of_a, of_b = values_a[case], values_b[case]
+        (runs_a, of_a), (runs_b, of_b) = ((cases[case], values[case]) for cases, values in (a, b))
         seeds = tuple(seed for seed in runs_a if seed in runs_b)
         common = {text: (_also_in(of_b[text], of_a[text]), _also_in(of_a[text], of_b[text])) for text in metrics}
         known = {text: pair for text, pair in common.items() if pair[0]}
         differences = {
-            text: difference(b, a, metrics[text], is_binary=text in binary) for text, (a, b) in known.items()
+            text: difference(new, old, metrics[text], is_binary=text in binary) for text, (old, new) in known.items()
         }
         yield PairedRow(
             graph=case[0],
@@ -86,8 +82,8 @@ def _rows(
             only_b=tuple(seed for seed in runs_b if seed not in runs_a),
             outcomes_a=Counter(runs_a[seed].outcome for seed in seeds),
             outcomes_b=Counter(runs_b[seed].outcome for seed in seeds),
-            estimates_a={text: estimate(a, is_binary=text in binary) for text, (a, _) in known.items()},
-            estimates_b={text: estimate(b, is_binary=text in binary) for text, (_, b) in known.items()},
+            estimates_a={text: estimate(old, is_binary=text in binary) for text, (old, _) in known.items()},
+            estimates_b={text: estimate(new, is_binary=text in binary) for text, (_, new) in known.items()},
             differences={text: found for text, found in differences.items() if found is not None},
         )
 

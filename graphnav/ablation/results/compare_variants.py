@@ -2,34 +2,34 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from graphnav.ablation.plan import Better, Case, Plan
+from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.results.comparison import Comparison, Difference, Estimate, Row
 from graphnav.ablation.results.intervals import difference_interval, mean_interval
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
-
-_MOMENT = re.compile(r" at \d+(\.\d+)? s\b")
+from graphnav.stage import Better
 
 
 def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
     """Return the table of a study: the plan's metrics, or all metrics where it names none.
 
-    A world counts for a metric if its run has it, and for a difference if both runs have it: n says how many did. How
-    failed runs count is told at `Record.counted`. A case that shares the base's runs has no differences.
+    A world counts for a metric if its run has it, and for a difference if both runs have it: n is how many did. How
+    failed runs count is described at `Record.counted`. A case that shares the base's runs has no differences.
     """
     ordered = in_plan_order(plan, records)
     metrics = table_metrics(plan, ordered)
     by_case: dict[tuple[str, str], list[Record]] = {(case.graph, case.variant): [] for case in plan.cases}
     for record in ordered:
         by_case[record.graph, record.variant].append(record)
-    values = {key: {metric.text: values_of(metric, runs) for metric in metrics} for key, runs in by_case.items()}
-    binary = {metric.text for metric in metrics if is_binary(metric, (found[metric.text] for found in values.values()))}
+    values = {key: {metric.text: values_of(plan, metric, runs) for metric in metrics} for key, runs in by_case.items()}
+    binary = {
+        metric.text for metric in metrics if is_binary(plan, metric, (found[metric.text] for found in values.values()))
+    }
     bases = {case.graph: case for case in plan.cases if case.is_base}
     return Comparison(
         tuple(
@@ -59,7 +59,7 @@ def difference(values: Values, base: Values, better: Better, *, is_binary: bool)
         return None
     this, that = (np.array([column[seed] for seed in seeds]) for column in (values, base))
     more, less = int(np.count_nonzero(this > that)), int(np.count_nonzero(this < that))
-    won, lost = (more, less) if better == "more" else (less, more)
+    won, lost = (less, more) if better == "lower" else (more, less)
     interval = difference_interval(this, that, is_binary=is_binary)
     return Difference(float((this - that).mean()), *interval, len(seeds), won, lost)
 
@@ -85,7 +85,7 @@ def _row(
         case=case,
         runs=len(runs),
         outcomes=Counter(run.outcome for run in runs),
-        failures=Counter(_MOMENT.sub("", run.failure) for run in runs if run.failure),
+        failures=Counter(run.cause for run in runs if run.cause),
         estimates={metric: estimate(column, is_binary=metric in binary) for metric, column in values.items() if column},
         differences={metric: found for metric, found in differences.items() if found is not None},
         p50_ms={stage: float(np.median(found)) for stage, found in times.items()},

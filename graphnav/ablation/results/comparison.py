@@ -25,7 +25,8 @@ class Estimate:
 class Difference:
     """The mean paired difference from the base (this minus base, same worlds) with its 95 % interval.
 
-    ``won``, ``lost``: in how many of the ``n`` worlds that have both this was better and worse than the base.
+    ``won``, ``lost``: in how many of the ``n`` worlds that have both this was better and worse than the base; of a
+    metric of which neither is better, higher and lower.
     """
 
     mean: float
@@ -50,7 +51,7 @@ class Row:
 
     case: Case
     runs: int
-    """How many runs are there; fewer than the plan's seeds while a study is not finished."""
+    """The number of existing runs; fewer than the plan's seeds while a study is not finished."""
     outcomes: Mapping[str, int]
     failures: Mapping[str, int]
     """Reasons of failed runs and how many failed so."""

@@ -11,8 +11,8 @@ from graphnav.runner import Outcome
 FAILURES = "failures"
 _WORST = (Outcome.CONTACT, Outcome.FAILED, Outcome.TIMEOUT)
 """A failure that is hard to explain by its summary comes first."""
-_OF_CONTROLS = 1
-"""Controls fail by design: one picture shows how."""
+_OF_BASELINES = 1
+"""Baselines fail by design: one picture shows how."""
 
 
 def failure_folder(case: Case, seed: int) -> str:
@@ -20,24 +20,25 @@ def failure_folder(case: Case, seed: int) -> str:
     return f"{FAILURES}/{case.folder.removeprefix(f'{RUNS}/')}/{seed}"
 
 
-def is_failure(record: Record) -> bool:
-    """Return whether a run failed: it touched something, broke down, or had a goal and did not reach it in time.
+def is_failure(plan: Plan, record: Record) -> bool:
+    """Return whether a run failed: it touched something, a stage failed, or its time was up before it arrived.
 
-    A graph without a goal ends when its time is over, which is no failure.
+    The metrics that are outcomes tell whether it arrived. Without one, as on a map without a goal, a run whose time is
+    up is not a failure.
     """
     if record.outcome == Outcome.TIMEOUT:
-        return any(name.endswith(".success") and value == 0 for name, value in record.metrics.items())
+        return any(plan.metric(name).is_outcome and value == 0.0 for name, value in record.metrics.items())
     return record.outcome in _WORST
 
 
 def worst_failures(plan: Plan, records: Iterable[Record], each: int) -> list[Job]:
-    """Return up to ``each`` failures of every case: contacts, then breakdowns, then timeouts, by seed.
+    """Return up to ``each`` failures of every case: contacts, then failed stages, then timeouts, by seed.
 
-    Runs that left nothing to see, because they broke down before the first tick, do not count.
+    Runs that left nothing to see, because a stage failed before the first tick, do not count.
     """
     failed: dict[tuple[str, str], list[Record]] = {}
     for record in records:
-        if is_failure(record) and record.frames:
+        if is_failure(plan, record) and record.frames:
             failed.setdefault((record.graph, record.variant), []).append(record)
     chosen = []
     for case in plan.cases:
@@ -46,6 +47,6 @@ def worst_failures(plan: Plan, records: Iterable[Record], each: int) -> list[Job
         found = sorted(
             failed.get((case.graph, case.variant), ()), key=lambda r: (_WORST.index(Outcome(r.outcome)), r.seed)
         )
-        number = min(each, _OF_CONTROLS) if case.role == "control" else each
+        number = min(each, _OF_BASELINES) if case.role == "baseline" else each
         chosen += [Job(case, record.seed) for record in found[:number]]
     return chosen

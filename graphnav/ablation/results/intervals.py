@@ -14,7 +14,7 @@ from graphnav.arrays import Doubles
 DRAWS = 10_000
 """Resamples of the worlds in a bootstrap."""
 SEED = 20_260
-"""Of the resamples, so that a report made again says the same."""
+"""Of the resamples, so that a report that is made again is the same."""
 NORMAL_FROM = 2000
 """Values in a bootstrap from which on nothing is drawn."""
 Z = 1.959963984540054
@@ -22,7 +22,7 @@ Z = 1.959963984540054
 
 
 class Interval(NamedTuple):
-    """Bounds; not a number where so few worlds say nothing."""
+    """Bounds; not a number where there are too few worlds."""
 
     low: float
     high: float
@@ -47,7 +47,7 @@ def difference_interval(values: Doubles, base: Doubles, *, is_binary: bool) -> I
 def bootstrap(values: Doubles) -> Interval:
     """Return the percentile bootstrap's interval of the mean [Efron].
 
-    Not a number for fewer than two values, which do not show how they scatter. From `NORMAL_FROM` values on it is the
+    Not a number for fewer than two values. From `NORMAL_FROM` values on it is the
     normal distribution's, with the bootstrap's own spread: the resampled means are normal then.
 
     References
@@ -76,10 +76,10 @@ def wilson(successes: float, n: int) -> Interval:
     .. [Wilson] E. B. Wilson, Probable Inference, the Law of Succession, and Statistical Inference, Journal of the
        American Statistical Association 22, 1927; recommended by L. D. Brown et al., Statistical Science 16(2), 2001.
     """
-    share = successes / n
-    middle = (share + Z**2 / (2 * n)) / (1 + Z**2 / n)
-    half = Z / (1 + Z**2 / n) * math.sqrt(share * (1 - share) / n + Z**2 / (4 * n**2))
-    return Interval(min(max(middle - half, 0.0), share), max(min(middle + half, 1.0), share))
+    from scipy.stats import binomtest  # noqa: PLC0415 - slow to import, and only tables need it
+
+    found = binomtest(round(successes), n).proportion_ci(method="wilson")
+    return Interval(float(found.low), float(found.high))
 
 
 def bonett_price(only_this: int, only_base: int, n: int) -> Interval:

@@ -5,8 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from graphnav.ablation.plan import Better, Plan
+from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.comparison import Difference, Estimate
+from graphnav.ablation.study import MetricExpression
+from graphnav.stage import Better
+
+
+def declaring_plan(plan_a: Plan, plan_b: Plan, column: str) -> Plan:
+    """Return the plan that declares a column: the second one, unless only the first one does."""
+    return plan_b if MetricExpression.parse(column).operands[0] in plan_b.declared else plan_a
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,10 @@ class PairedStudies:
     only_a: tuple[tuple[str, str], ...]
     """Graph and variant of cases without a partner."""
     only_b: tuple[tuple[str, str], ...]
+
+    def plan_of(self, column: str) -> Plan:
+        """Return the plan that declares a column: that of the second study, unless only the first one does."""
+        return declaring_plan(self.plan_a, self.plan_b, column)
 
     @property
     def graphs(self) -> tuple[str, ...]:

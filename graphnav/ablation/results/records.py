@@ -13,9 +13,7 @@ from graphnav.ablation.plan import Case, Plan
 from graphnav.errors import Problem, UserError, shown_path
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import SUMMARY
-
-ZERO_IF_FAILED = frozenset({"success", "spl", "barn"})
-"""Metrics that a run which broke down has earned nothing of: success, and what success multiplies."""
+from graphnav.stage import Metric, former_names
 
 
 @dataclass(frozen=True)
@@ -36,39 +34,41 @@ class Record:
     seed: int
     outcome: str
     failure: str
+    cause: str
+    """The failure without the time at which it happened: runs that failed for the same reason have the same one."""
     frames: int
     sim_s: float
     metrics: Mapping[str, float]
-    """By ``stage.metric``; one that a run could not say is missing."""
+    """By ``stage.metric``; one that was not defined for the run is missing."""
     wall_s: float
     times: Mapping[str, StageTime]
     """By stage."""
     folder: str
     """Of the run, below the study's folder."""
 
-    def counted(self, name: str) -> float | None:
-        """Return what the run counts for in a comparison, None where it says nothing about ``stage.metric``.
+    def counted(self, name: str, metric: Metric) -> float | None:
+        """Return the value that ``stage.metric`` has in a comparison, None where it is not defined for the run.
 
-        A failure never improves a result: a failed run has `ZERO_IF_FAILED`, and its other metrics, which speak of the
-        part before the failure only, do not count.
+        A failure never improves a result: a run in which a stage failed has what the metric declares of failed drives,
+        and metrics that declare no value for them, which describe the part before the failure only, do not count.
         """
         if self.outcome != Outcome.FAILED:
             return self.metrics.get(name)
-        stage, _, metric = name.partition(".")
+        stage = name.partition(".")[0]
         is_defined = name in self.metrics or not any(other.startswith(f"{stage}.") for other in self.metrics)
-        return 0.0 if metric in ZERO_IF_FAILED and is_defined else None
+        return metric.if_failed if is_defined and isinstance(metric.if_failed, float) else None
 
 
 def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
-    """Read the runs of a plan that are there, in the plan's order: graph, variant, seed.
+    """Read the existing runs of a plan, in the plan's order: graph, variant, seed.
 
     A case that shares its runs with another has a record of each under its own name. Runs that were stopped by hand
-    are not there: they say nothing.
+    are left out: they are not results.
 
     Raises
     ------
     UserError
-        Summaries that are cut or hold something else; all of them are named.
+        Summaries that are truncated or hold something else; all of them are named.
     """
     records, problems = [], dict[Path, Problem]()
     for case in plan.cases:
@@ -79,8 +79,8 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
             except FileNotFoundError:
                 continue
             except (OSError, ValueError, KeyError, TypeError, AttributeError):
-                hint = "remove it and run the study again: it makes what is missing"
-                problems[path] = Problem(None, f"{shown_path(path)} is not the whole summary of a run", hint)
+                hint = "remove it and run the study again: it makes the missing runs"
+                problems[path] = Problem(None, f"{shown_path(path)} is not a complete summary of a run", hint)
                 continue
             if record.outcome != Outcome.STOPPED:
                 records.append(record)
@@ -97,7 +97,7 @@ def read_record(case: Case, seed: int, path: Path) -> Record:
     OSError
         There is none, or it cannot be read.
     ValueError, KeyError, TypeError, AttributeError
-        It is cut, or something else.
+        It is truncated, or something else.
     """
     summary = json.loads(path.read_text(encoding="utf-8"))
     return Record(
@@ -106,6 +106,7 @@ def read_record(case: Case, seed: int, path: Path) -> Record:
         seed=seed,
         outcome=str(Outcome(summary["outcome"])),
         failure=str(summary["failure"]),
+        cause=str(summary.get("cause") or summary["failure"]),
         frames=int(summary["frames"]),
         sim_s=float(summary["sim_s"]),
         metrics=_metrics(summary["scores"]),
@@ -127,7 +128,7 @@ def in_plan_order(plan: Plan, records: Iterable[Record]) -> list[Record]:
 
 def _metrics(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
     return {
-        f"{stage}.{metric}": float(value)
+        former_names.metric_now(f"{stage}.{metric}"): float(value)
         for stage, metrics in scores.items()
         for metric, value in metrics.items()
         if value is not None and math.isfinite(value)

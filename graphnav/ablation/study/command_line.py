@@ -48,7 +48,7 @@ def study_of_command(
     worlds = base.seeds if seeds is None else _seeds(seeds, problems)
     columns = _split(metrics)
     if "" in columns:
-        problems.append(Problem(Place("--figures"), "a figure is empty", "write --figures drive.success,drive.spl"))
+        problems.append(Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl"))
     conditions = _split(within)
     if "" in conditions:
         problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))

@@ -28,24 +28,29 @@ class MetricExpression:
 
     @classmethod
     def parse(cls, text: str) -> MetricExpression:
-        """Read a text.
+        """Read a string.
 
         Raises
         ------
         UserError
-            It is none of the three forms.
+            It has none of the three forms.
         """
         found = _TEXT.fullmatch(" ".join(text.split()))
         if found is None:
             raise UserError.of(
-                f"'{text}' is no figure",
-                "write stage.figure, or two with ' - ' or ' / ' between, as in 'sight.auroc / twin_sight.auroc'",
+                f"'{text}' is not a metric",
+                "write stage.metric, or two with ' - ' or ' / ' between, as in 'sight.auroc / twin_sight.auroc'",
             )
         first, operator, second = found.groups()
         return cls(found.group(), (first, second) if operator else (first,), operator or "")
 
+    def renamed(self, name_now: Callable[[str], str]) -> MetricExpression:
+        """Return it with other names of its operands."""
+        operands = tuple(map(name_now, self.operands))
+        return MetricExpression(f" {self.operator} ".join(operands), operands, self.operator)
+
     def value(self, metric: Callable[[str], float | None]) -> float | None:
-        """Return its value, given what says each operand's; None where an operand has none, or divides by 0."""
+        """Return its value, computed from those of its operands; None if one has none or the divisor is 0."""
         values = [found for found in map(metric, self.operands) if found is not None]
         if len(values) < len(self.operands):
             return None

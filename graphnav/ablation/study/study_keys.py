@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from graphnav.ablation.study.seeds import HINT, MAX_SEED
 from graphnav.spec import FileFormat, Record, Value, key
+from graphnav.stage import former_names
 
 Names = str | tuple[str, ...]
 Settings = Mapping[str, Value]
@@ -21,7 +22,7 @@ class StudyKeys(Record):
 
     noun = "a study"
     one_of = ("graph", "graphs")
-    renamed = {"figures": "metrics"}  # noqa: RUF012
+    renamed = dict(former_names.STUDY_KEYS)  # noqa: RUF012
 
     about: str = key("", doc="the question that it answers, for people")
     graph: Names | None = key(

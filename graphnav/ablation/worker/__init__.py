@@ -1,10 +1,11 @@
 """One run of a study, made in a process of its own."""
 
-from graphnav.ablation.worker.perform_task import NOT_DRAWN
+from graphnav.ablation.worker.perform_task import ENDING, NOT_DRAWN
 from graphnav.ablation.worker.serve_tasks import IDLE_S
 from graphnav.ablation.worker.task import Result, Task
 
 __all__ = [
+    "ENDING",
     "IDLE_S",
     "NOT_DRAWN",
     "Result",

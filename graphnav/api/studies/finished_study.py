@@ -37,7 +37,7 @@ class Study:
 
     @property
     def folder(self) -> Path:
-        """Every run, ``results.csv``, ``timing.csv``, ``table.md``, the report."""
+        """Every run, ``results.csv``, ``metrics.csv``, ``timing.csv``, ``table.md``, the report."""
         return self._folder.path
 
     @property

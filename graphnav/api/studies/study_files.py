@@ -9,11 +9,13 @@ from types import MappingProxyType
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
+    METRICS,
     RESULTS,
     TABLE,
     TIMING,
     table_markdown,
     write_atomically,
+    write_metrics,
     write_report,
     write_results,
     write_timing,
@@ -47,6 +49,7 @@ def write_study_files(
     records = read_records(plan, folder)
     comparison = compare(plan, records)
     write_results(plan, records, folder / RESULTS)
+    write_metrics(plan, records, folder / METRICS)
     write_timing(plan, records, folder / TIMING)
     write_atomically(folder / TABLE, table_markdown(plan, comparison))
     return StudyFiles(records, comparison, write_report(plan, comparison, records, folder, catalog, graphs))

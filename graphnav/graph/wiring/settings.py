@@ -11,7 +11,7 @@ from graphnav.errors import ParamError, Problem, did_you_mean
 from graphnav.graph.node import Origin, Setting
 from graphnav.graph.paths import beside, has_path, resolve_paths
 from graphnav.spec import Entry, RunOptions, StageSpec, check_url
-from graphnav.stage import Param, Stage, params_of
+from graphnav.stage import Param, Stage, former_names, params_of
 
 SET: Literal["--set"] = "--set"
 """The origin of what an override gives, wherever it was written."""
@@ -31,7 +31,8 @@ def settings_of(
     written in one, then in the working folder.
     """
     declared = params_of(cls)
-    problems += _unknown(spec.params, declared, f"{spec.use} has no parameter")
+    renamed = former_names.PARAMETERS.get(spec.use, {})
+    problems += _unknown(spec.params, declared, f"{spec.use} has no parameter", renamed)
     settings = {}
     for name, param in declared.items():
         entry = spec.params.get(name)
@@ -79,8 +80,15 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
     return RunOptions(**given)
 
 
-def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
+def _unknown(
+    entries: Mapping[str, Entry],
+    declared: Mapping[str, Param],
+    what: str,
+    renamed: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[Problem]:
     known = f"it has {', '.join(declared)}" if declared else "it has none"
     for name, entry in entries.items():
         if name not in declared:
-            yield Problem(entry.place, f"{what} '{name}'", did_you_mean(name, declared) or known, "unknown")
+            yield Problem(
+                entry.place, f"{what} '{name}'", former_names.suggestion(name, renamed, declared) or known, "unknown"
+            )

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from graphnav.record import LOG
 from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.stage import former_names
 
 
 def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
@@ -19,7 +20,7 @@ def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
         return {}
     scores = summary.get("scores") if isinstance(summary, dict) else None
     return {
-        stage: {name: float(value) for name, value in metrics.items() if _is_number(value)}
+        stage: {former_names.metric_now(name): float(value) for name, value in metrics.items() if _is_number(value)}
         for stage, metrics in (scores.items() if isinstance(scores, dict) else ())
         if isinstance(metrics, dict)
     }

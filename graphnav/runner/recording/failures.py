@@ -33,5 +33,10 @@ class Failures:
     def __bool__(self) -> bool:
         return bool(self._found)
 
+    @property
+    def cause(self) -> str:
+        """What failed, without when: the causes, a line each."""
+        return "\n".join(error.cause for error in self._found)
+
     def __str__(self) -> str:
         return "\n".join(map(str, self._found))

@@ -23,7 +23,7 @@ from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import ChannelsOnly, SmallOnly
 from graphnav.runner.recording.log_forecast import LogForecast
 from graphnav.runner.recording.saved_graph import save_graph
-from graphnav.runner.recording.summary import Summary, figures_of, scores_of, versions
+from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
 from graphnav.runner.simulated_clock import SimulatedClock
 from graphnav.stage import Stage
 
@@ -165,13 +165,14 @@ class _LockstepRun:
             frames=self._runner.ticks,
             sim_s=self._runner.utime / 1e6,
             wall_s=round(self._wall_s, 4),
-            stages=figures_of(self._runner.units),
+            stages=steps_of(self._runner.units),
             scores=self._scores,
             notices=list(self._graph.notices),
             tap_dropped=self._tap.dropped if self._tap is not None else 0,
             run_id=self._run_id,
             versions=versions(),
             behind_s=round(behind_s, 4),
+            cause=self._failures.cause,
         )
 
 

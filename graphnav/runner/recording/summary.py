@@ -13,13 +13,13 @@ from typing import Any
 
 from graphnav.errors import StageError
 from graphnav.runner.unit import Unit
-from graphnav.stage import Stage
+from graphnav.stage import Stage, reported_metrics
 
 _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm", "pymunk", "pluggy", "pyyaml")
 
 
 @dataclass(frozen=True)
-class StageFigures:
+class StageSteps:
     """What one stage did: ``dropped`` counts sets of inputs that stayed incomplete.
 
     ``missed``: steps that took longer than the stage's deadline, None where it has none.
@@ -35,7 +35,7 @@ class StageFigures:
 
 @dataclass(frozen=True)
 class Summary:
-    """What ``summary.json`` holds; ``failure`` says what ended a failed run, ``scores`` are the stages' own figures."""
+    """What ``summary.json`` holds; ``failure`` says what ended a failed run, ``scores`` are the metrics by stage."""
 
     outcome: str
     failure: str
@@ -45,7 +45,7 @@ class Summary:
     frames: int
     sim_s: float
     wall_s: float
-    stages: dict[str, StageFigures]
+    stages: dict[str, StageSteps]
     scores: dict[str, dict[str, float]]
     notices: list[str]
     tap_dropped: int
@@ -53,6 +53,8 @@ class Summary:
     versions: dict[str, str]
     behind_s: float = 0.0
     """How far the run ended behind the wall clock, seconds: of a paced one its pace, of a live one its latest timer."""
+    cause: str = ""
+    """The failure without the time at which it happened: the same for runs that failed for the same reason."""
     live: dict[str, Any] | None = None
     """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
@@ -61,14 +63,14 @@ class Summary:
         path.write_text(json.dumps(self.as_json(), indent=1) + "\n", encoding="utf-8")
 
     def as_json(self) -> dict[str, Any]:
-        """Return it as JSON can hold it; a figure that is not finite becomes null."""
+        """Return it as JSON can hold it; a number that is not finite becomes null."""
         return {key: _finite(value) for key, value in asdict(self).items()}
 
 
-def figures_of(units: Mapping[str, Unit]) -> dict[str, StageFigures]:
+def steps_of(units: Mapping[str, Unit]) -> dict[str, StageSteps]:
     """Return what each stage did."""
     return {
-        name: StageFigures(
+        name: StageSteps(
             unit.node.use,
             unit.durations.count,
             round(unit.durations.quantile_s(0.5) * 1e3, 4),
@@ -81,18 +83,18 @@ def figures_of(units: Mapping[str, Unit]) -> dict[str, StageFigures]:
 
 
 def scores_of(units: Mapping[str, Unit]) -> dict[str, dict[str, float]]:
-    """Return the figures of every stage that has a ``summary`` of its own.
+    """Return the metrics of every stage that declares some.
 
     Raises
     ------
     StageError
-        A stage cannot say its figures.
+        The summary of a stage fails, or holds what the stage does not declare.
     """
     scores = {}
     for name, unit in units.items():
         if type(unit.stage).summary is not Stage.summary:
             try:
-                scores[name] = {figure: float(value) for figure, value in unit.stage.summary().items()}
+                scores[name] = reported_metrics(unit.stage)
             except Exception as error:
                 what = f"summary: {type(error).__name__}: {error}"
                 raise StageError(name, unit.node.use, unit.last_utime / 1e6, what) from error

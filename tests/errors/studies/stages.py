@@ -4,15 +4,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Plane, Role, Stage, hookimpl, param
+from graphnav import Flow, Metric, Plane, Role, Stage, hookimpl, param
 
 FAMILY = "judge"
 
 
 class Blind(Stage):
-    """A control: it sees no obstacle."""
+    """A baseline: it sees no obstacle."""
 
-    role: ClassVar[Role] = "control"
+    role: ClassVar[Role] = "baseline"
 
     def step(self, flow: Flow) -> Plane:
         zeros = np.zeros(flow.valid.shape, np.uint8)
@@ -28,9 +28,12 @@ class Oracle(Blind):
 
 
 class Score(Stage):
-    """Two figures of a plane."""
+    """Two metrics of a plane."""
 
-    less_is_better: ClassVar[frozenset[str]] = frozenset({"wrong"})
+    metrics: ClassVar[tuple[Metric, ...]] = (
+        Metric("right", better="higher", help="What is right."),
+        Metric("wrong", better="lower", help="What is wrong."),
+    )
     weight: float = param(1.0, ge=0.0, doc="of everything")
 
     def reset(self, seed: int) -> None:

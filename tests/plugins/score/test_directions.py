@@ -1,18 +1,42 @@
-"""Scores say of which of their figures less is better."""
+"""Scores declare which values of their metrics are better, and what a failed drive counts as."""
 
-import pytest
+import ast
+from pathlib import Path
+
 from graphnav_score import graphnav_stages
 
-from graphnav import Stage
+import graphnav
+from graphnav import UNDEFINED
+from graphnav.runner import Outcome
+from graphnav.stage import former_names, metrics_of
 
-LESS = {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3", "false_obstacle_ratio"}
-LESS |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad"}
+METRICS = [metric for score in graphnav_stages() for metric in metrics_of(score).values()]
+
+LOWER = {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3", "false_obstacle_ratio"}
+LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad"}
 
 
-def test_less_is_better_where_it_is() -> None:
-    assert frozenset().union(*(score.less_is_better for score in graphnav_stages())) == LESS
+def test_lower_is_better_where_it_is() -> None:
+    assert {metric.name for metric in METRICS if metric.better == "lower"} == LOWER
+    assert {metric.name for metric in METRICS if metric.better == "neither"} == {"frames"}
 
 
-@pytest.mark.parametrize("score", graphnav_stages())
-def test_directions_are_of_figures_that_the_score_tells_of(score: type[Stage]) -> None:
-    assert all(f"``{figure}``" in (score.__doc__ or "") for figure in score.less_is_better)
+def test_a_failed_drive_has_no_success_and_no_length() -> None:
+    assert {metric.name for metric in METRICS if metric.if_failed == 0.0} == {"success", "spl", "barn"}
+    undefined = {metric.name for metric in METRICS if metric.if_failed == UNDEFINED}
+    assert undefined == {"path_length_m", "duration_s", "mean_jerk_mps3"}
+    assert [metric.name for metric in METRICS if metric.is_outcome] == ["success"]
+
+
+def test_the_core_knows_no_metric_by_name() -> None:
+    """But those of version 0.1.0, which did not declare them; a count of frames and the outcomes are every run's."""
+    names = {metric.name for metric in METRICS} - {"frames", *Outcome}
+    folders = (Path(graphnav.__file__).parent / name for name in ("ablation", "report", "runner", "stage"))
+    known = {
+        (path.name, node.value)
+        for folder in folders
+        for path in folder.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and node.value in names
+    }
+    assert {path for path, _ in known} == {Path(former_names.__file__).name}

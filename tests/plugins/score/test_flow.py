@@ -33,11 +33,11 @@ def test_error_is_pooled_over_valid_vectors(make_truth: MakeTruth) -> None:
     valid[3] = 0
     stage.step(flow(u_px, valid), make_truth(np.zeros((4, 5)), (0.0, 4.0)))
     stage.step(flow(u_px), make_truth(np.zeros((4, 5)), (3.0, 0.0)))
-    figures = stage.summary()
-    assert figures["frames"] == 2
-    assert figures["valid_ratio"] == pytest.approx(35 / 40)
-    assert figures["epe_px"] == pytest.approx((5 * 5.0 + 10 * 4.0 + 15 * 3.0) / 35)
-    assert figures["outlier_ratio"] == pytest.approx(30 / 35)
+    metrics = stage.summary()
+    assert metrics["frames"] == 2
+    assert metrics["valid_ratio"] == pytest.approx(35 / 40)
+    assert metrics["epe_px"] == pytest.approx((5 * 5.0 + 10 * 4.0 + 15 * 3.0) / 35)
+    assert metrics["outlier_ratio"] == pytest.approx(30 / 35)
 
 
 def test_outliers_are_what_is_off_by_more(make_truth: MakeTruth) -> None:

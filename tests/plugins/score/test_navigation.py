@@ -1,4 +1,4 @@
-"""Figures of a drive, worked by hand."""
+"""Metrics of a drive, worked by hand."""
 
 from __future__ import annotations
 
@@ -59,16 +59,16 @@ def drive(states: Sequence[At], world: Map | None, period_s: float = 1.0) -> Map
 
 def test_success() -> None:
     states = [At(0), At(3, clearance_m=0.4), At(3, 4, clearance_m=0.6), At(3, 5, at_goal=True)]
-    figures = drive(states, map_of(6.0), period_s=10.0)
-    assert (figures["success"], figures["collision"], figures["timeout"]) == (1.0, 0.0, 0.0)
-    assert figures["least_clearance_m"] == 0.4
-    assert figures["mean_clearance_m"] == pytest.approx(0.75)
-    assert figures["path_length_m"] == pytest.approx(8.0)
-    assert figures["duration_s"] == pytest.approx(30.0)
-    assert figures["spl"] == pytest.approx(6 / 8)
+    metrics = drive(states, map_of(6.0), period_s=10.0)
+    assert (metrics["success"], metrics["collision"], metrics["timeout"]) == (1.0, 0.0, 0.0)
+    assert metrics["min_clearance_m"] == 0.4
+    assert metrics["mean_clearance_m"] == pytest.approx(0.75)
+    assert metrics["path_length_m"] == pytest.approx(8.0)
+    assert metrics["duration_s"] == pytest.approx(30.0)
+    assert metrics["spl"] == pytest.approx(6 / 8)
     # Optimal 6 m at 0.5 m/s, 12 s; 30 s lies between 2 and 8 times that.
-    assert figures["barn"] == pytest.approx(12 / 30)
-    assert figures["mean_jerk_mps3"] == 0.0
+    assert metrics["barn"] == pytest.approx(12 / 30)
+    assert metrics["mean_jerk_mps3"] == 0.0
 
 
 @pytest.mark.parametrize(
@@ -92,35 +92,35 @@ def test_scores_of_whole_drives(
     for length_m, (x, y) in zip(legs_m, directions, strict=False):
         corners.append(At(corners[-1].x_m + x * length_m, corners[-1].y_m + y * length_m))
     corners[-1] = corners[-1]._replace(at_goal=True)
-    figures = drive(corners, map_of(shortest_m), period_s=seconds / len(legs_m))
-    assert figures["spl"] == pytest.approx(spl_)
-    assert figures["barn"] == pytest.approx(barn_)
+    metrics = drive(corners, map_of(shortest_m), period_s=seconds / len(legs_m))
+    assert metrics["spl"] == pytest.approx(spl_)
+    assert metrics["barn"] == pytest.approx(barn_)
     touched = [*corners[:-1], corners[-1]._replace(contact=True)]
-    figures = drive(touched, map_of(shortest_m), period_s=seconds / len(legs_m))
-    assert figures["spl"] == figures["barn"] == 0.0
+    metrics = drive(touched, map_of(shortest_m), period_s=seconds / len(legs_m))
+    assert metrics["spl"] == metrics["barn"] == 0.0
 
 
 def test_contact_is_no_success_and_no_timeout() -> None:
-    figures = drive([At(0), At(1, contact=True, clearance_m=0.0)], map_of(6.0))
-    assert (figures["success"], figures["collision"], figures["timeout"]) == (0.0, 1.0, 0.0)
-    assert figures["spl"] == figures["barn"] == figures["least_clearance_m"] == 0.0
+    metrics = drive([At(0), At(1, contact=True, clearance_m=0.0)], map_of(6.0))
+    assert (metrics["success"], metrics["collision"], metrics["timeout"]) == (0.0, 1.0, 0.0)
+    assert metrics["spl"] == metrics["barn"] == metrics["min_clearance_m"] == 0.0
 
 
 def test_neither_goal_nor_contact_is_a_timeout() -> None:
-    figures = drive([At(0), At(1)], map_of(6.0))
-    assert (figures["success"], figures["collision"], figures["timeout"]) == (0.0, 0.0, 1.0)
+    metrics = drive([At(0), At(1)], map_of(6.0))
+    assert (metrics["success"], metrics["collision"], metrics["timeout"]) == (0.0, 0.0, 1.0)
 
 
 def test_without_a_goal_there_is_no_success() -> None:
-    figures = drive([At(0), At(1)], map_of(0.0, goal=False))
-    assert figures["collision"] == 0.0
-    assert not {"success", "timeout", "spl", "barn"} & figures.keys()
+    metrics = drive([At(0), At(1)], map_of(0.0, goal=False))
+    assert metrics["collision"] == 0.0
+    assert not {"success", "timeout", "spl", "barn"} & metrics.keys()
 
 
 def test_without_the_map_there_is_no_shortest_path() -> None:
-    figures = drive([At(0), At(1, at_goal=True)], None)
-    assert figures["success"] == 1.0
-    assert not {"spl", "barn"} & figures.keys()
+    metrics = drive([At(0), At(1, at_goal=True)], None)
+    assert metrics["success"] == 1.0
+    assert not {"spl", "barn"} & metrics.keys()
 
 
 def test_before_the_first_state_there_are_no_figures() -> None:
@@ -129,8 +129,8 @@ def test_before_the_first_state_there_are_no_figures() -> None:
 
 def test_every_figure_is_a_finite_float() -> None:
     for states in ([At(0)], [At(0, at_goal=True)], [At(0), At(0)]):
-        figures = drive(states, map_of(0.0))
-        assert all(type(value) is float and math.isfinite(value) for value in figures.values())
+        metrics = drive(states, map_of(0.0))
+        assert all(type(value) is float and math.isfinite(value) for value in metrics.values())
 
 
 @pytest.mark.parametrize(
@@ -171,5 +171,5 @@ def test_jerk_needs_three_velocities() -> None:
 
 
 def test_where_nothing_is_near_no_clearance_is_claimed() -> None:
-    figures = drive([At(0, clearance_m=1000.0), At(1, clearance_m=1000.0)], None)
-    assert not {"least_clearance_m", "mean_clearance_m"} & set(figures)
+    metrics = drive([At(0, clearance_m=1000.0), At(1, clearance_m=1000.0)], None)
+    assert not {"min_clearance_m", "mean_clearance_m"} & set(metrics)

@@ -1,4 +1,4 @@
-"""Figures of a detector, worked by hand and against scikit-learn."""
+"""Metrics of a detector, worked by hand and against scikit-learn."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ def test_figures_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, mak
         truths.append(true[seen])
     pooled, is_obstacle = np.concatenate(scores), np.concatenate(truths)
     called = pooled > 0.5
-    figures = stage.summary()
-    assert figures["frames"] == 3
-    assert figures["auroc"] == pytest.approx(roc_auc_score(is_obstacle, pooled), abs=1e-3)
-    assert figures["balanced_accuracy_ratio"] == pytest.approx(balanced_accuracy_score(is_obstacle, called))
-    assert figures["iou_ratio"] == pytest.approx(jaccard_score(is_obstacle, called))
-    assert figures["false_obstacle_ratio"] == pytest.approx(called[~is_obstacle].mean())
-    assert figures["judged_ratio"] == pytest.approx(len(pooled) / (3 * 24 * 32))
+    metrics = stage.summary()
+    assert metrics["frames"] == 3
+    assert metrics["auroc"] == pytest.approx(roc_auc_score(is_obstacle, pooled), abs=1e-3)
+    assert metrics["balanced_accuracy_ratio"] == pytest.approx(balanced_accuracy_score(is_obstacle, called))
+    assert metrics["iou_ratio"] == pytest.approx(jaccard_score(is_obstacle, called))
+    assert metrics["false_obstacle_ratio"] == pytest.approx(called[~is_obstacle].mean())
+    assert metrics["judged_ratio"] == pytest.approx(len(pooled) / (3 * 24 * 32))
 
 
 def test_what_lies_above_the_horizon_counts_neither_way(make_plane: MakePlane, make_truth: MakeTruth) -> None:
@@ -80,10 +80,10 @@ def test_truth_itself_scores_full_marks(make_plane: MakePlane, make_truth: MakeT
     stage = score_of()
     stage.step(make_plane(true), make_truth(true))
     stage.step(make_plane(true), make_truth(true))
-    figures = stage.summary()
+    metrics = stage.summary()
     for name in ("auroc", "recall_at_5_false_alarms_ratio", "balanced_accuracy_ratio", "iou_ratio", "judged_ratio"):
-        assert figures[name] == 1.0
-    assert figures["false_obstacle_ratio"] == figures["flicker_ratio"] == 0.0
+        assert metrics[name] == 1.0
+    assert metrics["false_obstacle_ratio"] == metrics["flicker_ratio"] == 0.0
 
 
 @pytest.mark.parametrize(("rows", "counts"), [(1, False), (2, True), (10, True), (11, False)])

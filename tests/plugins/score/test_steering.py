@@ -42,9 +42,9 @@ def test_obstacle_on_the_right_asks_for_a_force_to_the_left(make_truth: MakeTrut
     [(5, 0, True), (4, 0, False), (10, 5, True), (10, 6, False), (0, 0, False), (30, 30, False), (30, 15, True)],
 )
 def test_frames_count_whose_sides_differ_clearly(make_truth: MakeTruth, left: int, right: int, counts: bool) -> None:
-    figures = summary(make_truth(obstacle(left, right)), 1.0)
-    assert figures["frames"] == counts
-    assert ("right_sign_ratio" in figures) == counts
+    metrics = summary(make_truth(obstacle(left, right)), 1.0)
+    assert metrics["frames"] == counts
+    assert ("right_sign_ratio" in metrics) == counts
 
 
 def test_middle_column_belongs_to_no_side(make_truth: MakeTruth) -> None:

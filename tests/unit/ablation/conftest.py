@@ -6,12 +6,31 @@ from collections.abc import Callable, Mapping, Sequence
 
 import pytest
 
-from graphnav.ablation.plan.plan import Better, Case, Plan
+from graphnav.ablation.plan.plan import Case, Plan
 from graphnav.ablation.results.records import Record, StageTime
+from graphnav.ablation.study.metric_expression import MetricExpression
 from graphnav.graph import parse_override
+from graphnav.stage import Better, Metric
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
+
+
+DRIVE: dict[str, Metric] = {
+    "drive.success": Metric("success", help="Arrived.", better="higher", if_failed=0.0, is_outcome=True),
+    "drive.spl": Metric("spl", help="Weighted by path length.", better="higher", if_failed=0.0),
+    "drive.path_length_m": Metric("path_length_m", help="Path.", better="lower", unit="m", if_failed="undefined"),
+}
+
+
+def declared_of(columns: Mapping[str, Better]) -> dict[str, Metric]:
+    """Return declarations of the metrics of columns; of a drive's they are known."""
+    names = {name: better for text, better in columns.items() for name in MetricExpression.parse(text).operands}
+    units = {name: "s" if name.endswith("_s") else "" for name in names}
+    return {
+        name: DRIVE.get(name) or Metric(name.partition(".")[2], help="Toy.", better=better, unit=units[name])
+        for name, better in names.items()
+    }
 
 
 def case_of(graph: str, variant: str, *, is_base: bool, same_as: str = "") -> Case:
@@ -39,10 +58,10 @@ def make_plan() -> MakePlan:
     def make(
         variants: Sequence[str] = ("ica", "affine"),
         seeds: Sequence[int] = (0, 1, 2),
-        figures: Mapping[str, Better] | None = None,
+        metrics: Mapping[str, Better] | None = None,
         graphs: Sequence[str] = ("corridor",),
         same_as: Mapping[str, str] | None = None,
-        less_is_better: tuple[str, ...] = (),
+        lower: tuple[str, ...] = (),
     ) -> Plan:
         shared = same_as or {}
         return Plan(
@@ -52,13 +71,13 @@ def make_plan() -> MakePlan:
             graphs=tuple(graphs),
             axes={"plane": tuple(variants)},
             seeds=tuple(seeds),
-            figures=figures or {},
+            metrics=tuple(metrics or {}),
             cases=tuple(
                 case_of(graph, variant, is_base=variant == variants[0], same_as=shared.get(variant, ""))
                 for graph in graphs
                 for variant in variants
             ),
-            less_is_better=less_is_better,
+            declared={**DRIVE, **declared_of(metrics or {}), **declared_of(dict.fromkeys(lower, "lower"))},
             versions={"graphnav": "0.1.0"},
         )
 
@@ -67,15 +86,16 @@ def make_plan() -> MakePlan:
 
 @pytest.fixture
 def make_record() -> MakeRecord:
-    """Return what makes a record of a variant and a seed with some figures."""
+    """Return what makes a record of a variant and a seed with some metrics."""
 
     def make(
         variant: str,
         seed: int,
-        figures: Mapping[str, float] | None = None,
+        metrics: Mapping[str, float] | None = None,
         graph: str = "corridor",
         outcome: str = "goal",
         failure: str = "",
+        cause: str = "",
         p50_ms: float = 1.0,
     ) -> Record:
         return Record(
@@ -84,9 +104,10 @@ def make_record() -> MakeRecord:
             seed=seed,
             outcome=outcome,
             failure=failure,
+            cause=cause or failure,
             frames=10,
             sim_s=0.9,
-            metrics=figures or {},
+            metrics=metrics or {},
             wall_s=0.1,
             times={"plane": StageTime(9, p50_ms, 2 * p50_ms)},
             folder=f"{graph}/{variant}/{seed}",

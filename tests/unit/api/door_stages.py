@@ -6,12 +6,12 @@ import os
 import signal
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from threadpoolctl import threadpool_info
 
-from graphnav import Finished, Flow, Source, Stage, Steering, Twist, hookimpl, param
+from graphnav import Finished, Flow, Metric, Source, Stage, Steering, Twist, hookimpl, param
 
 FAMILY = "door"
 
@@ -74,6 +74,12 @@ class Steerer(Stage):
 
 class Way(Stage):
     """Scores how far it went, what is not defined, and how many threads a library had at most."""
+
+    metrics: ClassVar = (
+        Metric("way_m", unit="m", better="higher", help="How far it went."),
+        Metric("undefined", better="higher", help="Not defined."),
+        Metric("threads", better="lower", help="Maximum number of threads of a library."),
+    )
 
     def reset(self, seed: int) -> None:
         self._sum = 0.0

@@ -134,7 +134,7 @@ def test_printed_it_is_what_the_command_prints(run_toy: RunToy) -> None:
     run = run_toy(set={"sensor.ticks": 3})
     assert str(run).startswith("3 ticks, seed 3, ")
     assert str(run).endswith("\ngoal reached after 0.2 s")
-    assert " way     way_m           6 \n" in str(run)
+    assert " way     way_m           6   higher \n" in str(run)
     assert repr(run) == f"<graphnav.Run toy: goal after 0.2 s, {run.folder}>"
 
 

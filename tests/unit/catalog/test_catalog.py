@@ -49,6 +49,14 @@ def test_only_the_family_that_is_asked_for_is_imported() -> None:
     assert done.stdout == "[]\n"
 
 
+def test_a_role_that_is_not_one_is_told(tmp_path: Path) -> None:
+    text = STAGE.format(name="Same").replace("    def step", "    role = 'control'\n\n    def step")
+    catalog = Catalog()
+    catalog.add_file(plugin(tmp_path, text))
+    with pytest.raises(CatalogError, match=r"the role of Same is 'control'\n  did you mean 'baseline'\?"):
+        catalog.stage("my_stage.same")
+
+
 def test_the_family_of_a_file_is_its_constant_or_else_its_stem(tmp_path: Path) -> None:
     catalog = Catalog()
     assert catalog.add_file(plugin(tmp_path, STAGE.format(name="Same"))) == "my_stage"

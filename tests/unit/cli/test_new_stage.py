@@ -53,7 +53,7 @@ def test_the_printed_run_runs(family: str, capsys: pytest.CaptureFixture[str]) -
     assert program == "graphnav"
     assert main([*words, "--until", "0.5", "--no-tap", "--no-pictures", "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)
-    steps = {figures["use"]: figures["steps"] for figures in summary["stages"].values()}
+    steps = {steps_of["use"]: steps_of["steps"] for steps_of in summary["stages"].values()}
     assert steps[f"{family}.my_stage"] > 0
 
 

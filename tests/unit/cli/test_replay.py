@@ -15,7 +15,7 @@ from graphnav.record import ABOUT, LOG, LogWriter, Recording
 PLUGIN = """
 import numpy as np
 
-from graphnav import Source, Stage, Twist, hookimpl
+from graphnav import Metric, Source, Stage, Twist, hookimpl
 
 FAMILY = "mine"
 SCALE = 1.0
@@ -33,6 +33,8 @@ class Dice(Source):
 
 class Sum(Stage):
     \"\"\"Adds up.\"\"\"
+
+    metrics = (Metric("sum_mps", unit="m/s", better="higher", help="The sum."),)
 
     def reset(self, seed: int) -> None:
         self._sum = 0.0

@@ -12,7 +12,7 @@ from graphnav.cli import main
 PLUGIN = """
 from collections.abc import Mapping
 
-from graphnav import Source, Stage, Twist, hookimpl
+from graphnav import Metric, Source, Stage, Twist, hookimpl
 
 FAMILY = "scored"
 
@@ -26,6 +26,8 @@ class Still(Source):
 
 class Nothing(Stage):
     \"\"\"Scores what is not defined.\"\"\"
+
+    metrics = (Metric("undefined", better="higher", help="Not defined."), Metric("one", better="lower", help="One."))
 
     def step(self, twist: Twist) -> None:
         pass

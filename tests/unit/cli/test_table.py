@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from graphnav.report.table import print_summary
-from graphnav.runner.recording.summary import StageFigures, Summary
+from graphnav.runner.recording.summary import StageSteps, Summary
 
 SUMMARY = Summary(
     outcome="goal",
@@ -38,10 +38,10 @@ def printed(summary: Summary, cols: int = 200) -> str:
 
 @pytest.mark.parametrize("cols", [20, 40, 80, 200])
 def test_no_name_and_no_number_is_cut(cols: int) -> None:
-    figures = StageFigures(use="control.nonholonomic", steps=1234567, p50_ms=1234.5, p99_ms=98765.4, dropped=7654321)
+    did = StageSteps(use="control.nonholonomic", steps=1234567, p50_ms=1234.5, p99_ms=98765.4, dropped=7654321)
     summary = replace(
         SUMMARY,
-        stages={"a_stage_of_a_long_name": figures},
+        stages={"a_stage_of_a_long_name": did},
         scores={"sight": {"recall_at_5_false_alarms_ratio": 0.8781}},
     )
     said = printed(summary, cols)
@@ -60,8 +60,8 @@ def test_a_paced_run_tells_how_late_it_was(behind_s: float, said: str) -> None:
 
 
 def test_missed_deadlines_are_a_column() -> None:
-    late = StageFigures(use="plane.ica", steps=9, p50_ms=9.0, p99_ms=12.0, dropped=0, missed=4)
-    free = StageFigures(use="steer.pca", steps=8, p50_ms=1.0, p99_ms=2.0, dropped=0)
+    late = StageSteps(use="plane.ica", steps=9, p50_ms=9.0, p99_ms=12.0, dropped=0, missed=4)
+    free = StageSteps(use="steer.pca", steps=8, p50_ms=1.0, p99_ms=2.0, dropped=0)
     lines = printed(replace(SUMMARY, stages={"plane": late, "steer": free})).splitlines()
     assert [line.split()[-1] for line in lines if line.startswith((" stage", " plane", " steer"))] == [
         "missed",

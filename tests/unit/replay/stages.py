@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from graphnav import Finished, Goal, Image, Latest, Motion, Since, Source, Stage, Stamp, Stamped, Twist, hookimpl, param
+from graphnav import (
+    Finished,
+    Goal,
+    Image,
+    Latest,
+    Metric,
+    Motion,
+    Since,
+    Source,
+    Stage,
+    Stamp,
+    Stamped,
+    Twist,
+    hookimpl,
+    param,
+)
 
 FAMILY = "again"
 
@@ -102,6 +117,8 @@ class Late(Stage):
 
 class Score(Stage):
     """Adds speeds up."""
+
+    metrics: ClassVar = (Metric("sum_mps", unit="m/s", better="higher", help="The sum."),)
 
     def reset(self, seed: int) -> None:
         """Begin with nothing."""

@@ -6,11 +6,11 @@ import math
 import sys
 import time
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from graphnav import Finished, Goal, Image, Latest, Source, Stage, Stamp, Twist, hookimpl, param
+from graphnav import Finished, Goal, Image, Latest, Metric, Source, Stage, Stamp, Twist, hookimpl, param
 
 FAMILY = "probe"
 
@@ -89,6 +89,8 @@ class Split(Stage):
 
 class Join(Stage):
     """Sums two inputs of one stamp."""
+
+    metrics: ClassVar = (Metric("fired", better="neither", help="Firings."),)
 
     def reset(self, seed: int) -> None:
         self._fired: list[float] = []

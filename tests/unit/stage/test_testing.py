@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import pytest
 
-from graphnav import Image, Latest, ParamError, Source, Stage, Stamped, param
+from graphnav import Image, Latest, Metric, ParamError, Source, Stage, Stamped, param
 from graphnav.testing import check_stage
 
 
@@ -83,14 +83,41 @@ class WrongType(Stage):
         return image.pixels  # type: ignore[return-value]
 
 
-class BadFigures(Stage):
-    """Its figures are no numbers."""
+class BadMetrics(Stage):
+    """Its metrics are not numbers."""
+
+    metrics: ClassVar[tuple[Metric, ...]] = (Metric("share", better="higher", help="Share."),)
 
     def step(self, image: Image) -> None:
         return None
 
     def summary(self) -> Mapping[str, float]:
         return {"share": "half"}  # type: ignore[dict-item]
+
+
+class Undeclared(BadMetrics):
+    """It returns another metric than it declares."""
+
+    def summary(self) -> Mapping[str, float]:
+        return {"shape": 1.0}
+
+
+class Silent(Good):
+    """It declares metrics that nothing returns."""
+
+    metrics: ClassVar = BadMetrics.metrics
+
+
+class Talkative(BadMetrics):
+    """It returns metrics without a declaration."""
+
+    metrics: ClassVar[tuple[Metric, ...]] = ()
+
+
+class OtherUnit(BadMetrics):
+    """The name says metres."""
+
+    metrics: ClassVar[tuple[Metric, ...]] = (Metric("way_m", unit="px", better="lower", help="Way."),)
 
 
 class Stopped(Source):
@@ -149,7 +176,10 @@ def test_a_good_stage_passes() -> None:
         (NeverFires, "nothing fires it"),
         (Forgetful, "the same seed gave another output in step 1"),
         (WrongType, "output 'image' is ndarray"),
-        (BadFigures, "figure 'share' of summary() is 'half'"),
+        (BadMetrics, "metric 'share' of summary() is 'half'"),
+        (Silent, "declares metrics, but has no summary()"),
+        (Talkative, "has a summary(), but declares no metrics"),
+        (OtherUnit, "metric 'way_m' has the unit 'px', but its name says 'm'"),
     ],
 )
 def test_what_breaks_the_contract_is_told(cls: type[Stage], said: str) -> None:
@@ -157,6 +187,11 @@ def test_what_breaks_the_contract_is_told(cls: type[Stage], said: str) -> None:
         check_stage(cls, {"image": picture()})
     assert str(caught.value).startswith(f"{cls.__qualname__}: ")
     assert said in str(caught.value)
+
+
+def test_only_declared_metrics_are_returned() -> None:
+    with pytest.raises(AssertionError, match="'shape', which it does not declare"):
+        check_stage(Undeclared, {"image": picture()})
 
 
 def test_a_source_has_a_rate() -> None:

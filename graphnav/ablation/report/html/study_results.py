@@ -69,7 +69,7 @@ class StudyResults:
 
     def values(self, graph: str, variant: str, metric: str) -> Values:
         """Return a metric of every run of a case, by seed."""
-        return values_of(MetricExpression.parse(metric), self.runs.get((graph, variant), ()))
+        return values_of(self.plan, MetricExpression.parse(metric), self.runs.get((graph, variant), ()))
 
     @cached_property
     def runs(self) -> Mapping[tuple[str, str], Sequence[Record]]:

@@ -9,17 +9,17 @@ BASE = "#1f5fa8"
 METHODS = (
     "#d1495b", "#2a9d8f", "#e08e00", "#7b4fa3", "#4f9ddb", "#8c5a2b", "#d36ba6", "#6b8e23", "#00707f", "#b0413e",
 )  # fmt: skip
-CONTROLS = ("#868e99", "#b1b7c0", "#5d6875")
+BASELINES = ("#868e99", "#b1b7c0", "#5d6875")
 ORACLES = ("#15191f", "#565d68")
 OUTCOMES = ("goal", "end", "timeout", "contact", "failed", "stopped")
 """In the order in which bars show them; each has a class in the style sheet."""
 
 
 def colours_of(study: StudyResults) -> dict[str, str]:
-    """Return ``#rrggbb`` for every variant: the base blue, controls gray, oracles black, methods in turn."""
+    """Return ``#rrggbb`` for every variant: the base blue, baselines gray, oracles black, methods in turn."""
     roles = {case.variant: case.role for case in study.plan.cases}
-    found, used = {study.plan.base: BASE}, {"method": 0, "control": 0, "oracle": 0}
-    palettes = {"method": METHODS, "control": CONTROLS, "oracle": ORACLES}
+    found, used = {study.plan.base: BASE}, {"method": 0, "baseline": 0, "oracle": 0}
+    palettes = {"method": METHODS, "baseline": BASELINES, "oracle": ORACLES}
     for variant in dict.fromkeys([*study.own_variants, *study.plan.variants]):
         if variant not in found:
             role = roles[variant]

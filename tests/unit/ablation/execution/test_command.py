@@ -124,7 +124,7 @@ def test_an_unfinished_study_has_a_report_that_says_so(study: Any, capsys: pytes
     study.run()
     shutil.rmtree(study.out / "runs" / "toy" / "robot.odd=fine" / "2")
     assert main(["ablate", "--report", str(study.out)]) == 0
-    assert "1 of 8 runs do not exist yet" in capsys.readouterr().out
+    assert "1 of 8 runs are pending" in capsys.readouterr().out
     assert main(["ablate", "--report", "nowhere"]) == 2
     assert (
         capsys.readouterr().err

@@ -14,6 +14,7 @@ from graphnav.ablation.execution.study_folder import StudyFolder, read_plan
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.results.failures import failure_folder, worst_failures
 from graphnav.ablation.results.records import Record, read_records
+from graphnav.stage import Metric
 
 FAILURES = ["failures/toy/robot.odd=contact/0", "failures/toy/robot.odd=contact/1"]
 
@@ -56,7 +57,9 @@ def test_one_that_does_not_happen_again_is_told(study: Any, capsys: pytest.Captu
 def plan(study: Any) -> Plan:
     """Return the plan of a study that was run."""
     study.run()
-    return read_plan(study.out)
+    plan = read_plan(study.out)
+    success = Metric("success", help="Arrived.", better="higher", if_failed=0.0, is_outcome=True)
+    return dataclasses.replace(plan, declared={**plan.declared, "drive.success": success})
 
 
 def with_outcomes(records: tuple[Record, ...], **outcomes: str) -> list[Record]:
@@ -64,9 +67,9 @@ def with_outcomes(records: tuple[Record, ...], **outcomes: str) -> list[Record]:
     changed = []
     for record in records:
         outcome, _, frames = outcomes[f"s{record.seed}"].partition(" ")
-        figures = {"drive.success": 0.0} if frames == "lost" else {}
+        metrics = {"drive.success": 0.0} if frames == "lost" else {}
         count = 0 if frames == "unready" else 3
-        changed.append(dataclasses.replace(record, outcome=outcome, frames=count, metrics=figures))
+        changed.append(dataclasses.replace(record, outcome=outcome, frames=count, metrics=metrics))
     return changed
 
 
@@ -82,11 +85,11 @@ def test_an_end_of_time_without_a_goal_and_a_run_that_never_began_are_not_shown(
     assert worst_failures(plan, records, 9) == []
 
 
-def test_a_control_is_shown_once(study: Any, plan: Plan) -> None:
+def test_a_baseline_is_shown_once(study: Any, plan: Plan) -> None:
     records = with_outcomes(read_records(plan, study.out), s0="contact", s1="contact", s2="contact", s3="contact")
     base, other = plan.cases
-    control = dataclasses.replace(plan, cases=(base, dataclasses.replace(other, role="control")))
-    chosen = worst_failures(control, records, 2)
+    baseline = dataclasses.replace(plan, cases=(base, dataclasses.replace(other, role="baseline")))
+    chosen = worst_failures(baseline, records, 2)
     assert [failure_folder(job.case, job.seed) for job in chosen] == [
         "failures/toy/robot.odd=fine/0",
         "failures/toy/robot.odd=fine/1",

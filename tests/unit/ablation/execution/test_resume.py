@@ -89,15 +89,15 @@ def test_a_plan_without_a_run_gives_way(study: Any) -> None:
     assert len(study.runs) == 2
 
 
-def test_a_figure_that_no_run_says_is_named(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    assert study.run("--figures", "drive.way_m,drive.wai_m", seeds="0:1") == 0
-    assert "no run says the figure 'drive.wai_m'\n  did you mean 'drive.way_m'?\n" in capsys.readouterr().out
+def test_a_metric_that_no_run_has_is_named(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert study.run("--metrics", "drive.way_m,drive.turn_rad", seeds="0:1") == 0
+    assert "'drive.turn_rad' is undefined in all runs\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--report", "out", "--figures", "a.b"], "--report takes a study as it is; --figures would change nothing"),
+        (["--report", "out", "--metrics", "a.b"], "--report takes a study as it is; --metrics would change nothing"),
         (["toy", "--report", "out", "-o", "x"], "--report takes a study as it is; toy, -o would change nothing"),
         (["--compare", "a", "b", "--seeds", "0:1"], "--compare takes a study as it is; --seeds would change nothing"),
         (["--report", "out", "--compare", "a", "b"], "--report takes a study as it is; --compare would change nothing"),

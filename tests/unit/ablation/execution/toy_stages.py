@@ -6,9 +6,9 @@ import os
 import signal
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
 
-from graphnav import Finished, Source, Stage, Twist, hookimpl, param
+from graphnav import Finished, Metric, Source, Stage, Twist, hookimpl, param
 
 FAMILY = "toy"
 
@@ -60,6 +60,11 @@ class Unready(Stage):
 
 class Distance(Stage):
     """Scores how far it went."""
+
+    metrics: ClassVar = (
+        Metric("way_m", unit="m", better="higher", help="How far it went."),
+        Metric("turn_rad", unit="rad", better="neither", help="How far it turned; left out, because it never does."),
+    )
 
     def reset(self, seed: int) -> None:
         self._sum = 0.0

@@ -130,7 +130,7 @@ def test_same_graphs_of_other_names_are_run_each(plan: MakePlan) -> None:
 
 def test_the_most_special_role_that_the_axes_put_in(plan: MakePlan) -> None:
     made = plan("plane=toy.detector,judge.blind,judge.oracle", "robot.noise_px=1,2")
-    assert [case.role for case in made.cases] == ["method"] * 2 + ["control"] * 2 + ["oracle"] * 2
+    assert [case.role for case in made.cases] == ["method"] * 2 + ["baseline"] * 2 + ["oracle"] * 2
     base = plan("plane=judge.oracle,toy.detector").cases
     assert [case.role for case in base] == ["oracle", "method"]
 
@@ -152,12 +152,15 @@ def test_notices_say_what_changed_and_nothing_of_what_did_not(plan: MakePlan) ->
     assert "smooth: pruned, no stage reads it any more" in other.notices
 
 
-def test_figures_know_which_way_is_better(plan: MakePlan) -> None:
+def test_metrics_know_which_way_is_better(plan: MakePlan) -> None:
     made = plan("plane=toy.detector,judge.blind", metrics=["sight.wrong,sight.right,sight.wrong - sight.right"])
-    assert made.figures == {"sight.wrong": "less", "sight.right": "more", "sight.wrong - sight.right": "less"}
-    assert next(iter(made.figures)) == "sight.wrong"
-    assert made.less_is_better == ("sight.wrong",)
-    assert plan("plane=toy.detector,judge.blind").figures == {}
+    assert made.metrics == ("sight.wrong", "sight.right", "sight.wrong - sight.right")
+    assert [made.better(column) for column in made.metrics] == ["lower", "higher", "lower"]
+    assert {name: metric.help for name, metric in made.declared.items()} == {
+        "sight.right": "What is right.",
+        "sight.wrong": "What is wrong.",
+    }
+    assert plan("plane=toy.detector,judge.blind").metrics == ()
 
 
 def test_a_plan_reads_back_as_it_was_written(plan: MakePlan, tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ CALM = settings(
     deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
 )
 
-KNOWN = """about graph graphs seeds one_at_a_time set vary figures loop chain plane flow smooth robot sight run run.seed
+KNOWN = """about graph graphs seeds one_at_a_time set vary metrics loop chain plane flow smooth robot sight run run.seed
 toy.detector toy.guess judge.blind judge.oracle plane.rule flow.layers robot.noise_px run.until_s plane.in.flow
 flow.flow smooth.flow sight.right sight.wrong 0:3 robot.map maps/empty.yaml plane,flow run.until_s=5 nowhere"""
 WORDS = st.sampled_from(KNOWN.split())
@@ -41,7 +41,7 @@ FILES = st.fixed_dictionaries(
         "seeds": st.just("0:3") | st.lists(st.integers(0, 9), max_size=3) | TREES,
         "one_at_a_time": st.booleans() | TREES,
         "set": st.lists(WORDS, max_size=2) | TREES,
-        "figures": st.lists(WORDS, max_size=2) | TREES,
+        "metrics": st.lists(WORDS, max_size=2) | TREES,
         "about": TREES,
     },
 )

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.report.csv_files import write_results, write_timing
+from graphnav.ablation.report.csv_files import write_metrics, write_results, write_timing
 from graphnav.ablation.results.metric_values import metric_columns
 from graphnav.ablation.results.records import Record
 
@@ -23,8 +23,8 @@ def lines(path: Path) -> list[list[str]]:
         return list(csv.reader(file))
 
 
-def test_a_line_a_run_and_a_column_a_figure(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
-    plan = make_plan(figures={"drive.spl": "more", "a.x / b.x": "more"})
+def test_a_line_a_run_and_a_column_a_metric(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
+    plan = make_plan(metrics={"drive.spl": "higher", "a.x / b.x": "higher"})
     records = [
         make_record("ica", 0, {"a.x": 1 / 3, "drive.success": 1.0, "drive.spl": 0.5, "b.x": 2.0}),
         make_record("affine", 2, {"drive.spl": 1e-30}, outcome="failed", failure='no "plane",\nnone at all'),
@@ -32,7 +32,7 @@ def test_a_line_a_run_and_a_column_a_figure(make_plan: MakePlan, make_record: Ma
     write_results(plan, records, tmp_path / "results.csv")
     header, first, second = lines(tmp_path / "results.csv")
     assert header[:8] == ["graph", "variant", "plane", "seed", "outcome", "failure", "frames", "sim_s"]
-    assert header[8:] == ["drive.spl", "a.x", "b.x", "drive.success"], "the study's figures first"
+    assert header[8:] == ["drive.spl", "a.x", "b.x", "drive.success"], "the study's metrics first"
     assert first == ["corridor", "ica", "ica", "0", "goal", "", "10", "0.9", "0.5", repr(1 / 3), "2.0", "1.0"]
     assert second[4:6] == ["failed", 'no "plane",\nnone at all']
     assert second[8:] == ["1e-30", "", "", ""]
@@ -67,8 +67,8 @@ def test_a_file_that_is_there_is_replaced(make_plan: MakePlan, make_record: Make
     assert len(lines(path)) == 2
 
 
-def test_figures_of_derived_columns_come_as_what_they_are_made_of(make_plan: MakePlan, make_record: MakeRecord) -> None:
-    plan = make_plan(figures={"a.x - b.x": "more", "c.never": "more"})
+def test_metrics_of_derived_columns_come_as_what_they_are_made_of(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(metrics={"a.x - b.x": "higher", "c.never": "higher"})
     records = [make_record("ica", 0, {"z.z": 0.0, "b.x": 0.0, "a.x": 0.0})]
     assert metric_columns(plan, records) == ("a.x", "b.x", "z.z")
 
@@ -88,3 +88,14 @@ def test_times_stand_apart(make_plan: MakePlan, make_record: MakeRecord, tmp_pat
         "p50_ms": "0.25",
         "p99_ms": "0.5",
     }
+
+
+def test_every_column_of_the_results_is_described(make_plan: MakePlan, make_record: MakeRecord, tmp_path: Path) -> None:
+    plan = make_plan(metrics={"drive.path_length_m": "lower", "drive.success": "higher"})
+    records = [make_record("ica", 0, {"drive.success": 1.0, "drive.path_length_m": 3.0, "a.x": 1.0})]
+    write_metrics(plan, records, tmp_path / "metrics.csv")
+    write_results(plan, records, tmp_path / "results.csv")
+    described = lines(tmp_path / "metrics.csv")
+    assert described[1] == ["drive.path_length_m", "m", "lower", "undefined", "False", "Path."]
+    assert described[2] == ["drive.success", "", "higher", "0.0", "True", "Arrived."]
+    assert [name for name, *_ in described[1:]] == lines(tmp_path / "results.csv")[0][8:]

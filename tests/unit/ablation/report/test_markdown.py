@@ -98,19 +98,19 @@ def test_seeds_in_short(seeds: tuple[int, ...], text: str) -> None:
 
 @pytest.fixture
 def study(make_plan: MakePlan, make_record: MakeRecord) -> tuple[Plan, list[Record]]:
-    figures = {"drive.success": "more", "drive.time_s": "less", "a.x / b.x": "more", "a.x": "more"}
+    metrics = {"drive.success": "higher", "drive.time_s": "lower", "a.x / b.x": "higher", "a.x": "higher"}
     plan = make_plan(
-        variants=("ica", "affine", "twin", "random"), seeds=range(20), figures=figures, same_as={"twin": "affine"}
+        variants=("ica", "affine", "twin", "random"), seeds=range(20), metrics=metrics, same_as={"twin": "affine"}
     )
     cases = tuple(
-        dataclasses.replace(case, role="control") if case.variant == "random" else case for case in plan.cases
+        dataclasses.replace(case, role="baseline") if case.variant == "random" else case for case in plan.cases
     )
     records = [
         make_record(variant, seed, {"drive.success": float(seed > shift), "drive.time_s": 30.0 + shift + 0.125 * seed})
         for variant, shift in (("ica", 0), ("affine", 1), ("twin", 1))
         for seed in range(20)
     ]
-    broken = make_record("random", 0, outcome="failed", failure="stage 'plane' failed at 0.10 s: a|b\nworse")
+    broken = make_record("random", 0, outcome="failed", cause="stage 'plane' failed: a|b\nworse")
     return dataclasses.replace(plan, cases=cases), [*records, broken]
 
 
@@ -126,12 +126,12 @@ def test_table_has_everything_it_takes(study: tuple[Plan, list[Record]]) -> None
         "| affine | 20 |",
         "| **+1.000 [+1.000, +1.000], 0–20** |",
         "- affine is the same graph as twin",
-        "| random (control) | 1 of 20 | failed 1 | 0.00 [0.00, 0.79] |",
+        "| random (baseline) | 1 of 20 | failed 1 | 0.00 [0.00, 0.79] |",
         "| variant | a.x ↑ | difference |",
         "- random, 1: stage 'plane' failed: a\\|b worse",
         "10000 resamples",
         "over 6 worlds or more, are bold",
-        "A control is what",
+        "A baseline is what",
         "- command: `graphnav ablate toy --seeds 0:3`",
         "- seeds: `0 to 19 (20)`",
         "- versions: `graphnav 0.1.0`",
@@ -144,8 +144,8 @@ def test_table_has_everything_it_takes(study: tuple[Plan, list[Record]]) -> None
         )
 
 
-def test_a_study_without_figures_of_its_own_shows_all(make_plan: MakePlan, make_record: MakeRecord) -> None:
-    plan = make_plan(less_is_better=("c.z",))
+def test_a_study_without_metrics_of_its_own_shows_all(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(lower=("c.z",))
     text = table_markdown(plan, compare(plan, [make_record("ica", 0, {"a.x": 1.0, "b.y": 2.0, "c.z": 0.5})]))
     assert all(name in text for name in ("a.x ↑", "b.y ↑", "c.z ↓"))
     assert "| variant | worlds | outcomes |" in table_markdown(plan, compare(plan, []))
@@ -158,7 +158,7 @@ def test_terminal_shows_whole_numbers_however_narrow_it_is(study: tuple[Plan, li
     print_comparison(Console(file=out, width=width), compare(plan, records), plan)
     for text in ("0.95 [0.76, 0.99]", "+1.000 [+1.000, +1.000], 0–20", "drive.time_s ↓", "failed: a|b"):
         assert text in out.getvalue()
-    assert "a.x" not in out.getvalue(), "only the figures that decide"
+    assert "a.x" not in out.getvalue(), "only the metrics that decide"
 
 
 def test_a_terminal_that_is_too_narrow_gets_a_table_for_each_metric(study: tuple[Plan, list[Record]]) -> None:

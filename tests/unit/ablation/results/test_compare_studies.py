@@ -35,7 +35,7 @@ def runs(make_record: Callable[..., Record]) -> Runs:
 
 
 def test_the_same_worlds_are_compared(make_plan: MakePlan, runs: Runs) -> None:
-    before = make_plan(seeds=range(4), figures={"drive.time_s": "less", "drive.success": "more"})
+    before = make_plan(seeds=range(4), metrics={"drive.time_s": "lower", "drive.success": "higher"})
     after = dataclasses.replace(before, seeds=(2, 3, 4), versions={"graphnav": "0.2.0"})
     pairing = pair_studies(
         before,

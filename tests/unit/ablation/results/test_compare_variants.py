@@ -19,7 +19,7 @@ MakeRecord = Callable[..., Record]
 
 
 def test_means_and_differences_over_the_same_worlds(make_plan: MakePlan, make_record: MakeRecord) -> None:
-    plan = make_plan(seeds=range(4), figures={"drive.success": "more", "drive.time_s": "less"})
+    plan = make_plan(seeds=range(4), metrics={"drive.success": "higher", "drive.time_s": "lower"})
     times = {"ica": [10.0, 20.0, 30.0, 40.0], "affine": [12.0, 18.0, 36.0]}
     success = {"ica": [1.0, 1.0, 0.0, 1.0], "affine": [1.0, 0.0, 0.0]}
     records = [
@@ -65,6 +65,7 @@ def test_failed_runs_have_no_success_and_say_nothing_else(make_plan: MakePlan, m
             {"drive.success": 0.0, "drive.duration_s": 0.3},
             outcome="failed",
             failure=f"stage 'plane' (plane.affine) failed at {seed}.35 s: no plane",
+            cause="stage 'plane' (plane.affine) failed: no plane",
         )
         for seed in (1, 2)
     ]
@@ -86,9 +87,9 @@ def test_one_world_says_nothing_about_how_worlds_scatter(make_plan: MakePlan, ma
         assert math.isnan(found.high)
 
 
-def test_derived_figures_are_computed_run_by_run(make_plan: MakePlan, make_record: MakeRecord) -> None:
+def test_derived_metrics_are_computed_run_by_run(make_plan: MakePlan, make_record: MakeRecord) -> None:
     text = "sight.auroc / twin.auroc"
-    plan = make_plan(seeds=range(2), figures={text: "more"})
+    plan = make_plan(seeds=range(2), metrics={text: "higher"})
     records = [
         make_record("ica", 0, {"sight.auroc": 0.8, "twin.auroc": 0.8}),
         make_record("ica", 1, {"sight.auroc": 0.4, "twin.auroc": 0.8}),
@@ -100,7 +101,7 @@ def test_derived_figures_are_computed_run_by_run(make_plan: MakePlan, make_recor
     assert (affine.differences[text].n, affine.differences[text].mean) == pytest.approx((1, -0.5))
 
 
-def test_only_figures_that_are_shares_of_worlds_get_their_intervals(
+def test_only_metrics_that_are_shares_of_worlds_get_their_intervals(
     make_plan: MakePlan, make_record: MakeRecord
 ) -> None:
     """A true flow errs by exactly 0 px: no reason to say that it might err by 0.07."""
@@ -122,15 +123,14 @@ def test_directions_come_from_the_plan(make_plan: MakePlan, make_record: MakeRec
     records = [make_record("ica", 0, {"a.x": 2.0, "b.x": 1.0}), make_record("affine", 0, {"a.x": 1.0, "b.x": 1.0})]
     for plan, won in (
         (make_plan(), 0),
-        (make_plan(less_is_better=("a.x",)), 1),
-        (make_plan(figures={"a.x": "less"}), 1),
-        (make_plan(figures={"a.x": "more"}, less_is_better=("a.x",)), 0),
+        (make_plan(lower=("a.x",)), 1),
+        (make_plan(metrics={"a.x": "lower"}), 1),
     ):
         found = compare(plan, records).rows[1].differences["a.x"]
         assert (found.won, found.lost) == (won, 1 - won)
-    plan = make_plan(less_is_better=("a.x",))
-    assert plan.better("a.x / b.x") == "less"
-    assert plan.better("b.x - a.x") == "more"
+    plan = make_plan(lower=("a.x",))
+    assert plan.better("a.x / b.x") == "lower"
+    assert plan.better("b.x - a.x") == "higher"
 
 
 def test_a_case_that_is_the_base_does_not_differ_from_it(make_plan: MakePlan, make_record: MakeRecord) -> None:
@@ -142,7 +142,7 @@ def test_a_case_that_is_the_base_does_not_differ_from_it(make_plan: MakePlan, ma
 
 
 def test_a_study_that_has_not_begun_has_empty_rows(make_plan: MakePlan) -> None:
-    for plan in (make_plan(), make_plan(figures={"a.x": "more"})):
+    for plan in (make_plan(), make_plan(metrics={"a.x": "higher"})):
         rows = compare(plan, []).rows
         assert [(row.runs, row.estimates, row.differences) for row in rows] == [(0, {}, {})] * 2
 

@@ -12,6 +12,7 @@ import scipy.stats
 from graphnav.ablation.results.intervals import (
     DRAWS,
     NORMAL_FROM,
+    Z,
     bonett_price,
     bootstrap,
     difference_interval,
@@ -117,10 +118,13 @@ def test_wilson_is_as_published(successes: int, n: int, low: float, high: float)
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 50, 1000])
-def test_wilson_is_scipys(n: int) -> None:
+def test_wilson_is_the_closed_form(n: int) -> None:
+    """Wilson, 1927: the shares p whose score (share - p) / sqrt(p (1 - p) / n) is within the normal quantile."""
     for successes in range(0, n + 1, max(1, n // 7)):
-        theirs = scipy.stats.binomtest(successes, n).proportion_ci(method="wilson")
-        assert wilson(successes, n) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
+        share = successes / n
+        middle = (share + Z**2 / (2 * n)) / (1 + Z**2 / n)
+        half = Z / (1 + Z**2 / n) * math.sqrt(share * (1 - share) / n + Z**2 / (4 * n**2))
+        assert wilson(successes, n) == pytest.approx((middle - half, middle + half), abs=1e-12)
 
 
 # The R packages statpsych, in its example of ci.prop.ps, and contingencytables, in its test of

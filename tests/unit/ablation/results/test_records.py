@@ -11,7 +11,7 @@ import pytest
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.results.records import Record, in_plan_order, read_records
 from graphnav.errors import UserError
-from graphnav.runner.recording.summary import StageFigures, Summary
+from graphnav.runner.recording.summary import StageSteps, Summary
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
@@ -29,8 +29,8 @@ def write_run(folder: Path, scores: Mapping[str, Mapping[str, float]], outcome: 
         frames=7,
         sim_s=0.6,
         wall_s=0.25,
-        stages={"plane": StageFigures("plane.ica", 6, 0.5, 0.75, 0)},
-        scores={stage: dict(figures) for stage, figures in scores.items()},
+        stages={"plane": StageSteps("plane.ica", 6, 0.5, 0.75, 0)},
+        scores={stage: dict(metrics) for stage, metrics in scores.items()},
         notices=[],
         tap_dropped=0,
         run_id="",
@@ -85,7 +85,7 @@ def test_summaries_that_are_none_are_all_named(make_plan: MakePlan, tmp_path: Pa
         read_records(plan, tmp_path)
     assert len(caught.value.problems) == 2
     for path in paths[1:]:
-        assert f"{path} is not the whole summary of a run\n  remove it" in str(caught.value)
+        assert f"{path} is not a complete summary of a run\n  remove it" in str(caught.value)
 
 
 def test_a_summary_cut_anywhere_is_noticed(make_plan: MakePlan, tmp_path: Path) -> None:
@@ -94,20 +94,26 @@ def test_a_summary_cut_anywhere_is_noticed(make_plan: MakePlan, tmp_path: Path) 
     assert json.loads(whole)
     for length in range(0, len(whole) - 2, 37):
         path.write_bytes(whole[:length])
-        with pytest.raises(UserError, match="not the whole summary"):
+        with pytest.raises(UserError, match="not a complete summary"):
             read_records(make_plan(), tmp_path)
 
 
-def test_nobody_gains_by_breaking_down(make_record: MakeRecord) -> None:
-    figures = {"drive.success": 0.0, "drive.timeout": 1.0, "drive.duration_s": 0.2, "drive.spl": 0.0, "sight.iou": 0.9}
-    broken = make_record("ica", 0, figures, outcome="failed")
-    assert broken.counted("drive.success") == broken.counted("drive.spl") == 0.0
-    for name in ("drive.timeout", "drive.duration_s", "sight.iou", "drive.collision"):
-        assert broken.counted(name) is None
-    assert make_record("ica", 0, figures, outcome="timeout").counted("drive.duration_s") == 0.2
+def test_a_failed_stage_never_improves_a_result(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    metrics = {"drive.success": 0.0, "drive.timeout": 1.0, "drive.duration_s": 0.2, "drive.spl": 0.0, "sight.iou": 0.9}
+    plan = make_plan()
+    failed = make_record("ica", 0, metrics, outcome="failed")
+    for name in ("drive.success", "drive.spl"):
+        assert failed.counted(name, plan.metric(name)) == 0.0
+    for name in ("drive.timeout", "drive.duration_s", "sight.iou", "drive.collision", "drive.path_length_m"):
+        assert failed.counted(name, plan.metric(name)) is None
+    timeout = make_record("ica", 0, metrics, outcome="timeout")
+    assert timeout.counted("drive.duration_s", plan.metric("drive.duration_s")) == 0.2
 
 
-def test_who_breaks_down_before_the_first_frame_has_not_succeeded(make_record: MakeRecord) -> None:
-    assert make_record("ica", 0, {}, outcome="failed").counted("drive.success") == 0.0
+def test_a_stage_that_fails_before_the_first_frame_has_not_succeeded(
+    make_plan: MakePlan, make_record: MakeRecord
+) -> None:
+    success = make_plan().metric("drive.success")
+    assert make_record("ica", 0, {}, outcome="failed").counted("drive.success", success) == 0.0
     without_a_goal = make_record("ica", 0, {"drive.collision": 0.0}, outcome="failed")
-    assert without_a_goal.counted("drive.success") is None
+    assert without_a_goal.counted("drive.success", success) is None

@@ -7,7 +7,7 @@ import pytest
 from graphnav.ablation.study.metric_expression import MetricExpression
 from graphnav.errors import UserError
 
-FIGURES = {"a.auroc": 0.9, "b.auroc": 0.6, "b.nothing": 0.0}
+METRICS = {"a.auroc": 0.9, "b.auroc": 0.6, "b.nothing": 0.0}
 
 
 @pytest.mark.parametrize(
@@ -22,9 +22,9 @@ FIGURES = {"a.auroc": 0.9, "b.auroc": 0.6, "b.nothing": 0.0}
     ],
 )
 def test_values(text: str, operands: tuple[str, ...], value: float | None) -> None:
-    figure = MetricExpression.parse(text)
-    assert figure.operands == operands
-    assert figure.value(FIGURES.get) == (value if value is None else pytest.approx(value))
+    metric = MetricExpression.parse(text)
+    assert metric.operands == operands
+    assert metric.value(METRICS.get) == (value if value is None else pytest.approx(value))
 
 
 def test_spaces_do_not_count() -> None:
@@ -35,5 +35,5 @@ def test_spaces_do_not_count() -> None:
     "text", ["", "auroc", "a.b + c.d", "a.b -", "- a.b", "a.b c.d", "a.b - c.d - e.f", "A.b", "a."]
 )
 def test_anything_else_is_refused(text: str) -> None:
-    with pytest.raises(UserError, match=r"is no figure\n  write stage.figure"):
+    with pytest.raises(UserError, match=r"is not a metric\n  write stage.metric"):
         MetricExpression.parse(text)

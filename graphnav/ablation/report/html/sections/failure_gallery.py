@@ -14,6 +14,7 @@ from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import badge_of
 from graphnav.ablation.results import Record, failure_folder, is_failure
+from graphnav.ablation.worker import ENDING
 
 _CAUSES = {"contact": "Contact", "timeout": "Time was up", "failed": "The run broke down"}
 _MOST = 24
@@ -50,17 +51,17 @@ def gallery(study: StudyResults) -> Markup:
 
 def _failures(study: StudyResults) -> list[Record]:
     own = {(case.graph, case.variant) for case in study.plan.cases if not case.same_as}
-    return [run for run in study.records if is_failure(run) and (run.graph, run.variant) in own]
+    return [run for run in study.records if is_failure(study.plan, run) and (run.graph, run.variant) in own]
 
 
 def _picture(study: StudyResults, run: Record) -> Path | None:
     place = study.folder / failure_folder(study.plan.case(run.graph, run.variant), run.seed)
-    pictures = sorted(place.glob("*.png"), key=lambda file: (file.name != "end.png", file.name))
+    pictures = sorted(place.glob("*.png"), key=lambda file: (file.name != ENDING, file.name))
     return pictures[0] if pictures else None
 
 
 def _spread(study: StudyResults, found: Sequence[tuple[Record, Path]]) -> list[tuple[Record, Path]]:
-    """Return at most so many: round by round one of each case, methods before controls, the soonest ended first."""
+    """Return at most so many: round by round one of each case, methods before baselines, the soonest ended first."""
     special = {(case.graph, case.variant) for case in study.plan.cases if case.role != "method"}
     turns: dict[tuple[str, str], int] = {}
     ranked = []

@@ -53,8 +53,13 @@ def _setup(study: StudyResults) -> list[tuple[str, str]]:
         *([("compared under the same", ", ".join(plan.within))] if plan.within else []),
         ("variants", f"{len(plan.variants)}{same}"),
         ("base", plan.base),
-        ("decides", f"{study.deciding}, {plan.better(study.deciding)} is better" if study.deciding else "no metric"),
+        ("decides", _deciding(study)),
     ]
+
+
+def _deciding(study: StudyResults) -> str:
+    metric, plan = study.deciding, study.plan
+    return f"{plan.label(metric)}, {plan.better(metric)} is better" if metric else "no metric"
 
 
 def _too_few(n: int) -> str:

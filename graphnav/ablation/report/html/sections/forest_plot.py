@@ -14,6 +14,7 @@ from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import badge_of
 from graphnav.ablation.report.html.verdict import WORDS, verdict_of
 from graphnav.ablation.results import Row
+from graphnav.runner import Outcome
 
 MAX_ROWS = 24
 
@@ -23,7 +24,7 @@ def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Ma
     shown = shown_variants(study, metric)
     labels = {variant: _badge(study, variant) for variant in shown}
     graphs = study.plan.graphs
-    x_label = f"{metric}, {study.plan.better(metric)} is better"
+    x_label = f"{study.plan.label(metric)}, {study.plan.better(metric)} is better"
     charts = []
     columns = math.ceil(len(graphs) / math.ceil(len(graphs) / PANELS))
     for begin in range(0, len(graphs), columns):
@@ -34,14 +35,14 @@ def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Ma
 
 
 def shown_variants(study: StudyResults, metric: str) -> Sequence[str]:
-    """Return the variants with runs of their own; of very many the base, controls, oracles and the best."""
+    """Return the variants with runs of their own; of very many the base, baselines, oracles and the best."""
     every = study.own_variants
     if len(every) <= MAX_ROWS:
         return every
     plan = study.plan
     special = {case.variant for case in plan.cases if case.is_base or case.role != "method"}
     kept = [variant for variant in every if variant in special][: MAX_ROWS // 2]
-    sign = -1.0 if plan.better(metric) == "more" else 1.0
+    sign = -1.0 if plan.better(metric) != "lower" else 1.0
 
     def rank(variant: str) -> float:
         means = [found.mean for graph in plan.graphs if (found := study.estimate(graph, variant, metric))]
@@ -87,17 +88,17 @@ def _mark(study: StudyResults, row: Row, metric: str, *, with_worlds: bool) -> M
 
 def missing_reason(row: Row) -> str:
     """Return why a row has no value."""
-    failed = row.outcomes.get("failed", 0)
+    failed = row.outcomes.get(Outcome.FAILED, 0)
     if failed and failed == row.runs:
         return f"failed in all of {row.runs} worlds"
-    return "not measured in any run" if row.runs else "no run yet"
+    return "undefined in all runs" if row.runs else "no run yet"
 
 
 def chart_key(*, with_worlds: bool = False) -> Markup:
     """Return what the marks mean."""
     kinds = [
         ("base method", "the base"), ("better method", "better than the base"), ("worse method", "worse"),
-        ("unclear method", "no difference that these worlds can tell"), ("unclear control", "control"),
+        ("unclear method", "no difference that these worlds can tell"), ("unclear baseline", "baseline"),
         ("unclear oracle", "oracle"),
     ]  # fmt: skip
     shown = [{"look": look, "text": text, "is_oracle": "oracle" in look} for look, text in kinds]

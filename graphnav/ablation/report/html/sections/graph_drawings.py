@@ -48,7 +48,9 @@ def _drawing(study: StudyResults, cases: list[Case]) -> _Drawing:
     changes += [(stage, f"{', '.join(targets)} varied") for stage, targets in tuned.items()]
     picture, reason = Markup(""), ""
     try:
-        graph = study.graphs.get(base.folder) or graph_of(base.graph_yaml.encode(), _FILE, study.catalog)
+        graph = study.graphs.get(base.folder) or graph_of(
+            base.graph_yaml.encode(), _FILE, study.catalog, is_recorded=True
+        )
     except UserError as error:
         reason = str(replace(error.problems[0], hint=""))
     else:

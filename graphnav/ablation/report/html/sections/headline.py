@@ -105,6 +105,7 @@ def _rival(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> _Riv
     words = {
         "better": "better than the base",
         "worse": "worse than the base",
+        "different": "different from the base",
         "unclear": f"no difference that {counted(difference.n, 'world')} can tell",
     }.get(verdict, f"{counted(difference.n, 'world')} cannot tell")
     value = estimated(estimate.mean, estimate.low, estimate.high)

@@ -18,10 +18,11 @@ from graphnav.errors import DrawingError, GraphnavError
 from graphnav.pictures import DRAWING_FAMILY, drawing
 from graphnav.record import Recording
 from graphnav.record.find_log import LOG
+from graphnav.runner import Outcome
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
-_MAX_PATHS = {"method": 8, "control": 3, "oracle": 2}
+_MAX_PATHS = {"method": 8, "baseline": 3, "oracle": 2}
 _MAX_PX = 520
 
 
@@ -78,7 +79,10 @@ def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequenc
         if study.plan.case(graph, variant).role == "method":
             for run in study.runs.get((graph, variant), ()):
                 outcomes.setdefault(run.seed, []).append(run.outcome)
-    doubt = {seed: sum(one != "goal" for one in of) * sum(one == "goal" for one in of) for seed, of in outcomes.items()}
+    doubt = {
+        seed: sum(one != Outcome.GOAL for one in of) * sum(one == Outcome.GOAL for one in of)
+        for seed, of in outcomes.items()
+    }
     begin = list(seeds[:first])
     rest = sorted((s for s in seeds if s not in begin), key=lambda s: (-doubt.get(s, 0), s))
     most = [seed for seed in rest if doubt.get(seed, 0) > 0][:disputed]

@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.legend import COUNTING, INTERVALS, seeds_text
+from graphnav.ablation.report.legend import INTERVALS, counting, seeds_text
 from graphnav.ablation.results import MIN_WORLDS
 
 _MEANING = """\
@@ -18,7 +18,7 @@ two are equal: it says how far apart they may be.
 
 Of {n} comparisons with the base, about {chance} leave out 0 by chance alone.
 
-A control lacks what a method claims to need: where a method does not beat it, that is not needed there, or the worlds
+A baseline lacks what a method claims to need: where a method does not beat it, that is not needed there, or the worlds
 test nothing. An oracle sees the truth: it bounds what methods can reach."""
 
 
@@ -44,4 +44,4 @@ def reproduce(study: StudyResults) -> Markup:
 def _meaning(study: StudyResults) -> list[str]:
     n = sum(1 for row in study.comparison.rows if row.differences and not row.case.same_as)
     own = _MEANING.format(least=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
-    return [own[0], INTERVALS, *own[1:], COUNTING]
+    return [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics)]

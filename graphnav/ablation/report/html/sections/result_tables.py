@@ -49,7 +49,7 @@ def tables(study: StudyResults) -> Markup:
     graphs = study.plan.graphs
     return rendered(
         "result_tables.html",
-        metrics=[(name, study.plan.better(name)) for name in study.metrics],
+        metrics=[(study.plan.label(name), study.plan.better(name)) for name in study.metrics],
         tables=[(graph, [_row(study, row) for row in study.comparison.of_graph(graph)]) for graph in graphs],
         max_open=_MAX_OPEN,
     )
@@ -79,5 +79,6 @@ def _cell(study: StudyResults, row: Row, metric: str) -> _Cell:
     if difference is None:
         return _Cell(value, interval, n)
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
-    worlds = f"won {difference.won}, lost {difference.lost} of {difference.n}"
+    more, less = ("higher", "lower") if study.plan.better(metric) == "neither" else ("won", "lost")
+    worlds = f"{more} {difference.won}, {less} {difference.lost} of {difference.n}"
     return _Cell(value, interval, n, change, verdict_of(row, metric, study.plan.better(metric)), worlds)

@@ -20,7 +20,7 @@ _MAX_NAMED = 6
 _MAX_CHECKS = 3
 _MAX_INTERVALS = 8
 """Of more differences the means stand alone; the chart and the tables have the intervals."""
-_ROLES: tuple[Role, ...] = ("control", "oracle")
+_ROLES: tuple[Role, ...] = ("baseline", "oracle")
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class _Variants:
 
 @dataclass(frozen=True)
 class _Reference:
-    """The range of one control or oracle, or of many."""
+    """The range of one baseline or oracle, or of many."""
 
     title: str
     variant: str
@@ -56,24 +56,25 @@ def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Marku
         "better": "Better than the base",
         "unclear": f"No difference that {counted(study.n_seeds, 'world')} can tell",
         "worse": "Worse than the base",
+        "different": "Different from the base",
         "unknown": "Not known",
     }
     is_brief = len(found) > _MAX_INTERVALS
     lists = []
     for verdict, title in titles.items() if found else ():
         entries = list(_entries(study, metric, found, verdict, is_brief=is_brief))
-        if entries or verdict != "unknown":
+        if entries or verdict not in {"different", "unknown"}:
             lists.append(_first(verdict, title, entries))
     return rendered("verdicts.html", lists=[*lists, *_unbeaten(study, metric)])
 
 
 def _unbeaten(study: StudyResults, metric: str) -> Iterator[_Variants]:
-    """Yield the controls that the base does not clearly beat: what they lack may not be needed."""
-    found = verdicts(study, metric, "control")
+    """Yield the baselines that the base does not clearly beat: what they lack may not be needed."""
+    found = verdicts(study, metric, "baseline")
     kept: Found = {key: ("unclear", row) for key, (verdict, row) in found.items() if verdict in {"better", "unclear"}}
     entries = list(_entries(study, metric, kept, "unclear", is_brief=len(kept) > _MAX_INTERVALS))
     if entries:
-        yield _first("control", "Controls that the base does not beat", entries)
+        yield _first("baseline", "Baselines that the base does not beat", entries)
 
 
 def _first(sign: str, title: str, entries: Sequence[_Entry]) -> _Variants:
@@ -108,7 +109,7 @@ def _brief(rows: Iterable[Row], metric: str) -> str:
 
 
 def reference_values(study: StudyResults, metric: str) -> Markup:
-    """Return the metric of controls and oracles: it shows whether worlds and scores can be trusted."""
+    """Return the metric of baselines and oracles: it shows whether worlds and scores can be trusted."""
     references = []
     for role in _ROLES:
         cases = [case for case in study.plan.cases if case.role == role and not case.same_as]

@@ -13,9 +13,9 @@ from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.records import Record, StageTime
 from graphnav.catalog import Catalog
 from graphnav.graph import parse_override
-from graphnav.stage import Role
+from graphnav.stage import Metric, Role
 
-SUCCESS, CLEARANCE = "drive.success", "drive.least_clearance_m"
+SUCCESS, CLEARANCE = "drive.success", "drive.min_clearance_m"
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 
 
@@ -57,10 +57,11 @@ def plan_of(
     *,
     graphs: Sequence[str] = ("corridor",),
     seeds: Sequence[int] = tuple(range(20)),
-    figures: Sequence[str] = (SUCCESS, CLEARANCE),
+    metrics: Sequence[str] = (SUCCESS, CLEARANCE),
     graph_yaml: str = "",
     same_as: Mapping[str, str] | None = None,
     axis: str = "plane",
+    lower: Sequence[str] = (),
 ) -> Plan:
     """Return a plan whose first variant is the base; ``same_as`` shares the runs of another."""
     shared = same_as or {}
@@ -90,23 +91,29 @@ def plan_of(
         graphs=tuple(graphs),
         axes={axis: tuple(variants)},
         seeds=tuple(seeds),
-        figures=dict.fromkeys(figures, "more"),
+        metrics=tuple(metrics),
         cases=cases,
+        declared={
+            SUCCESS: Metric("success", help="Arrived.", better="higher", if_failed=0.0, is_outcome=True),
+            **{name: Metric(name.partition(".")[2], help="Toy.", better="lower") for name in lower},
+        },
         versions={"graphnav": "0.1.0"},
     )
 
 
-def record_of(case: Case, seed: int, outcome: str, **figures: float) -> Record:
-    """Return a run of a case; ``drive__success=1.0`` is the figure ``drive.success``."""
+def record_of(case: Case, seed: int, outcome: str, **metrics: float) -> Record:
+    """Return a run of a case; ``drive__success=1.0`` is the metric ``drive.success``."""
+    failure = "plane: it broke <down>" if outcome == "failed" else ""
     return Record(
         graph=case.graph,
         variant=case.variant,
         seed=seed,
         outcome=outcome,
-        failure="plane: it broke <down>" if outcome == "failed" else "",
+        failure=failure,
+        cause=failure,
         frames=10,
         sim_s=1.0 + seed,
-        metrics={name.replace("__", "."): value for name, value in figures.items()},
+        metrics={name.replace("__", "."): value for name, value in metrics.items()},
         wall_s=0.1,
         times={"flow": StageTime(9, 1.5, 3.0), "plane": StageTime(9, 0.5, 1.0)},
         folder=f"{case.folder}/{seed}",
@@ -122,7 +129,7 @@ def records_of(plan: Plan, share: Mapping[str, float]) -> list[Record]:
             outcome = "goal" if is_good else "contact"
             clearance = 0.2 + 0.001 * place if is_good else 0.0
             found.append(
-                record_of(case, seed, outcome, drive__success=float(is_good), drive__least_clearance_m=clearance)
+                record_of(case, seed, outcome, drive__success=float(is_good), drive__min_clearance_m=clearance)
             )
     return found
 

@@ -9,13 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.ablation.plan.plan import Better
 from graphnav.ablation.report.html.charts.scale import scale_of, wide_scale_of
 from graphnav.ablation.report.html.number_text import MINUS, estimated, means_text, number
 from graphnav.ablation.report.html.sections.parameter_sweeps import axis_numbers
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results.comparison import Difference, Row
-from graphnav.stage import Role
+from graphnav.stage import Better, Role
 
 from .example_study import Page, plan_of, record_of, records_of, report
 
@@ -87,8 +86,8 @@ def test_an_axis_is_one_of_numbers_if_every_label_has_one(
 
 def test_a_line_is_drawn_for_every_stage_that_has_the_figure(tmp_path: Path) -> None:
     tilts: dict[str, Role] = dict.fromkeys(("75°", "20°", "50°"), "method")
-    figures = ("ica_sight.auroc", "affine_sight.auroc")
-    plan = plan_of(tilts, figures=figures, axis="tilt", seeds=range(6))
+    metrics = ("ica_sight.auroc", "affine_sight.auroc")
+    plan = plan_of(tilts, metrics=metrics, axis="tilt", seeds=range(6))
     records = [
         record_of(case, seed, "goal", ica_sight__auroc=0.9 - seed / 100, affine_sight__auroc=0.7)
         for case in plan.cases
@@ -112,14 +111,14 @@ def test_a_crossed_axis_has_a_line_for_each_choice_of_the_other(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("low", "high", "n", "better", "expected"),
     [
-        (0.1, 0.3, 20, "more", "better"),
-        (0.1, 0.3, 20, "less", "worse"),
-        (-0.3, -0.1, 20, "more", "worse"),
-        (-0.3, -0.1, 20, "less", "better"),
-        (-0.1, 0.3, 20, "more", "unclear"),
-        (0.0, 0.3, 20, "more", "unclear"),
-        (0.1, 0.3, 2, "more", "unclear"),
-        (math.nan, math.nan, 1, "more", "unknown"),
+        (0.1, 0.3, 20, "higher", "better"),
+        (0.1, 0.3, 20, "lower", "worse"),
+        (-0.3, -0.1, 20, "higher", "worse"),
+        (-0.3, -0.1, 20, "lower", "better"),
+        (-0.1, 0.3, 20, "higher", "unclear"),
+        (0.0, 0.3, 20, "higher", "unclear"),
+        (0.1, 0.3, 2, "higher", "unclear"),
+        (math.nan, math.nan, 1, "higher", "unknown"),
     ],
 )
 def test_only_a_clear_difference_is_called_one(

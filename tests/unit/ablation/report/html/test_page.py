@@ -17,7 +17,7 @@ from graphnav.stage import Role
 
 from .example_study import CLEARANCE, SUCCESS, Page, plan_of, record_of, records_of, report
 
-ROLES: dict[str, Role] = {"ica": "method", "affine": "method", "bad": "method", "prior": "control", "truth": "oracle"}
+ROLES: dict[str, Role] = {"ica": "method", "affine": "method", "bad": "method", "prior": "baseline", "truth": "oracle"}
 SHARES = {"ica": 0.9, "affine": 0.85, "bad": 0.1, "prior": 0.0, "truth": 1.0}
 
 
@@ -35,7 +35,7 @@ def page(plan: Plan, records: list[Record], folder: Path, catalog: Catalog | Non
 def test_it_holds_every_variant_and_figure_with_controls_and_oracles_marked(tmp_path: Path) -> None:
     plan = plan_of(ROLES, graphs=("corridor", "pillars"))
     found = page(plan, records_of(plan, SHARES), tmp_path)
-    for word in (*ROLES, *plan.figures, *plan.graphs, "control", "oracle", plan.command, plan.about, "0 to 19"):
+    for word in (*ROLES, *plan.metrics, *plan.graphs, "baseline", "oracle", plan.command, plan.about, "0 to 19"):
         assert word in found.text
     assert "finished: 200 runs" in found.text
 
@@ -47,7 +47,7 @@ def test_the_answer_says_what_the_worlds_can_tell_and_no_more(tmp_path: Path) ->
     answer = text[text.index("Better than the base") : text.index("For scale")]
     assert "Better than the base none No difference that 20 worlds can tell affine −0.05 [" in answer
     assert "Worse than the base bad −0.80 [" in answer
-    assert "control prior 0.00; oracle truth 1.00" in text
+    assert "baseline prior 0.00; oracle truth 1.00" in text
 
 
 def test_many_graphs_and_methods_are_told_in_short(tmp_path: Path) -> None:
@@ -73,10 +73,10 @@ def test_conditions_have_tables_of_their_own_and_lines_run_across_them(tmp_path:
     assert all(f"{variant}: " in chart and f" at {number}" in chart for variant in ROLES for number in range(1, 5))
 
 
-def test_a_control_that_is_as_good_as_the_base_is_on_the_first_screen(tmp_path: Path) -> None:
+def test_a_baseline_that_is_as_good_as_the_base_is_on_the_first_screen(tmp_path: Path) -> None:
     plan = plan_of(ROLES)
     text = page(plan, records_of(plan, {**SHARES, "prior": 0.9}), tmp_path).text
-    assert "Controls that the base does not beat prior 0.00 [" in text
+    assert "Baselines that the base does not beat prior 0.00 [" in text
     assert "base does not beat" not in page(plan, records_of(plan, SHARES), tmp_path).text
 
 
@@ -94,8 +94,9 @@ def test_one_that_is_better_is_named(tmp_path: Path) -> None:
 
 
 def test_less_can_be_better(tmp_path: Path) -> None:
-    plan = plan_of({"bad": "method", "ica": "method", "affine": "method"}, figures=["drive.collision"])
-    plan = Plan(**{**vars(plan), "figures": {"drive.collision": "less"}})
+    plan = plan_of(
+        {"bad": "method", "ica": "method", "affine": "method"}, metrics=["drive.collision"], lower=["drive.collision"]
+    )
     records = [
         record_of(case, seed, "goal", drive__collision=float(seed >= SHARES[case.variant] * 20))
         for case in plan.cases
@@ -146,13 +147,13 @@ def test_few_worlds_are_said_to_be_few(tmp_path: Path) -> None:
 
 
 def test_runs_without_scores_have_a_report(tmp_path: Path) -> None:
-    plan = plan_of({"ica": "method", "affine": "method"}, figures=())
+    plan = plan_of({"ica": "method", "affine": "method"}, metrics=())
     records = [record_of(case, seed, "end") for case in plan.cases for seed in plan.seeds]
     assert "no metric" in page(plan, records, tmp_path).text
 
 
 def test_a_variant_that_always_fails_is_a_row_with_its_reason(tmp_path: Path) -> None:
-    plan = plan_of({"ica": "method", "broken": "method", "affine": "method"}, figures=(CLEARANCE,))
+    plan = plan_of({"ica": "method", "broken": "method", "affine": "method"}, metrics=(CLEARANCE,))
     records = [r for r in records_of(plan, {**SHARES, "broken": 0}) if r.variant != "broken"]
     records += [record_of(plan.case("corridor", "broken"), seed, "failed") for seed in plan.seeds]
     text = page(plan, records, tmp_path).text
@@ -178,9 +179,9 @@ def test_hundreds_of_variants_keep_the_charts_readable(tmp_path: Path) -> None:
 
 
 def test_values_that_are_no_numbers_do_not_reach_the_page(tmp_path: Path) -> None:
-    plan = plan_of({"ica": "method", "affine": "method"}, figures=(CLEARANCE,), seeds=range(6))
+    plan = plan_of({"ica": "method", "affine": "method"}, metrics=(CLEARANCE,), seeds=range(6))
     records = [
-        record_of(case, seed, "goal", **({"drive__least_clearance_m": 0.3} if seed == 0 else {}))
+        record_of(case, seed, "goal", **({"drive__min_clearance_m": 0.3} if seed == 0 else {}))
         for case in plan.cases
         for seed in plan.seeds
     ]
@@ -200,7 +201,7 @@ def test_the_same_study_gives_the_same_bytes(tmp_path: Path) -> None:
 def test_the_graph_is_drawn_with_swapped_stages_marked(
     tmp_path: Path, toys: Catalog, load: Callable[..., Graph]
 ) -> None:
-    three: dict[str, Role] = {"ica": "method", "affine": "method", "prior": "control"}
+    three: dict[str, Role] = {"ica": "method", "affine": "method", "prior": "baseline"}
     plan = plan_of(three, graph_yaml=resolved_yaml(load()))
     text = report(plan, records_of(plan, SHARES), tmp_path, toys)
     Page(text)

@@ -24,7 +24,7 @@ SETS = {"pca": (), "forward": ("steer=steer.forward",)}
 def study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Plan, Path]:
     """Return a study of two short drives through one corridor, the second's end drawn."""
     folder = tmp_path_factory.mktemp("study")
-    plan = plan_of({"pca": "method", "forward": "control"}, graphs=("corridor_ccw",), seeds=(3,))
+    plan = plan_of({"pca": "method", "forward": "baseline"}, graphs=("corridor_ccw",), seeds=(3,))
     for case in plan.cases:
         sets = [word for text in (*SETS[case.variant], "run.until_s=1.5") for word in ("--set", text)]
         quiet = ["--no-tap", "--no-pictures", "--set", "run.record=small"]

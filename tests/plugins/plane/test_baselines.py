@@ -1,4 +1,4 @@
-"""The controls score what theory says."""
+"""The baselines score what theory says."""
 
 from __future__ import annotations
 
@@ -42,21 +42,21 @@ def random_obstacle(seed: int) -> Bools:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_all_ground_scores_one_half_exactly(scenes: Scenes, seed: int) -> None:
-    figures = scored(AllGround().step(scenes.scene(0.25, seed=seed).flow), random_obstacle(seed))
-    assert figures["auroc"] == 0.5
-    assert figures["balanced_accuracy_ratio"] == 0.5
-    assert figures["iou_ratio"] == 0.0
-    assert figures["false_obstacle_ratio"] == 0.0
+    metrics = scored(AllGround().step(scenes.scene(0.25, seed=seed).flow), random_obstacle(seed))
+    assert metrics["auroc"] == 0.5
+    assert metrics["balanced_accuracy_ratio"] == 0.5
+    assert metrics["iou_ratio"] == 0.0
+    assert metrics["false_obstacle_ratio"] == 0.0
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_row_prior_scores_what_the_rows_alone_tell(scenes: Scenes, seed: int) -> None:
     obstacle = random_obstacle(seed)
-    figures = scored(RowPrior().step(scenes.scene(0.25, seed=seed).flow), obstacle)
+    metrics = scored(RowPrior().step(scenes.scene(0.25, seed=seed).flow), obstacle)
     rows = np.broadcast_to(np.arange(30)[:, None], obstacle.shape)
     higher, level = rows[obstacle][:, None] < rows[~obstacle], rows[obstacle][:, None] == rows[~obstacle]
     area = higher.mean() + level.mean() / 2
-    assert figures["auroc"] == pytest.approx(area, abs=0.005)  # the score's bins are 0.2 % wide
+    assert metrics["auroc"] == pytest.approx(area, abs=0.005)  # the score's bins are 0.2 % wide
 
 
 def test_the_row_prior_does_not_look_at_the_flow(scenes: Scenes) -> None:
@@ -76,20 +76,20 @@ def test_the_row_prior_calls_the_upper_rows_obstacle(scenes: Scenes, ratio: floa
     assert np.array_equal(plane.obstacle > 0, plane.score > plane.threshold)
 
 
-@pytest.mark.parametrize("control", [AllGround(), RowPrior(horizon_ratio=1.0)])
-def test_controls_judge_the_cells_that_the_detectors_judge(scenes: Scenes, control: AllGround | RowPrior) -> None:
+@pytest.mark.parametrize("baseline", [AllGround(), RowPrior(horizon_ratio=1.0)])
+def test_baselines_judge_the_cells_that_the_detectors_judge(scenes: Scenes, baseline: AllGround | RowPrior) -> None:
     valid = np.ones((119, 158), np.uint8)
     valid[:, :17] = 0
     flow = Flow(uv_px=np.zeros((119, 158, 2), np.float32), valid=valid, interval_us=100_000)
     stage = Affine()
     stage.reset(0)
-    detected, plane = stage.step(flow, scenes.stamp()), control.step(flow)
+    detected, plane = stage.step(flow, scenes.stamp()), baseline.step(flow)
     assert np.array_equal(plane.valid, detected.valid)
     assert plane.step_px == detected.step_px
     assert not plane.obstacle[plane.valid == 0].any()
 
 
-def test_tables_can_tell_methods_from_controls_and_oracles() -> None:
+def test_tables_can_tell_methods_from_baselines_and_oracles() -> None:
     assert {kind.role for kind in (Ica, Affine, Homography)} == {"method"}
-    assert {kind.role for kind in (Residual, AllGround, RowPrior)} == {"control"}
+    assert {kind.role for kind in (Residual, AllGround, RowPrior)} == {"baseline"}
     assert Oracle.role == "oracle"

@@ -1,0 +1,43 @@
+"""Names of version 0.1.0 and what they are called now.
+
+Applied to what earlier versions recorded: run folders, logs, study folders. In files that people write, a former name
+is refused with the new one as the suggestion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from graphnav.errors import Hint, Suggestion, did_you_mean
+
+METRICS: Mapping[str, str] = {"least_clearance_m": "min_clearance_m"}
+"""Of stages' metrics, without the stage's name."""
+
+PARAMETERS: Mapping[str, Mapping[str, str]] = {
+    "score.agreement": {"least_turn_deg": "min_turn_deg"},
+    "score.plane": {"least_motion_px": "min_motion_px"},
+    "score.steering": {"least_times": "min_side_ratio", "least_difference_ratio": "min_difference_ratio"},
+}
+"""Of stages' parameters, by the ``use`` of the stage."""
+
+ROLES: Mapping[str, str] = {"control": "baseline"}
+STAGE_ATTRIBUTES: Mapping[str, str] = {"less_is_better": "metrics"}
+STUDY_KEYS: Mapping[str, str] = {"figures": "metrics"}
+
+ZERO_IF_FAILED = ("success", "spl", "barn")
+"""The metrics that counted as 0 for a run in which a stage failed, when that was not declared."""
+OUTCOME = "success"
+"""The metric that told whether a drive arrived, when that was not declared."""
+
+
+def metric_now(name: str) -> str:
+    """Return what ``metric`` or ``stage.metric`` is called now."""
+    stage, dot, metric = name.rpartition(".")
+    return f"{stage}{dot}{METRICS.get(metric, metric)}"
+
+
+def suggestion(word: str, renamed: Mapping[str, str], known: Iterable[str]) -> Hint:
+    """Return the hint for a word that is not known: its new name, else the nearest known word, else nothing."""
+    if word in renamed:
+        return Suggestion((renamed[word],), f"did you mean '{renamed[word]}'?")
+    return did_you_mean(word, known)

@@ -1,0 +1,125 @@
+"""Metrics of stages: the numbers that a stage reports of a run, declared with unit, direction and help."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Any, Final, Literal, get_args
+
+from graphnav.errors import DeclarationError
+from graphnav.stage import former_names
+
+Better = Literal["higher", "lower", "neither"]
+"""Which values of a metric are better; neither of a count, or of what only describes a run."""
+
+MEASURED: Final = "measured"
+"""Of `Metric.if_failed`: a failed drive counts with what was measured, as an error or a clearance does."""
+UNDEFINED: Final = "undefined"
+"""Of `Metric.if_failed`: reported only of drives that arrive, as path length and duration are."""
+
+SUFFIX_UNITS: Mapping[str, str] = MappingProxyType(
+    {
+        "px": "px",
+        "m": "m",
+        "s": "s",
+        "us": "µs",
+        "hz": "Hz",
+        "rad": "rad",
+        "deg": "°",
+        "mps": "m/s",
+        "mps2": "m/s²",
+        "mps3": "m/s³",
+        "radps": "rad/s",
+        "radps2": "rad/s²",
+        "ratio": "ratio",
+    }
+)
+"""The unit of a metric whose name ends in each suffix."""
+
+
+@dataclass(frozen=True)
+class Metric:
+    """The declaration of a metric.
+
+    Parameters
+    ----------
+    name
+        In `Stage.summary` and, behind the stage's, in tables: an identifier. It ends in the suffix of its unit
+        (``_m``, ``_ratio``) where graphnav has one.
+    help
+        One sentence: what is measured, over what, and when it is left out.
+    better
+        Which values are better.
+    unit
+        As tables show it: ``"m"``, ``"m/s³"``, ``"ratio"``; empty for counts and for what is 0 or 1.
+    if_failed
+        The value that a drive counts with if it did not arrive or if a stage failed; `UNDEFINED`: reported only of
+        drives that arrive; `MEASURED`: reported of all drives, and not compared where a stage failed.
+    is_outcome
+        Whether it is 1 for a drive that arrived and 0 for one that did not. Counts as 0 if a stage failed.
+    """
+
+    name: str
+    _: KW_ONLY
+    help: str
+    better: Better
+    unit: str = ""
+    if_failed: float | Literal["measured", "undefined"] = MEASURED
+    is_outcome: bool = False
+
+    @property
+    def label(self) -> str:
+        """The name, and the unit where the name does not tell it."""
+        return f"{self.name} [{self.unit}]" if self.unit and suffix_unit(self.name) != self.unit else self.name
+
+
+def suffix_unit(name: str) -> str:
+    """Return the unit that the suffix of a metric's name tells, empty for none."""
+    stem, _, suffix = name.rpartition("_")
+    return SUFFIX_UNITS.get(suffix, "") if stem else ""
+
+
+def metrics_of(cls: type) -> Mapping[str, Metric]:
+    """Return the declared metrics of a stage class by name, in order.
+
+    Raises
+    ------
+    DeclarationError
+        What is declared is not a list of metrics with names, directions and help.
+    """
+    return _metrics_of(cls)
+
+
+@cache
+def _metrics_of(cls: Any) -> Mapping[str, Metric]:
+    for former, now in former_names.STAGE_ATTRIBUTES.items():
+        if hasattr(cls, former):
+            raise DeclarationError(f"{cls.__qualname__} has '{former}': declare '{now}' = (Metric(...), ...)")
+    declared = cls.metrics
+    if not isinstance(declared, tuple) or not all(isinstance(metric, Metric) for metric in declared):
+        raise DeclarationError(f"the metrics of {cls.__qualname__} are not a tuple: write (Metric(...), ...)")
+    repeated = [name for name, times in Counter(metric.name for metric in declared).items() if times > 1]
+    if repeated:
+        raise DeclarationError(f"{cls.__qualname__} declares the metric '{repeated[0]}' twice: keep one")
+    for metric in declared:
+        if fault := _fault(metric):
+            raise DeclarationError(f"metric '{metric.name}' of {cls.__qualname__}: {fault}")
+    return MappingProxyType({metric.name: metric for metric in declared})
+
+
+def _fault(metric: Metric) -> str:
+    """Return what is wrong with a metric and what to do, empty if nothing is."""
+    if not metric.name.isidentifier():
+        return "the name is not an identifier: use letters, digits and _"
+    if not metric.help.strip():
+        return "it has no help: write a sentence"
+    if metric.better not in get_args(Better):
+        return f"better is {metric.better!r}: use {', '.join(get_args(Better))}"
+    if isinstance(metric.if_failed, str) and metric.if_failed not in {MEASURED, UNDEFINED}:
+        return f"if_failed is {metric.if_failed!r}: use a number, UNDEFINED or MEASURED"
+    if metric.is_outcome and metric.if_failed != 0.0:
+        return "an outcome is 0 of a failed drive: write if_failed=0.0"
+    return ""

@@ -1,0 +1,35 @@
+"""The metrics that a stage reports of a run: its summary, read by its declaration."""
+
+from __future__ import annotations
+
+from graphnav.errors import DeclarationError
+from graphnav.stage.metric import MEASURED, UNDEFINED, metrics_of
+from graphnav.stage.stage import Stage
+
+
+def reported_metrics(stage: Stage) -> dict[str, float]:
+    """Return the metrics of a stage after a run, by name; one that is not defined for this run is missing.
+
+    For a drive that did not arrive, which an outcome of the stage tells, each metric is what its declaration says of
+    failed drives.
+
+    Raises
+    ------
+    DeclarationError
+        The summary holds a metric that the stage does not declare.
+    """
+    declared = metrics_of(type(stage))
+    values = {name: float(value) for name, value in stage.summary().items()}
+    undeclared = [name for name in values if name not in declared]
+    if undeclared:
+        what = f"summary() of {type(stage).__qualname__} returns '{undeclared[0]}', which it does not declare"
+        raise DeclarationError(f"{what}: add Metric({undeclared[0]!r}, ...) to its metrics")
+    has_arrived = all(value != 0.0 for name, value in values.items() if declared[name].is_outcome)
+    if has_arrived:
+        return values
+    counted = {name: (declared[name].if_failed, value) for name, value in values.items()}
+    return {
+        name: value if if_failed == MEASURED else float(if_failed)
+        for name, (if_failed, value) in counted.items()
+        if if_failed != UNDEFINED
+    }
