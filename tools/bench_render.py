@@ -61,7 +61,7 @@ def measure(cols: int, rows: int, rounds: int = 60) -> RenderCost:
     def frame(x_m: float) -> Frame:
         then = Placed.at(camera, faces, x_m - 0.03, 0.0, -0.02)
         now = Placed.at(camera, faces, x_m, 0.0, 0.0)
-        return renderer.render(now, then, noise_sigma=2.0, rng=rng)
+        return renderer.render(now, then, noise_sigma_gray=2.0, rng=rng)
 
     before = frame(-0.03)
     spent: list[tuple[float, float]] = []

@@ -67,7 +67,7 @@ def set_texts(values: object) -> list[str]:
     UserError
         It is not a mapping, or it holds what a graph cannot.
     """
-    hint = 'write set={"plane": "plane.affine", "robot.noise_sigma": 3}'
+    hint = 'write set={"plane": "plane.affine", "robot.noise_sigma_gray": 3}'
     if values is None:
         return []
     if not isinstance(values, Mapping):

@@ -27,7 +27,7 @@ def load(
     graph
         A YAML file, or the name of a graph in the working folder or among those that ship: ``"corridor_ccw"``.
     set
-        What ``--set`` takes, as a mapping: ``{"plane": "plane.affine"}`` swaps a stage, ``{"robot.noise_sigma": 3}`` a
+        What ``--set`` takes, as a mapping: ``{"plane": "plane.affine"}`` swaps a stage, ``{"robot.noise_sigma_gray": 3}`` a
         parameter, ``{"plane.in.flow": "flow.flow"}`` a wire, ``{"run.until_s": 5}`` an option of the run, and
         ``{"twin+": "plane.affine"}`` adds a stage. Lists, numpy scalars, paths and None are values too.
     plugins

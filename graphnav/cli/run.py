@@ -69,9 +69,9 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.folder import make_run_folder, removed_if_empty
     from graphnav.report.pictures import draw_pictures
     from graphnav.report.table import print_summary
+    from graphnav.run_folder import GRAPH
     from graphnav.runner.recording.log_forecast import size_text
     from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id
-    from graphnav.runner.recording.saved_graph import GRAPH
 
     catalog, graph = load(args)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")

@@ -8,13 +8,15 @@ from pathlib import Path
 
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, Problem, UserError, shown_path
-from graphnav.graph.check import check
+from graphnav.graph.check import check, classes_of
 from graphnav.graph.find import find_graph
 from graphnav.graph.graph import Graph
 from graphnav.graph.overrides.swap import apply_sets
 from graphnav.graph.read.extend import merge_files, rewire_merged
 from graphnav.graph.read.graph_files import read_files
 from graphnav.graph.read.plugin_files import load_plugins
+from graphnav.graph.read.renamed_params import accept_old_names
+from graphnav.run_folder import is_graph_of_run
 from graphnav.spec import parse_spec, read_bytes
 
 
@@ -31,7 +33,8 @@ def load_graph(path_or_name: str | Path, catalog: Catalog, sets: Sequence[str] =
     """
     path = find_graph(path_or_name)
     source = shown_path(path)
-    return graph_of(read_bytes(path, Place(source)), path, catalog, sets, source)
+    data = read_bytes(path, Place(source))
+    return graph_of(data, path, catalog, sets, source, is_record=is_graph_of_run(path))
 
 
 def graph_of(
@@ -41,10 +44,13 @@ def graph_of(
     sets: Sequence[str] = (),
     source: str = "",
     replaced: Collection[str] = (),
+    *,
+    is_record: bool = False,
 ) -> Graph:
     """Return the checked graph that the bytes of the file ``path`` say; errors name it ``source``.
 
     ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
+    ``is_record``: whether a run wrote it, maybe with an older version: old names of parameters are accepted.
 
     Raises
     ------
@@ -62,6 +68,8 @@ def graph_of(
     if unusable:
         raise UserError(_without_repetitions(problems))  # what their stages lack is not worth telling
     spec.folders = {file.source: file.path.parent for file in files}
+    if is_record:
+        accept_old_names(spec, classes_of(spec, catalog, []))
     rewire_merged(spec, merged, catalog, problems, notices)
     spec = apply_sets(spec, sets, catalog, problems, notices)
     graph = check(spec, catalog, path, problems, notices)

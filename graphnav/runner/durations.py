@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-_LEAST_S = 1e-7
+_MIN_S = 1e-7
 _PER_DECADE = 100
 _BINS = 9 * _PER_DECADE
 
@@ -19,7 +19,7 @@ class Durations:
 
     def add(self, duration_s: float) -> None:
         """Count one duration."""
-        place = int(_PER_DECADE * math.log10(duration_s / _LEAST_S)) if duration_s > _LEAST_S else 0
+        place = int(_PER_DECADE * math.log10(duration_s / _MIN_S)) if duration_s > _MIN_S else 0
         self._counts[min(place, _BINS - 1)] += 1
         self.count += 1
         self.total_s += duration_s
@@ -31,5 +31,5 @@ class Durations:
         for place, count in enumerate(self._counts):
             seen += count
             if count and seen >= rank:
-                return float(_LEAST_S * 10 ** ((place + 0.5) / _PER_DECADE))
+                return float(_MIN_S * 10 ** ((place + 0.5) / _PER_DECADE))
         return 0.0

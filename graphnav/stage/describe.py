@@ -24,6 +24,8 @@ UNITS: Mapping[str, str] = {
     "radps": "radians per second",
     "radps2": "radians per second squared",
     "ratio": "a ratio",
+    "gray": "gray levels, 0 to 255",
+    "gray2": "squared gray levels per pixel",
 }
 """What the suffixes of names mean."""
 

@@ -34,6 +34,8 @@ class Param:
     gt: float | None = None
     le: float | None = None
     lt: float | None = None
+    renamed_from: str | None = None
+    """The name in graphs of older versions: refused in graphs that people write, accepted in records."""
 
     @property
     def required(self) -> bool:
@@ -84,6 +86,7 @@ def param(
     gt: float | None = None,
     le: float | None = None,
     lt: float | None = None,
+    renamed_from: str | None = None,
 ) -> Any:
     """Declare a parameter of a stage.
 
@@ -95,9 +98,12 @@ def param(
         What it means, and what more and less of it does. The unit stands in the name (``_px``, ``_s``, …).
     ge, gt, le, lt
         Bounds: at least, above, at most, below. For tuples they hold for every number.
+    renamed_from
+        The name that the parameter had before. A graph that uses it is refused with the new name as the suggestion; the
+        graph of a log or a run folder is read as if it used the new one.
     """
-    bounds = {"ge": ge, "gt": gt, "le": le, "lt": lt}
-    return dataclasses.field(default=default, kw_only=True, metadata={"doc": doc, "bounds": bounds})
+    declared = {"doc": doc, "ge": ge, "gt": gt, "le": le, "lt": lt, "renamed_from": renamed_from}
+    return dataclasses.field(default=default, kw_only=True, metadata={"param": declared})
 
 
 def params_of(cls: type) -> Mapping[str, Param]:
@@ -116,7 +122,7 @@ def _params_of(cls: Any) -> Mapping[str, Param]:
     hints = get_type_hints(cls)
     found = {}
     for f in dataclasses.fields(cls):
-        if "doc" not in f.metadata:
+        if "param" not in f.metadata:
             raise DeclarationError(
                 f"field '{f.name}' of {cls.__qualname__} is no parameter: write {f.name}: ... = param(..., doc=...), "
                 f"or make it in reset() if it is state"
@@ -126,7 +132,7 @@ def _params_of(cls: Any) -> Mapping[str, Param]:
                 f"parameter '{f.name}' of {cls.__qualname__} has type {hints[f.name]}: "
                 "use bool, int, float, str, Path, Literal, a tuple of them, or one of these | None"
             )
-        found[f.name] = Param(f.name, hints[f.name], f.default, f.metadata["doc"], **f.metadata["bounds"])
+        found[f.name] = Param(f.name, hints[f.name], f.default, **f.metadata["param"])
     return MappingProxyType(found)
 
 

@@ -60,11 +60,12 @@ class Guard(Stage):
         doc="share of obstacle among the judged cells above which the robot may not go forward: from 0.9 on steer.pca "
         "too takes no direction for free and does not drive forward; 1 is no limit",
     )
-    min_contrast: float = param(
+    min_contrast_gray: float = param(
         3.0,
         ge=0.0,
-        doc="standard deviation of the image's gray levels, averaged over blocks, below which it shows nothing (a "
-        "covered lens, a white picture), whatever a detector judges; worlds that ship have 14 and more; 0 is no limit",
+        doc="standard deviation of the image, averaged over blocks, below which it counts as blank (a covered lens, a "
+        "white picture), whatever a detector judges; the shipped worlds have 14 and more; 0 sets no limit",
+        renamed_from="min_contrast",
     )
     override_max_age_s: float = param(0.3, gt=0.0, le=5.0, doc="age beyond which an override has ended")
     max_speed_mps: float | None = param(None, ge=0.0, doc="greatest speed, forward and backward; null for none")
@@ -143,7 +144,7 @@ class Guard(Stage):
         if causes or image.value is None:
             return causes
         seen = contrast(image.value)
-        return [Cause("blind", "image", seen, self.min_contrast)] if seen < self.min_contrast else []
+        return [Cause("blind", "image", seen, self.min_contrast_gray)] if seen < self.min_contrast_gray else []
 
     def _of_stop(self, stop: Latest[Stop]) -> list[Cause]:
         """Hear what was asked for last; return the cause while it holds."""

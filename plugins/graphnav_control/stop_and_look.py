@@ -14,7 +14,7 @@ class StopAndLook(Stage):
     The mean planar flow of [OI, eq. 1] is that of driving straight on at the taught speed; in a turn the whole floor
     differs from it and looks like an obstacle. So this robot never does both. It drives straight on at
     ``max_speed_mps``, which must be the speed that was taught, and judges ``look_frames`` frames by their median
-    direction theta. If that is straight ahead within ``least_turn_deg`` it drives on and looks again. Otherwise, or as
+    direction theta. If that is straight ahead within ``min_turn_deg`` it drives on and looks again. Otherwise, or as
     soon as a frame says that the way is blocked (theta beyond a right angle), it stops, turns by ``turn_ratio`` times
     theta, and looks again.
 
@@ -41,7 +41,13 @@ class StopAndLook(Stage):
     turn_ratio: float = param(
         0.5, gt=0.0, le=1.0, doc="share of theta that a turn turns; more may swing from side to side"
     )
-    least_turn_deg: float = param(5.0, ge=0.0, lt=90.0, doc="a direction nearer to straight ahead is not worth a stop")
+    min_turn_deg: float = param(
+        5.0,
+        ge=0.0,
+        lt=90.0,
+        doc="a direction nearer to straight ahead is not worth a stop",
+        renamed_from="least_turn_deg",
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, about to look."""
@@ -77,7 +83,7 @@ class StopAndLook(Stage):
                 return
             theta_rad = statistics.median(self._thetas_rad)
         self._thetas_rad = []
-        if abs(theta_rad) > math.radians(self.least_turn_deg):
+        if abs(theta_rad) > math.radians(self.min_turn_deg):
             self._begin_turn(self.turn_ratio * theta_rad, now, interval_us)
 
     def _begin_turn(self, angle_rad: float, now: int, interval_us: int) -> None:

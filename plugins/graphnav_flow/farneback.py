@@ -7,7 +7,7 @@ import cv2
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
 from graphnav_flow.frames import Frames
-from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
+from graphnav_flow.validity import MIN_TEXTURE_GRAY2, MIN_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
 
 
 class Farneback(Stage):
@@ -32,7 +32,7 @@ class Farneback(Stage):
     expansion_px: int = param(5, ge=3, le=9, doc="side of the neighbourhood of the polynomial expansion")
     expansion_sigma_px: float = param(1.2, gt=0.0, le=3.0, doc="its Gaussian weight; 1.1 to 1.5 go with 5 to 7 px")
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    least_texture: float = param(LEAST_TEXTURE, ge=0.0, doc=LEAST_TEXTURE_DOC)
+    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
@@ -58,5 +58,5 @@ class Farneback(Stage):
             flags=0,
         )
         uv_px = -back_px
-        valid = trusted(uv_px, gray, self.margin_px, self.least_texture)
+        valid = trusted(uv_px, gray, self.margin_px, self.min_texture_gray2)
         return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)

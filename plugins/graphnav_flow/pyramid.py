@@ -9,7 +9,7 @@ import numpy as np
 
 from graphnav.arrays import Bytes, Floats
 
-LEAST_SIDE_PX = 8
+MIN_SIDE_PX = 8
 """A layer is not halved where its shorter side would fall below this: no window fits."""
 
 
@@ -33,7 +33,7 @@ class Pyramid(NamedTuple):
 def build_pyramid(gray: Bytes, layers: int) -> Pyramid:
     """Return ``gray`` with up to ``layers`` smaller copies above it."""
     built: list[Floats] = [gray.astype(np.float32)]
-    while len(built) <= layers and min(built[-1].shape) >= 2 * LEAST_SIDE_PX:
+    while len(built) <= layers and min(built[-1].shape) >= 2 * MIN_SIDE_PX:
         built.append(cv2.pyrDown(built[-1]))
     return Pyramid(tuple(built), _double(built[0]))
 

@@ -31,17 +31,17 @@ class Refinement:
         Side of the square window, odd.
     smooth_px
         Side of the box that smooths the field.
-    regularization
+    regularization_gray2
         e, in (gray / px)^2: draws the correction to 0 where there is little texture.
     zoom
         Source pixels per target pixel (1 or 2); pixel i of the target lies on pixel ``zoom`` * i of the source.
     """
 
     def __init__(
-        self, rows: int, cols: int, *, window_px: int, smooth_px: int, regularization: float, zoom: int
+        self, rows: int, cols: int, *, window_px: int, smooth_px: int, regularization_gray2: float, zoom: int
     ) -> None:
         self._window, self._box = (window_px, window_px), (smooth_px, smooth_px)
-        self._regularization, self._zoom = regularization, zoom
+        self._regularization_gray2, self._zoom = regularization_gray2, zoom
         down, right = np.mgrid[:rows, :cols].astype(np.float32)
         self._right, self._down = zoom * right, zoom * down
         (
@@ -83,8 +83,8 @@ class Refinement:
         for one, other, out in products:
             cv2.multiply(one, other, dst=self._term)
             cv2.blur(self._term, self._window, dst=out, borderType=cv2.BORDER_CONSTANT)
-        self._uu += self._regularization
-        self._vv += self._regularization
+        self._uu += self._regularization_gray2
+        self._vv += self._regularization_gray2
 
     def _correct(self, u: Floats, v: Floats) -> None:
         """Add the solution of [[uu, uv], [uv, vv]] d = (ud, vd), by Cramer's rule."""

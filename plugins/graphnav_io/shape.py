@@ -8,7 +8,7 @@ from graphnav import ParamError
 from graphnav.arrays import Bytes
 
 SIZE_DOC = "columns and rows to resize to; null leaves the size as it is"
-SCALE_DOC = "factor to resize by, where no size is given"
+SCALE_DOC = "dimensionless: factor to resize by, where no size is given"
 GRAY_DOC = "reduce colours to brightness: a third of the bytes"
 
 

@@ -12,7 +12,7 @@ from graphnav import Flow, Planar, PlanarModel, coarsen
 from graphnav.arrays import Doubles
 from graphnav_planar.taught import check_size, planar, stacked
 
-LEAST_VECTORS = 6
+MIN_VECTORS = 6
 """Fewer valid vectors tell nothing of the ground."""
 
 Fit = Callable[[npt.NDArray[np.intp], Doubles], npt.NDArray[np.floating]]
@@ -29,7 +29,7 @@ def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
     """
     check_size(model, flow)
     both, uv_px = stacked(coarsen(flow, model.step_px), model)
-    if both.size < 2 * LEAST_VECTORS:
+    if both.size < 2 * MIN_VECTORS:
         nothing = planar(model, np.zeros((*model.valid.shape, 2)), flow.interval_us)
         return replace(nothing, planar_valid=np.zeros_like(model.valid))
     return planar(model, fit(both, uv_px), flow.interval_us)

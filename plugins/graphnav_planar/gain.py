@@ -14,7 +14,7 @@ from graphnav_planar.fitted import fitted
 from graphnav_planar.mean import Mean
 
 _ITERATIONS = 10
-_LEAST_PX2 = 1e-12
+_MIN_PX2 = 1e-12
 
 
 class Gain(Mean):
@@ -44,8 +44,8 @@ class Gain(Mean):
         """Return the mean times the gain, (rows, cols, 2)."""
         mean_px = self._mean_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
         products, squares = (field.reshape(2, -1).sum(axis=0) for field in (mean_px * uv_px, mean_px * mean_px))
-        gain = float(np.median(products / np.maximum(squares, _LEAST_PX2)))
+        gain = float(np.median(products / np.maximum(squares, _MIN_PX2)))
         for _ in range(_ITERATIONS):
             weights = agreement(uv_px - gain * mean_px, self.noise_px) ** 2
-            gain = float(weights @ products) / max(float(weights @ squares), _LEAST_PX2)
+            gain = float(weights @ products) / max(float(weights @ squares), _MIN_PX2)
         return np.asarray(gain * self._mean_px)

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from graphnav.arrays import Doubles
 
-LEAST_PIXELS = 4
+MIN_PIXELS = 4
 """Pixels that determine a homography."""
 
 
@@ -22,7 +22,7 @@ def homography(points: Doubles, before: Doubles) -> Doubles | None:
     ----------
     .. [HZ] R. Hartley, A. Zisserman, Multiple View Geometry in Computer Vision, 2nd edition, 2004.
     """
-    if len(points) < LEAST_PIXELS:
+    if len(points) < MIN_PIXELS:
         return None
     x, y = points.T
     one, none = np.ones_like(x), np.zeros_like(x)

@@ -100,8 +100,8 @@ class Teach(Stage):
             self._turn_rad = _widened(self._turn_rad, moved.turn_rad)
 
     def _is_straight(self, moved: Motion) -> bool:
-        least_m, greatest_m = self.straight_forward_m
-        return abs(moved.turn_rad) <= self.straight_turn_rad and least_m <= moved.forward_m <= greatest_m
+        min_m, max_m = self.straight_forward_m
+        return abs(moved.turn_rad) <= self.straight_turn_rad and min_m <= moved.forward_m <= max_m
 
     def _solve(self, interval_us: int) -> PlanarModel | None:
         """Return the model as taught so far, None while the frames do not determine all of its fields."""

@@ -7,10 +7,10 @@ import numpy as np
 from graphnav import Flow, Plane, Stamp, coarsen, param
 from graphnav.arrays import Bools, Doubles
 from graphnav_plane.agreement import agrees, length, median
-from graphnav_plane.detector import LEAST_VECTORS, Detector
+from graphnav_plane.detector import MIN_VECTORS, Detector
 
 _SAMPLE = 200
-_LEAST_AREA = 1e-3
+_MIN_AREA = 1e-3
 
 
 class Affine(Detector):
@@ -49,7 +49,7 @@ class Affine(Detector):
         self._begin(stamp)
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
-        if np.count_nonzero(valid) < LEAST_VECTORS:
+        if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         places = _places(valid)
         uv = cells.uv_px[valid].astype(np.float64)
@@ -65,7 +65,7 @@ class Affine(Detector):
         drawn = self._rng.integers(0, n, (3, self.draws))
         (x0, x1, x2), (y0, y1, y2) = places[drawn, 0], places[drawn, 1]
         area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-        proper = np.abs(area) > _LEAST_AREA
+        proper = np.abs(area) > _MIN_AREA
         if not proper.any():
             return _least_squares(places, uv)
         area = np.where(proper, area, np.inf)

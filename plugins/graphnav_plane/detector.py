@@ -14,7 +14,7 @@ from graphnav_plane.rule import Rule, threshold
 Scores = npt.NDArray[np.floating]
 Vectors = npt.NDArray[np.floating]
 
-LEAST_VECTORS = 6
+MIN_VECTORS = 6
 MAX_INTERVAL_ERROR_RATIO = 0.01
 _NEXT = np.ones((3, 3), np.uint8)
 

@@ -10,7 +10,7 @@ import numpy as np
 from graphnav import Flow, Plane, Stamp, coarsen, param
 from graphnav.arrays import Bools, Doubles
 from graphnav_plane.agreement import agrees, length
-from graphnav_plane.detector import LEAST_VECTORS, Detector
+from graphnav_plane.detector import MIN_VECTORS, Detector
 
 _METHODS = {
     "usac_magsac": cv2.USAC_MAGSAC,
@@ -19,7 +19,7 @@ _METHODS = {
     "lmeds": cv2.LMEDS,
 }
 _CONFIDENCE_RATIO = 0.99
-_LEAST_DEPTH_RATIO = 1e-6
+_MIN_DEPTH_RATIO = 1e-6
 _RIDGE = 1e-12
 
 _UNIT_PX = 0.01
@@ -60,7 +60,7 @@ class Homography(Detector):
         self._begin(stamp)
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
-        if np.count_nonzero(valid) < LEAST_VECTORS:
+        if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         places = _places(valid, cells.step_px)
         targets = places + cells.uv_px[valid]
@@ -130,4 +130,4 @@ def _moved(matrix: Doubles, places: Doubles) -> Doubles:
     What it takes to the horizon or beyond is held just before it: huge but finite.
     """
     moved = places @ matrix[:, :2].T + matrix[:, 2]
-    return np.asarray(moved[:, :2] / np.maximum(moved[:, 2:], _LEAST_DEPTH_RATIO))
+    return np.asarray(moved[:, :2] / np.maximum(moved[:, 2:], _MIN_DEPTH_RATIO))

@@ -8,7 +8,7 @@ import numpy as np
 
 from graphnav import Flow, Planar, Plane, Stamp, param
 from graphnav.arrays import Doubles
-from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
+from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
 from graphnav_plane.separation.whitening import Whitened, whiten
@@ -58,11 +58,12 @@ class Ica(Detector):
         "direct",
         doc="direct: the greatest contrast, without a start; sklearn: its iteration, started from the last frame",
     )
-    least_eigenvalue_ratio: float = param(
+    min_eigenvalue_ratio: float = param(
         1e-9,
         ge=0.0,
         lt=1.0,
-        doc="lesser by greater eigenvalue of the mixtures' covariance up to which they count as one",
+        doc="smaller divided by larger eigenvalue of the mixtures' covariance up to which they count as one",
+        renamed_from="least_eigenvalue_ratio",
     )
 
     def reset(self, seed: int) -> None:
@@ -80,7 +81,7 @@ class Ica(Detector):
         """
         self._begin(stamp)
         cells, valid = compared(flow, planar)
-        if np.count_nonzero(valid) < LEAST_VECTORS:
+        if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         fields = np.stack([cells.uv_px[valid], planar.planar_uv_px[valid]]).astype(np.float64)
         mixtures = fields.transpose(0, 2, 1).reshape(2, -1)
@@ -92,7 +93,7 @@ class Ica(Detector):
 
     def _separated(self, mixtures: Doubles) -> tuple[Doubles, bool]:
         """Return what an obstacle adds to the flow, px, (2n,), and whether the iteration converged."""
-        white = whiten(mixtures, self.least_eigenvalue_ratio, centred=self.centred)
+        white = whiten(mixtures, self.min_eigenvalue_ratio, centred=self.centred)
         if white is None:
             return _fitted(mixtures), True
         rotation, converged = self._rotation(white)

@@ -16,7 +16,7 @@ class Agreement(Stage):
 
     - ``frames``: how many had both.
     - ``angle_error_rad``: mean angle between the two directions, 0 to pi.
-    - ``right_sign_ratio``: of the frames in which the oracle turns by at least ``least_turn_deg``, the share in which
+    - ``right_sign_ratio``: of the frames in which the oracle turns by at least ``min_turn_deg``, the share in which
       the steering turns to the same side; straight ahead counts as wrong.
 
     A figure without a frame that counts is left out.
@@ -24,8 +24,12 @@ class Agreement(Stage):
 
     less_is_better: ClassVar[frozenset[str]] = frozenset({"angle_error_rad"})
 
-    least_turn_deg: float = param(
-        5.0, ge=0.0, lt=180.0, doc="least angle of the oracle for the side to count; less adds frames that say little"
+    min_turn_deg: float = param(
+        5.0,
+        ge=0.0,
+        lt=180.0,
+        doc="minimum angle of the oracle for the side to count; less adds frames that say little",
+        renamed_from="least_turn_deg",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
@@ -37,7 +41,7 @@ class Agreement(Stage):
         """Count this frame."""
         self._frames += 1
         self._sum_rad += abs(math.remainder(steering.theta_rad - oracle.theta_rad, 2 * math.pi))
-        if abs(oracle.theta_rad) >= math.radians(self.least_turn_deg) and oracle.theta_rad:
+        if abs(oracle.theta_rad) >= math.radians(self.min_turn_deg) and oracle.theta_rad:
             self._turns += 1
             self._right += steering.theta_rad * oracle.theta_rad > 0
 

@@ -22,7 +22,7 @@ class Plane(Stage):
     Compares at the truth's pixels: every cell speaks for all of its pixels, only cells that the detector judged count,
     and the pixels of all frames are pooled. A frame counts if between ``min_obstacle_ratio`` and ``max_obstacle_ratio``
     of its true picture is obstacle: beyond one half the ground is not the dominant plane; and if something in it moved
-    by ``least_motion_px``: where the camera stands still there is no flow, and no detector can tell. Its figures:
+    by ``min_motion_px``: where the camera stands still there is no flow, and no detector can tell. Its figures:
 
     - ``frames``: how many counted, ``judged_ratio``: share of their pixels that was judged.
     - ``auroc``: of the score, and ``recall_at_5_false_alarms_ratio``: share of obstacle found where the score is split
@@ -40,8 +40,11 @@ class Plane(Stage):
     min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="least true share of obstacle in a frame that counts")
     max_obstacle_ratio: float = param(0.5, ge=0.0, le=1.0, doc="greatest true share of obstacle in a frame that counts")
 
-    least_motion_px: float = param(
-        0.1, ge=0.0, doc="true flow, right or down, that somewhere in the picture makes a frame count; 0 counts all"
+    min_motion_px: float = param(
+        0.1,
+        ge=0.0,
+        doc="true flow, right or down, that somewhere in the picture makes a frame count; 0 counts all",
+        renamed_from="least_motion_px",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
@@ -104,7 +107,7 @@ class Plane(Stage):
 
     def _counts(self, truth: Truth, obstacle_ratio: float) -> bool:
         moved_px = float(np.abs(truth.flow_px).max(initial=0.0))
-        return self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio and moved_px >= self.least_motion_px
+        return self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio and moved_px >= self.min_motion_px
 
     def _watch_flicker(self, judged: Bools, called: Bools, true: Bools) -> None:
         if self._last is not None and self._last[0].shape == judged.shape:

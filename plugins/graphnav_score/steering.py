@@ -26,9 +26,18 @@ class Steering(Stage):
     A figure without a frame that counts, and a median that is infinite, is left out.
     """
 
-    least_times: float = param(2.0, ge=1.0, doc="a frame counts if one half holds at least so many times the other's")
-    least_difference_ratio: float = param(
-        0.05, gt=0.0, le=0.5, doc="and if they differ by at least this share of the picture"
+    min_halves_ratio: float = param(
+        2.0,
+        ge=1.0,
+        doc="a frame counts if one half holds at least this many times as much obstacle as the other",
+        renamed_from="least_times",
+    )
+    min_difference_ratio: float = param(
+        0.05,
+        gt=0.0,
+        le=0.5,
+        doc="and if they differ by at least this share of the picture",
+        renamed_from="least_difference_ratio",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
@@ -45,8 +54,8 @@ class Steering(Stage):
         is_obstacle = truth.obstacle != 0
         left = np.count_nonzero(is_obstacle[:, :half]) / is_obstacle.size
         right = np.count_nonzero(is_obstacle[:, is_obstacle.shape[1] - half :]) / is_obstacle.size
-        clear = max(left, right) >= self.least_times * min(left, right)
-        if not clear or abs(left - right) < self.least_difference_ratio:
+        clear = max(left, right) >= self.min_halves_ratio * min(left, right)
+        if not clear or abs(left - right) < self.min_difference_ratio:
             return
         self._frames += 1
         to_the_right = float(steering.control[0])

@@ -18,9 +18,9 @@ from graphnav_steer.principal import Principal
 Strength = Literal["share", "gradient"]
 
 STRENGTH_DOC = "what r's length grows with: the obstacle's share of the picture, or the mean gradient's length"
-GAIN_DOC = "r's length at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
+GAIN_DOC = "dimensionless: length of r at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
 BELL_DOC = "standard deviation, in picture widths, of a bell that weighs the map's columns; null for none"
-NEAR_DOC = "weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
+NEAR_DOC = "dimensionless: weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
 BACKWARD_DOC = "whether r may point backwards; without it r only turns the robot aside"
 
 EVERYWHERE_RATIO = 0.9

@@ -13,7 +13,7 @@ from graphnav_steer.forces import Forces
 Divergence = Literal["full", "across"]
 
 CELL_PX = 4
-LEAST_VECTORS = 6
+MIN_VECTORS = 6
 """An affine motion has six coefficients; from fewer than twice their number of components it is not fitted."""
 
 
@@ -72,7 +72,7 @@ def inverse_time(cells: Flow, columns: slice, divergence: Divergence) -> float:
     ``divergence``: along both axes, or twice that across.
     """
     rows, cols = np.nonzero(cells.valid[:, columns])
-    if len(rows) < LEAST_VECTORS or not cells.interval_us:
+    if len(rows) < MIN_VECTORS or not cells.interval_us:
         return 0.0
     places = np.stack([np.ones(len(rows)), cols, rows], axis=1)
     vectors = cells.uv_px[:, columns][rows, cols].astype(np.float64) / cells.step_px

@@ -33,7 +33,7 @@ STEPS = [
 class Way:
     """Costs to the goal region, by Dijkstra's algorithm on a grid of 5 cm over the inflated map.
 
-    A metre costs 1, and more where the robot's rim is nearer than ``comfort_m`` to a body: ``1 + dread`` at contact,
+    A metre costs 1, and more where the robot's rim is nearer than ``comfort_m`` to a body: ``1 + wall_cost`` at contact,
     falling with the square. Moving obstacles are left out.
 
     Raises
@@ -42,7 +42,7 @@ class Way:
         The map has no goal.
     """
 
-    def __init__(self, world: Map, comfort_m: float, dread: float) -> None:
+    def __init__(self, world: Map, comfort_m: float, wall_cost: float) -> None:
         if not len(world.goal_m):
             raise ValueError("the map has no goal to plan a way to: use a map with a goal")
         points_m = np.concatenate([world.vertices_m, world.goal_m, world.start[None, :2]])
@@ -53,7 +53,7 @@ class Way:
             self._fill(free, world.vertices_m[world.body == body], 0)
         clearance_m = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL_M - world.robot_radius_m
         near = np.clip(1.0 - clearance_m / comfort_m, 0.0, 1.0)
-        price = np.where(clearance_m > 0.0, 1.0 + dread * near**2, TOO_NEAR)
+        price = np.where(clearance_m > 0.0, 1.0 + wall_cost * near**2, TOO_NEAR)
         goal = np.zeros((rows, cols), np.uint8)
         self._fill(goal, world.goal_m, 1)
         depth_m = cv2.distanceTransform(goal & free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL_M

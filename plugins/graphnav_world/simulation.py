@@ -32,8 +32,12 @@ class Simulation(Source):
     camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc="of the camera above the floor; higher sees farther")
     tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc="of the camera below the horizontal; 90 looks straight down")
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider")
-    noise_sigma: float = param(
-        2.0, ge=0.0, le=100.0, doc="standard deviation of the image noise, in gray levels, times the map's noise_ratio"
+    noise_sigma_gray: float = param(
+        2.0,
+        ge=0.0,
+        le=100.0,
+        doc="standard deviation of the image noise, multiplied by the map's noise_ratio",
+        renamed_from="noise_sigma",
     )
     light_ratio: float = param(1.0, gt=0.0, le=10.0, doc="brightness, times the map's light_ratio")
     light_swing_ratio: float = param(
@@ -120,7 +124,7 @@ class Simulation(Source):
             self._before if with_truth else None,
             meanwhile=meanwhile,
             light=self.light_ratio * self._draw.light_ratio * swing,
-            noise_sigma=self.noise_sigma * self._draw.noise_ratio,
+            noise_sigma_gray=self.noise_sigma_gray * self._draw.noise_ratio,
             rng=self._noise,
         )
         self._before = now

@@ -40,7 +40,11 @@ def settings_of(
     for name, param in declared.items():
         entry = spec.params.get(name)
         if entry is None and param.required:
-            if spec.unclear or any(did_you_mean(word, declared) == did_you_mean(name, [name]) for word in spec.params):
+            if (
+                spec.unclear
+                or param.renamed_from in spec.params
+                or any(did_you_mean(word, declared) == did_you_mean(name, [name]) for word in spec.params)
+            ):
                 continue
             what = f"stage '{spec.name}' ({spec.use}) needs '{name}', {param.type_text}: {param.doc}"
             problems.append(Problem(spec.place, what, f"write with: {{{name}: ...}}"))
@@ -82,7 +86,11 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
 def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
     for name, entry in entries.items():
         if name not in declared:
-            hint = did_you_mean(name, declared)
-            if not hint:
-                hint = f"it has {', '.join(declared)}" if declared else "it has none"
-            yield Problem(entry.place, f"{what} '{name}'", hint)
+            yield Problem(entry.place, f"{what} '{name}'", _hint(name, declared))
+
+
+def _hint(name: str, declared: Mapping[str, Param]) -> str:
+    for param in declared.values():
+        if param.renamed_from == name:
+            return f"did you mean '{param.name}'? It was renamed"
+    return did_you_mean(name, declared) or (f"it has {', '.join(declared)}" if declared else "it has none")

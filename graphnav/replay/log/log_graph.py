@@ -14,8 +14,8 @@ from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph import Graph, graph_of, load_graph
 from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, Recording
+from graphnav.run_folder import GRAPH
 from graphnav.runner.lockstep_status import STATUS
-from graphnav.runner.recording.saved_graph import GRAPH
 from graphnav.spec import parse_yaml
 
 _SEED = "run.seed"
@@ -80,7 +80,7 @@ def _own_graph(
     saved = recording.path.parent / GRAPH
     if recording.path.name == LOG and saved.is_file() and _is_of_log(saved.read_bytes(), about):
         source = shown_path(saved)
-        return graph_of(saved.read_bytes(), saved, catalog, sets, source, given)
+        return graph_of(saved.read_bytes(), saved, catalog, sets, source, given, is_record=True)
     source = shown_path(recording.path)
     if about is None:
         what = f"{source} does not say which graph made it: it holds no readable '{ABOUT}'"
@@ -98,7 +98,7 @@ def _own_graph(
     if absent:
         what = f"the graph of this log needs the plugin '{absent[0]}'"
         raise UserError.of(what, "name the file with --plugin FILE", Place(source))
-    return graph_of(data, recording.path, catalog, sets, source, named)
+    return graph_of(data, recording.path, catalog, sets, source, named, is_record=True)
 
 
 def _log_graph(graph: Graph, about: About | None) -> LogGraph:

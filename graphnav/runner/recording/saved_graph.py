@@ -7,8 +7,8 @@ from pathlib import Path
 
 from graphnav.errors import UserError
 from graphnav.graph import Graph, resolved_yaml
+from graphnav.run_folder import GRAPH
 
-GRAPH = "graph.yaml"
 PLUGINS = "plugins"
 """The folder of the plugins' copies, below that of the run."""
 

@@ -11,7 +11,7 @@ from graphnav_planar.estimation.series import Series
 _PAIR = 2
 _STEPS_OF_PAIRS = 3
 _ITERATIONS = 4
-_MOST_JUDGES = 400
+_MAX_JUDGES = 400
 """Vectors that choose the start; so many tell good from bad as well as all do."""
 
 
@@ -35,7 +35,7 @@ def motions_of_pairs(series: Series, uv_px: Doubles, count: int, rng: np.random.
 def best_motion(series: Series, uv_px: Doubles, motions: Doubles, noise_px: float) -> Doubles:
     """Return the one of ``motions``, (m, 2), with which most of the flow agrees, (2,)."""
     n = uv_px.size // 2
-    some = np.arange(0, n, 1 + n // _MOST_JUDGES)
+    some = np.arange(0, n, 1 + n // _MAX_JUDGES)
     both = np.concatenate([some, some + n])
     left_px = uv_px[both] - series.factors(motions) @ series.basis[:, both]
     explained = agreement(left_px, noise_px).sum(axis=-1)

@@ -29,7 +29,7 @@ from graphnav_view.track import Track, track_of
 _LONG_SIDE_IN = 7.0
 _SHORTEST_SIDE_IN = 2.6
 _LEFT_IN, _RIGHT_IN, _TOP_IN, _BOTTOM_IN = 0.75, 1.15, 0.95, 1.15
-_LEAST_WIDTH_IN = 6.6
+_MIN_WIDTH_IN = 6.6
 _MARGIN_M = 0.3
 _TIMES = 6
 """How often a moving obstacle is drawn."""
@@ -59,7 +59,7 @@ def _page(world: Map, track: Track) -> tuple[Figure, Axes]:
     low, high = bounds_m(world, [track.pose[:, :2]], track.moving, _MARGIN_M)
     per_m = _LONG_SIDE_IN / float((high - low).max())
     width, height = np.maximum((high - low) * per_m, _SHORTEST_SIDE_IN)
-    page_width = max(_LEFT_IN + width + _RIGHT_IN, _LEAST_WIDTH_IN)
+    page_width = max(_LEFT_IN + width + _RIGHT_IN, _MIN_WIDTH_IN)
     page_height = _BOTTOM_IN + height + _TOP_IN
     figure = style.new_figure(page_width, page_height)
     left = (page_width - width - _LEFT_IN - _RIGHT_IN) / 2 + _LEFT_IN

@@ -10,10 +10,10 @@ from typing import NamedTuple
 from graphnav import Flow, Image, Plane, Potential, State, Steering
 from graphnav_view.signals import Signals
 
-LEAST_RATIO, MOST_RATIO = 0.03, 0.5
+MIN_RATIO, MAX_RATIO = 0.03, 0.5
 """Shares of obstacle between which a picture shows both, as the method assumes."""
 
-MOST_SPIN_RADPS = 0.05
+MAX_SPIN_RADPS = 0.05
 """The turning rate up to which a robot drives nearly straight."""
 
 
@@ -85,9 +85,9 @@ def telling_utime(signals: Signals) -> int | None:
     if glances:
         enough = 0.9 * median(glance.judged_ratio for glance in glances)
         seen = [glance for glance in glances if glance.judged_ratio >= enough]
-        shared = [g for g in seen if LEAST_RATIO <= g.obstacle_ratio <= MOST_RATIO and g.turn_rad <= math.pi / 2]
+        shared = [g for g in seen if MIN_RATIO <= g.obstacle_ratio <= MAX_RATIO and g.turn_rad <= math.pi / 2]
         if shared:
-            straight = [glance for glance in shared if glance.spin_radps <= MOST_SPIN_RADPS]
+            straight = [glance for glance in shared if glance.spin_radps <= MAX_SPIN_RADPS]
             return max(straight or shared, key=lambda g: (round(g.push, 2), -g.utime)).utime
         return min(seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
     for kind in (Flow, Image):

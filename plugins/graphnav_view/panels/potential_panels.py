@@ -14,7 +14,7 @@ from graphnav_view.panels.keyframe import Frame
 
 _ARROWS_ACROSS = 16
 _FIELD = "#27476e"
-_MOST_POINTS = 1500
+_MAX_POINTS = 1500
 _MEAN = "#2a9d8f"
 
 
@@ -110,7 +110,7 @@ def draw_cloud(axes: Axes, frame: Frame) -> str:
     most = float(np.hypot(cloud[:, 0], cloud[:, 1]).max())
     axes.axhline(0, color="#c8c8c8", lw=0.8, zorder=0)
     axes.axvline(0, color="#c8c8c8", lw=0.8, zorder=0)
-    shown = cloud[:: max(1, len(cloud) // _MOST_POINTS)]
+    shown = cloud[:: max(1, len(cloud) // _MAX_POINTS)]
     axes.scatter(shown[:, 0], shown[:, 1], s=7, color=_FIELD, alpha=0.45, linewidths=0, zorder=2)
     _limits(axes, most)
     axes.set_xticks([])

@@ -14,7 +14,7 @@ from graphnav_view import style
 from graphnav_view.maps.floorplan import draw_bodies
 from graphnav_view.track import Track
 
-_LEAST_HEIGHT_M, _MOST_HEIGHT_M = 2.0, 12.0
+_MIN_HEIGHT_M, _MAX_HEIGHT_M = 2.0, 12.0
 _SEEN = (0x2A / 255, 0x9D / 255, 0xF4 / 255)
 _VIEWS = 2.0
 """Height of the panel in reaches of the camera."""
@@ -63,7 +63,7 @@ def draw_scene(axes: Axes, scene: Scene) -> str:
 def _extent(axes: Axes, world: Map) -> tuple[float, float, float]:
     """Return metres shown ahead, behind, and to each side, in the shape of the axes."""
     reach = float(world.footprint_m[:, 0].max()) if len(world.footprint_m) else 1.0
-    height = min(max(_VIEWS * reach, 8.0 * world.robot_radius_m, _LEAST_HEIGHT_M), _MOST_HEIGHT_M)
+    height = min(max(_VIEWS * reach, 8.0 * world.robot_radius_m, _MIN_HEIGHT_M), _MAX_HEIGHT_M)
     box = axes.get_window_extent()
     behind = 0.36 * height
     return height - behind, behind, height * box.width / box.height / 2

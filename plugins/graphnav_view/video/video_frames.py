@@ -21,7 +21,7 @@ from graphnav_view.video.map_tile import TopView
 Messages = Mapping[type, Any]
 
 _TILE_COLS = 480
-_LEAST_TILE_ROWS, _MOST_TILE_ROWS = 240, 480
+_MIN_TILE_ROWS, _MAX_TILE_ROWS = 240, 480
 _HEAD_PX, _FOOT_PX, _GAP_PX = 26, 34, 4
 _PAGE, _INK, _FAINT = (24, 26, 30), (240, 240, 240), (170, 174, 180)
 _KINDS = (Image, Flow, Plane, Potential, Steering, Twist, State)
@@ -52,7 +52,7 @@ def _frames(signals: Signals, shown: AbstractSet[int]) -> Iterator[tuple[int, By
     image = signals.first(Image)
     assert image is not None
     picture_rows, picture_cols = (n * image.step_px for n in image.pixels.shape[:2])
-    tile_rows = round(min(max(_TILE_COLS * picture_rows / picture_cols, _LEAST_TILE_ROWS), _MOST_TILE_ROWS) / 2) * 2
+    tile_rows = round(min(max(_TILE_COLS * picture_rows / picture_cols, _MIN_TILE_ROWS), _MAX_TILE_ROWS) / 2) * 2
     tiles = _tiles(signals, Stretch(picture_rows, picture_cols, tile_rows, _TILE_COLS))
     page = _Page([title for title, _ in tiles], tile_rows, _TILE_COLS)
     last = max(shown)

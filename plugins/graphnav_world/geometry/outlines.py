@@ -79,7 +79,7 @@ def distance(outline: Doubles, x_m: float, y_m: float) -> float:
 
 def convex_parts(outline: Doubles) -> list[Doubles]:
     """Return convex polygons that tile a simple counterclockwise outline (triangles if it is not convex)."""
-    if _least_turn(outline) >= 0:
+    if _min_turn(outline) >= 0:
         return [outline]
     left = list(range(len(outline)))
     parts = []
@@ -108,7 +108,7 @@ class Strip:
     @property
     def is_folded(self) -> bool:
         """Whether the line bends within less than the thickness, so that the inner rim runs backwards."""
-        return any(_least_turn(piece) < -1e-12 for piece in self.pieces)
+        return any(_min_turn(piece) < -1e-12 for piece in self.pieces)
 
     @property
     def outline(self) -> Doubles:
@@ -136,7 +136,7 @@ def _turn(a: Doubles, b: Doubles, c: Doubles) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def _least_turn(outline: Doubles) -> float:
+def _min_turn(outline: Doubles) -> float:
     """Return the least turn at a vertex; it is negative where the outline is not convex."""
     before, after = np.roll(outline, 1, axis=0), np.roll(outline, -1, axis=0)
     return min(_turn(*corner) for corner in zip(before, outline, after, strict=True))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from graphnav.arrays import Bytes, Doubles, Floats, Ints
 from graphnav_world.geometry.scene import Faces
-from graphnav_world.rendering.atlas import FEWEST_LEVELS, MOST_LEVELS, Atlas
+from graphnav_world.rendering.atlas import MIN_LEVELS, MAX_LEVELS, Atlas
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.noise import normal_noise
 from graphnav_world.rendering.placed_faces import Placed
@@ -29,7 +29,7 @@ def level_count(camera: Camera) -> int:
     depth = camera.height_m / np.maximum(rays @ -camera.R_RC[2], 1e-3)
     long_m = depth**2 * np.square(rays).sum(axis=-1) / (camera.focal_px * camera.height_m * STRETCH)
     needed = math.ceil(math.log2(long_m.max() / TEXEL_M)) + 1
-    return min(max(needed, FEWEST_LEVELS), MOST_LEVELS)
+    return min(max(needed, MIN_LEVELS), MAX_LEVELS)
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Renderer:
         *,
         meanwhile: Sequence[Placed] = (),
         light: float = 1.0,
-        noise_sigma: float = 0.0,
+        noise_sigma_gray: float = 0.0,
         rng: np.random.Generator | None = None,
     ) -> Frame:
         """Return the frame seen from ``now``, with the flow since ``before``.
@@ -104,8 +104,8 @@ class Renderer:
         for moment in meanwhile:
             gray += self._view(moment).gray
         gray *= np.float32(light / (1 + len(meanwhile)))
-        if noise_sigma and rng is not None:
-            gray += normal_noise(gray.shape, noise_sigma, rng)
+        if noise_sigma_gray and rng is not None:
+            gray += normal_noise(gray.shape, noise_sigma_gray, rng)
         flow = None if before is None else self._flow(now, before, view)
         return Frame(
             pixels=cv2.convertScaleAbs(np.maximum(gray, 0, out=gray)).reshape(shape),

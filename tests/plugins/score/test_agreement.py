@@ -19,8 +19,8 @@ def steering(theta_deg: float) -> Steering:
     return Steering(repulsive=nothing, guiding=force, control=force, theta_rad=theta_rad, eigenvalues=nothing)
 
 
-def summary(pairs_deg: Sequence[tuple[float, float]], least_turn_deg: float = 5.0) -> Mapping[str, float]:
-    stage = Agreement(least_turn_deg=least_turn_deg)
+def summary(pairs_deg: Sequence[tuple[float, float]], min_turn_deg: float = 5.0) -> Mapping[str, float]:
+    stage = Agreement(min_turn_deg=min_turn_deg)
     stage.reset(seed=0)
     for theta_deg, oracle_deg in pairs_deg:
         stage.step(steering(theta_deg), steering(oracle_deg))
@@ -47,4 +47,4 @@ def test_an_oracle_agrees_with_itself() -> None:
 def test_what_is_not_defined_is_left_out() -> None:
     assert summary([]) == {"frames": 0.0}
     assert summary([(1.0, 4.9)]).keys() == {"frames", "angle_error_rad"}
-    assert "right_sign_ratio" not in summary([(1.0, 0.0)], least_turn_deg=0.0), "straight ahead has no side"
+    assert "right_sign_ratio" not in summary([(1.0, 0.0)], min_turn_deg=0.0), "straight ahead has no side"

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 from graphnav_view.panels.keyframe import (
-    LEAST_RATIO,
-    MOST_RATIO,
-    MOST_SPIN_RADPS,
+    MIN_RATIO,
+    MAX_RATIO,
+    MAX_SPIN_RADPS,
     frame_at,
     from_forward,
     telling_utime,
@@ -28,7 +28,7 @@ def test_it_is_pushed_aside_hardest_of_those_that_show_ground_and_obstacle_on_a_
     pushes = {
         stamp: abs(steering.repulsive[0])
         for stamp, (plane, steering, state) in signals.joined(Plane, Steering, State)
-        if LEAST_RATIO <= plane.obstacle_ratio <= MOST_RATIO and abs(state.omega_radps) <= MOST_SPIN_RADPS
+        if MIN_RATIO <= plane.obstacle_ratio <= MAX_RATIO and abs(state.omega_radps) <= MAX_SPIN_RADPS
     }
     assert len(pushes) > 5
     assert utime in pushes

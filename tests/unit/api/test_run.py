@@ -139,7 +139,7 @@ def test_printed_it_is_what_the_command_prints(run_toy: RunToy) -> None:
 
 
 NOT_A_GRAPH = 'graph must be a path, not 3 (int)\n  write graph="corridor_ccw"'
-SET = 'write set={"plane": "plane.affine", "robot.noise_sigma": 3}'
+SET = 'write set={"plane": "plane.affine", "robot.noise_sigma_gray": 3}'
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.errors import GraphnavError
 from graphnav.graph import graph_of
 from graphnav.render import svg_of
+from graphnav.run_folder import GRAPH
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def _drawing(study: StudyResults, cases: list[Case]) -> _Drawing:
     changes += [(stage, f"{', '.join(targets)} varied") for stage, targets in tuned.items()]
     picture, reason = Markup(""), ""
     try:
-        graph = graph_of(base.graph_yaml.encode(), Path("graph.yaml"), study.catalog)
+        graph = graph_of(base.graph_yaml.encode(), Path(GRAPH), study.catalog, is_record=True)
     except GraphnavError as error:
         reason = str(error).splitlines()[0]
     else:

@@ -17,7 +17,7 @@ from graphnav.ablation.results import Record
 from graphnav.errors import DrawingError, GraphnavError
 from graphnav.pictures import DRAWING_FAMILY, drawing
 from graphnav.record import Recording
-from graphnav.record.find import LOG
+from graphnav.run_folder import LOG
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
