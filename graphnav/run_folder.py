@@ -10,5 +10,5 @@ GRAPH = "graph.yaml"
 
 
 def is_graph_of_run(path: Path) -> bool:
-    """Return whether ``path`` is the graph of a run folder, which graphnav wrote, not a graph that people write."""
+    """Return whether ``path`` is the graph of a run folder, written by graphnav, not by a user."""
     return path.name == GRAPH and (path.parent / LOG).is_file()

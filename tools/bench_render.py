@@ -1,4 +1,4 @@
-"""How long rendering with truth takes, as a share of OpenCV's Farneback on the same images in the same process."""
+"""Benchmark rendering with truth, relative to OpenCV's Farneback on the same images in the same process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checking what a caller passes: an error names the argument, what it is and what to write."""
+"""Check arguments of the Python interface: errors name the argument, its value and what to write."""
 
 from __future__ import annotations
 
@@ -60,12 +60,12 @@ def texts_of(values: object, name: str, example: str) -> tuple[str, ...]:
 
 
 def set_texts(values: object) -> list[str]:
-    """Return what ``--set`` takes for a mapping of targets to values.
+    """Return a mapping of override targets to values as ``--set`` strings.
 
     Raises
     ------
     UserError
-        It is not a mapping, or it holds what a graph cannot.
+        It is not a mapping, or contains a value that a graph cannot contain.
     """
     hint = 'write set={"plane": "plane.affine", "robot.noise_sigma_gray": 3}'
     if values is None:
@@ -79,23 +79,23 @@ def set_texts(values: object) -> list[str]:
 
 
 def value_text(value: object, name: str) -> str:
-    """Return a value as YAML reads it back: a string stays a string, also where it looks like a number.
+    """Return a value as YAML; a string stays a string even if it looks like a number.
 
     Raises
     ------
     UserError
-        A graph cannot hold it.
+        A graph cannot contain it.
     """
     return write_value(plain(value, name))
 
 
 def plain(value: object, name: str) -> object:
-    """Return a value without numpy's types.
+    """Return a value without numpy types.
 
     Raises
     ------
     UserError
-        A graph cannot hold it.
+        A graph cannot contain it.
     """
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()

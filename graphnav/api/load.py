@@ -20,23 +20,24 @@ def load(
     set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
     plugins: Sequence[PathLike] = (),
 ) -> Graph:
-    """Return the checked graph of a file, or of the name of one that ships.
+    """Return the checked graph of a file, or of the name of a shipped one.
 
     Parameters
     ----------
     graph
-        A YAML file, or the name of a graph in the working folder or among those that ship: ``"corridor_ccw"``.
+        A YAML file, or the name of a graph in the working folder or of a shipped one: ``"corridor_ccw"``.
     set
-        What ``--set`` takes, as a mapping: ``{"plane": "plane.affine"}`` swaps a stage, ``{"robot.noise_sigma_gray": 3}`` a
-        parameter, ``{"plane.in.flow": "flow.flow"}`` a wire, ``{"run.until_s": 5}`` an option of the run, and
-        ``{"twin+": "plane.affine"}`` adds a stage. Lists, numpy scalars, paths and None are values too.
+        Overrides, as ``--set`` takes them: ``{"plane": "plane.affine"}`` swaps a stage,
+        ``{"robot.noise_sigma_gray": 3}`` sets a parameter, ``{"plane.in.flow": "flow.flow"}`` a wire,
+        ``{"run.until_s": 5}`` an option of the run, and ``{"twin+": "plane.affine"}`` adds a stage. Values may also be
+        lists, numpy scalars, paths and None.
     plugins
-        Files with stages of your own, as ``--plugin`` takes them.
+        Files with your own stages, as for ``--plugin``.
 
     Raises
     ------
     UserError
-        Everything that is wrong, with file, line and column: ``error.problems``.
+        All errors, with file, line and column: ``error.problems``.
     """
     checked = loaded(graph, set, plugins, Catalog())
     checked.make_stages()
@@ -49,7 +50,7 @@ def check(
     set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
     plugins: Sequence[PathLike] = (),
 ) -> list[Problem]:
-    """Return everything that is wrong with a graph, sorted by line: an empty list if nothing is.
+    """Return all errors of a graph, sorted by line; an empty list if there are none.
 
     The arguments are those of `graphnav.load`. ``str(problem)`` is what ``graphnav check`` prints.
 
@@ -76,12 +77,12 @@ def loaded(
     plugins: Sequence[PathLike],
     catalog: Catalog,
 ) -> Graph:
-    """Return the graph that the arguments of `load` mean; where it is loaded here, ``catalog`` gets its plugins.
+    """Return the graph for the arguments of `load`; if it is loaded here, its plugins are added to ``catalog``.
 
     Raises
     ------
     UserError
-        Everything that is wrong with it.
+        All errors of the graph.
     """
     texts, files = set_texts(sets), paths_of(plugins, "plugins", "my_stage.py")
     if isinstance(graph, Graph):
@@ -110,7 +111,7 @@ def load_with(catalog: Catalog, graph: str, sets: Sequence[str], plugins: Sequen
     Raises
     ------
     UserError
-        Everything that is wrong with it.
+        All errors of the graph.
     """
     found = load_graph(graph, catalog, sets=sets)
     return replace(found, plugins=tuple(dict.fromkeys((*found.plugins, *(path.resolve() for path in plugins)))))
@@ -118,13 +119,13 @@ def load_with(catalog: Catalog, graph: str, sets: Sequence[str], plugins: Sequen
 
 def _refuse_changes(sets: Sequence[str], plugins: Sequence[Path]) -> None:
     if sets or plugins:
-        raise UserError.of("set and plugins change a graph while it is loaded", "give them to graphnav.load")
+        raise UserError.of("set and plugins have no effect on a loaded graph", "pass them to graphnav.load")
 
 
 def with_run_options(graph: Graph, options: Mapping[str, object], written: Mapping[str, str] | None = None) -> Graph:
-    """Return the graph with other ``run`` options; None leaves what the graph says.
+    """Return the graph with other ``run`` options; None keeps the graph's value.
 
-    ``written``: how the user wrote an option, where that is not its name: ``{"until_s": "--until"}``.
+    ``written``: names of options as the user wrote them, if different: ``{"until_s": "--until"}``.
 
     Raises
     ------

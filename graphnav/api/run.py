@@ -25,7 +25,7 @@ from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import new_run_id
 
 _drawing = threading.Lock()
-"""Matplotlib's settings belong to the process: runs in several threads draw one after another."""
+"""Matplotlib's settings are global: runs in several threads draw one after another."""
 
 
 def run(
@@ -43,34 +43,34 @@ def run(
     pictures: bool = True,
     check: bool = False,
 ) -> Run:
-    """Run a graph to its end and return what came of it.
+    """Run a graph to its end and return the results.
 
-    A run that fails does not raise: its outcome is ``"failed"``, `Run.failure` says why, and its log holds everything
+    A run that fails does not raise: its outcome is ``"failed"``, `Run.failure` says why, and its log is complete
     up to there. ``check=True``, or `Run.check` later, raises `RunError`, as with `subprocess.run`. The same seed gives
     the same log, byte for byte, as ``graphnav run`` does.
 
-    Works in notebooks, in threads and several times in a process. Notices (what is late, what could not be drawn) go to
-    the logger ``graphnav``.
+    Works in notebooks, in threads and several times in a process. Notices (lateness, pictures that could not be drawn)
+    go to the logger ``graphnav``.
 
     Parameters
     ----------
     graph, set, plugins
-        As `graphnav.load` takes them; a graph that it returned is run as it is.
+        As for `graphnav.load`, or a graph that it returned.
     seed
-        Seed of all randomness, in place of the graph's.
+        Seed of all randomness, instead of the graph's.
     until_s
-        When to stop, in place of the graph's: simulated seconds; live, seconds since the start.
+        End of the run, instead of the graph's: simulated seconds; in a live run, seconds since the start.
     folder
-        The run folder, new or empty. None: a temporary one, removed when neither the `Run` nor its log is in use any
-        more.
+        The run folder, new or empty. None: a temporary one, removed when neither the `Run` nor its log is in
+        use any longer.
     pace
         Simulated seconds per second of wall time; None: as fast as the machine allows.
     tap
-        What goes out for ``graphnav spy`` and other programs that watch: ``"thin"``, ``"full"``, ``"none"``.
+        Copies for ``graphnav spy`` and other viewers: ``"thin"``, ``"full"``, ``"none"``.
     live
-        Run by the wall clock and on channels of other programs; a graph with inputs is live by itself.
+        Run in wall time, on channels of other programs; implied by a graph with inputs.
     url
-        LCM URL of what comes in and leaves, live.
+        LCM URL of live inputs and outputs.
     pictures
         Draw the panels and the map from the log.
     check
@@ -79,14 +79,14 @@ def run(
     Raises
     ------
     UserError
-        Everything that is wrong with the graph or an argument; nothing has run then.
+        All errors of the graph and the arguments; nothing has run then.
     RunError
         The run failed, and ``check`` is true.
     KeyboardInterrupt
-        Ctrl-C, or a notebook's stop button, ended a lockstep run; its folder is complete up to there. It is how a live
-        run without ``until_s`` ends, and such a run is returned.
+        Ctrl-C, or a notebook's stop button, ended a lockstep run; its folder is complete up to there. A live run
+        without ``until_s`` ends this way, and is returned.
     GraphnavError
-        The disk refuses.
+        A file cannot be written.
     """
     catalog = Catalog()
     checked = with_run_options(loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s})
@@ -122,7 +122,7 @@ def run(
 
 
 def _check_arguments(pace: object, tap: object, url: object) -> None:
-    """Raise UserError for what has a wrong type."""
+    """Raise UserError for arguments of a wrong type."""
     if pace is not None and (isinstance(pace, bool) or not isinstance(plain(pace, "pace"), int | float)):
         raise wrong_type("pace", pace, "a number or None", "write pace=1 for wall time")
     if tap not in get_args(TapMode):
@@ -132,7 +132,7 @@ def _check_arguments(pace: object, tap: object, url: object) -> None:
 
 
 def _draw(catalog: Catalog, graph: Graph, folder: Path) -> Sequence[Path]:
-    """Return the pictures of a run; what cannot be drawn is told, and costs nothing else."""
+    """Return the pictures of a run; log those that cannot be drawn as notices."""
     try:
         with _drawing:
             return draw_pictures(add_plugins(catalog, graph.plugins), folder / LOG, folder, video=False)

@@ -1,4 +1,4 @@
-"""A run as a notebook shows it: how it ended, the pictures, the metrics."""
+"""Show a run in a notebook: outcome, pictures, metrics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav.runner.recording.summary import Summary
 
 _COLOURS = {"goal": "#2e7d4f", "end": "#2e7d4f", "contact": "#c0392b", "failed": "#c0392b", "timeout": "#b8860b"}
 _MAX_PICTURE_BYTES = 8 << 20
-"""Larger pictures would make a notebook that no viewer opens."""
+"""Larger pictures would make notebooks that viewers do not open."""
 
 
 def run_html(summary: Summary, pictures: Iterable[Path]) -> Markup:

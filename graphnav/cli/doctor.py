@@ -1,4 +1,4 @@
-"""``graphnav doctor``: say what this machine lacks, for a graph too."""
+"""``graphnav doctor``: check this machine, and what a graph needs of it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command; the exit status is 1 where something needed is lacking."""
+    """Run the command; the exit status is 1 if a requirement is missing."""
     from graphnav.doctor import examine
 
     graph = None if args.graph is None else load(args)[1]

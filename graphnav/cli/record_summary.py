@@ -1,4 +1,4 @@
-"""What a recording came to."""
+"""Print the summary of a recording."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _MAX_ROWS = 100
 
 
 def losses(recorder: Recorder) -> Iterator[str]:
-    """Yield what was lost, and where; nothing if nothing was."""
+    """Yield the losses by cause, if there are any."""
     if lost := recorder.tally.lost:
-        yield f"{counted(lost, 'message')} lost (missing numbers)"
+        yield f"{counted(lost, 'message')} lost (missing sequence numbers)"
     if recorder.dropped_packets:
         yield f"{counted(recorder.dropped_packets, 'packet')} dropped by the kernel"
     if recorder.dropped:
@@ -29,7 +29,7 @@ def losses(recorder: Recorder) -> Iterator[str]:
 
 
 def print_recorded(recorder: Recorder, url: str) -> None:
-    """Print a table of the channels, what was lost, and the files."""
+    """Print a table of the channels, the losses and the files."""
     from graphnav.cli.tables import TextTable, print_table
 
     tally = recorder.tally

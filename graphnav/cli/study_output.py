@@ -1,4 +1,4 @@
-"""Write and print what a study came to."""
+"""Write and print the results of a study."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from graphnav.errors import UserError, did_you_mean
 
 
 def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) -> None:
-    """Make tables and report from the runs that are there, and print the table in short.
+    """Write tables and report of the existing runs, and print a short table.
 
     Raises
     ------
     UserError
-        A run's summary is not whole.
+        A run's summary is incomplete.
     GraphnavError
-        The disk refuses; what it refuses stays as it was.
+        A file cannot be written; its old version is kept.
     """
     files = write_study_files(plan, folder, catalog)
     comparison = files.comparison
@@ -40,17 +40,17 @@ def write_outputs(plan: Plan, folder: Path, catalog: Catalog, console: Console) 
             hint = did_you_mean(figure, metric_columns(plan, files.records)) or f"{RESULTS} has them all"
             console.print(f"no run says the figure '{figure}'\n  {hint}", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
-        console.print(f"{missing} of {plan.n_jobs} runs are not there yet")
+        console.print(f"{missing} of {plan.n_jobs} runs are pending")
     console.print(f"{folder}: {RESULTS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:
-    """Compare the studies of two folders, world by world; print that in short and write all of it to ``file``.
+    """Compare the studies of two folders, world by world; print a short table, write the full one to ``file``.
 
     Raises
     ------
     UserError
-        A folder holds no study, they have nothing in common, or the file cannot be written.
+        A folder does not contain a study, they have nothing in common, or the file cannot be written.
     """
     plan_a, plan_b = map(read_plan, (folder_a, folder_b))
     pairing = pair_studies(plan_a, read_records(plan_a, folder_a), plan_b, read_records(plan_b, folder_b))

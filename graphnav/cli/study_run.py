@@ -1,4 +1,4 @@
-"""Make the runs of a study while a person watches."""
+"""Execute the runs of a study in the terminal."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
 
 MANY_RUNS = 1000
-"""Above so many it asks before it makes them."""
+"""More runs than this need a confirmation."""
 
 
 @contextmanager
 def workers_of(cluster: str | None, jobs: int | None, folder: StudyFolder) -> Iterator[Workers]:
-    """Let a cluster, or as many processes as asked for or there are cores, make runs; SIGTERM stops like Ctrl-C."""
+    """Provide workers: a cluster, or ``jobs`` processes (default: one per core); SIGTERM stops them like Ctrl-C."""
     old = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with study_workers(cluster, jobs, folder.scratch) as workers:
@@ -42,26 +42,26 @@ def workers_of(cluster: str | None, jobs: int | None, folder: StudyFolder) -> It
 def make_missing(
     plan: Plan, tasks: TaskFactory, folder: StudyFolder, workers: Workers, console: Console, *, is_sure: bool
 ) -> bool:
-    """Make the runs that are not there; return whether all are there then, False where the user does not want them.
+    """Execute the pending runs; return whether all are finished, False if the user declines.
 
     Raises
     ------
     UserError
-        They are many, and there is nobody to ask.
+        They need a confirmation, and there is no terminal to ask for it.
     """
     jobs = pending_jobs(plan, folder)
     if len(jobs) < plan.n_jobs:
-        console.print(f"{plan.n_jobs - len(jobs)} of {plan.n_jobs} runs are there already", markup=False)
+        console.print(f"{plan.n_jobs - len(jobs)} of {plan.n_jobs} runs are finished already", markup=False)
     if len(jobs) > MANY_RUNS and not is_sure:
         if not (sys.stdin.isatty() and console.is_terminal):
-            what = f"{len(jobs)} runs are to be made, and there is nobody to ask whether that is meant"
-            raise UserError.of(what, "add --yes, or take fewer seeds")
+            what = f"{len(jobs)} runs are pending, and cannot ask for confirmation: not a terminal"
+            raise UserError.of(what, "add --yes, or use fewer seeds")
         if len(jobs) == plan.n_jobs:
-            console.print("one run is made first, to see how long it takes")
+            console.print("executing one run first, to measure its time")
             execute(jobs[:1], tasks, folder, workers)
             jobs = jobs[1:]
         if not _wants(len(jobs), _seconds_a_run(plan, folder) / workers.at_once, console):
-            console.print("nothing more is run; --seeds and --vary make the study smaller")
+            console.print("no more runs; --seeds and --vary make the study smaller")
             return False
     with study_bar(Console(stderr=True), plan.name, plan.n_jobs - len(jobs), plan.n_jobs) as on_made:
         execute(jobs, tasks, folder, workers, on_made)
@@ -78,7 +78,7 @@ def draw_worst(
     each: int,
     keep_logs: bool,
 ) -> None:
-    """Draw the worst failures that are not drawn, and say so where one does not happen again or cannot be drawn."""
+    """Draw the worst failures that are not drawn; report those that do not recur or cannot be drawn."""
     chosen = worst_failures(plan, read_records(plan, folder.path), each)
     jobs = pending_drawings(chosen, folder, keep_logs=keep_logs)
     with study_bar(Console(stderr=True), "failures", len(chosen) - len(jobs), len(chosen)) as on_made:
@@ -87,16 +87,16 @@ def draw_worst(
 
 
 def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:
-    """Ask whether so many runs are meant."""
-    question = f"{n_jobs} runs are to be made, which takes about {spoken(n_jobs * seconds_each)}. Go on? [y/N] "
+    """Ask for confirmation of many runs."""
+    question = f"{n_jobs} runs are pending, about {duration_text(n_jobs * seconds_each)}. Continue? [y/N] "
     try:
         return console.input(question, markup=False).strip().lower() in {"y", "yes"}
     except EOFError:
         return False
 
 
-def spoken(seconds: float) -> str:
-    """Return a duration as people say it."""
+def duration_text(seconds: float) -> str:
+    """Return a duration in words."""
     for unit, size in (("days", 86400), ("hours", 3600), ("minutes", 60)):
         if seconds >= 2 * size:
             return f"{seconds / size:.0f} {unit}"

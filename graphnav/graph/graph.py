@@ -76,7 +76,7 @@ class Graph:
                 problems.extend(error.problems)
             except Exception as error:  # noqa: BLE001 - a plugin's constructor may raise anything
                 said = " ".join(f"{type(error).__name__}: {error}".split())
-                problems.append(Problem(node.place, f"{node.use} cannot be made: {said}", "mend the plugin"))
+                problems.append(Problem(node.place, f"{node.use} cannot be made: {said}", "fix the plugin"))
         if problems:
             raise UserError(problems)
         return stages

@@ -1,4 +1,4 @@
-"""Durations of many steps in fixed memory."""
+"""Quantiles of many durations in constant memory."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _BINS = 9 * _PER_DECADE
 
 
 class Durations:
-    """A histogram of durations from 0.1 us to 100 s; quantiles err by at most 1.2 %."""
+    """A histogram of durations from 0.1 us to 100 s; the error of quantiles is at most 1.2 %."""
 
     def __init__(self) -> None:
         self._counts = [0] * _BINS
@@ -25,7 +25,7 @@ class Durations:
         self.total_s += duration_s
 
     def quantile_s(self, share: float) -> float:
-        """Return the duration that ``share`` (0 to 1) of those counted do not exceed, 0 if none was counted."""
+        """Return the ``share`` quantile (0 to 1) of the counted durations, 0 if there are none."""
         rank = share * self.count
         seen = 0
         for place, count in enumerate(self._counts):

@@ -9,7 +9,7 @@ import cv2
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
 from graphnav_flow.frames import Frames
-from graphnav_flow.validity import MIN_TEXTURE_GRAY2, MIN_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -18,7 +18,7 @@ _PRESETS = {
 }
 
 _MIN_SIDE_PX = 32
-"""Below this OpenCV refuses some images, returns NaN for some and crashes on some, by their proportions."""
+"""Smaller images make OpenCV raise, return NaN or crash, depending on their proportions."""
 
 
 class Dis(Stage):
@@ -32,7 +32,7 @@ class Dis(Stage):
     """
 
     preset: Literal["ultrafast", "fast", "medium"] = param(
-        "medium", doc="ultrafast and fast leave out the finest layers; medium refines on half the resolution"
+        "medium", doc="ultrafast and fast skip the finest layers; medium refines at half the resolution"
     )
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
     min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")

@@ -10,10 +10,10 @@ from graphnav.arrays import Floats
 from graphnav_flow.frames import Frames
 from graphnav_flow.pyramid import Pyramid, build_pyramid
 from graphnav_flow.refinement import Refinement
-from graphnav_flow.validity import MIN_TEXTURE_GRAY2, MIN_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
 
 _ITERATIONS = 2
-"""On the layers above the base, which come near the solution; on the base one is enough."""
+"""Number on the layers above the base, which approach the solution; on the base one is enough."""
 
 _MEDIAN_PX = 3
 
@@ -21,12 +21,12 @@ _MEDIAN_PX = 3
 class LucasKanade(Stage):
     """Dense optical flow by pyramidal Lucas-Kanade.
 
-    From the coarsest layer down: warp the last image by the flow found so far, solve, upsample [OI, Algorithm 1]. A
+    From the coarsest layer down: warp the last image by the current flow, solve, upsample [OI, Algorithm 1]. Gives a
     vector for every pixel. Each iteration corrects the smoothed flow, with the mean of both images' gradients, and
-    continues it where the last image does not reach (`Refinement`); each layer ends with a median against outliers.
+    extrapolates it beyond the last image (`Refinement`); each layer ends with a median filter against outliers.
 
     The first image gives no flow, nor does the first after a gap of more than 3 periods. Where neither image has
-    texture the flow is finite, small and not valid.
+    texture, the flow is finite, small and not valid.
 
     References
     ----------
@@ -44,13 +44,13 @@ class LucasKanade(Stage):
         "them gets fewer",
     )
     window_radius_px: int = param(
-        4, ge=1, le=30, doc="the window reaches so far to each side: more is smoother and blurs obstacles' edges"
+        4, ge=1, le=30, doc="extent of the window to each side: more is smoother and blurs the edges of obstacles"
     )
     regularization_gray2: float = param(
         1.0,
         gt=0.0,
-        doc="added to the diagonal of the structure tensor; where the texture is weaker, the flow stays near that of the "
-        "layer above",
+        doc="added to the diagonal of the structure tensor; where the texture is weaker, the flow stays near that of "
+        "the layer above",
         renamed_from="regularization",
     )
     smooth_px: int = param(

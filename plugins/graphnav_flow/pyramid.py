@@ -1,4 +1,4 @@
-"""Image pyramids: what Lucas-Kanade compares between two frames."""
+"""Image pyramids for Lucas-Kanade."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from graphnav.arrays import Bytes, Floats
 
 MIN_SIDE_PX = 8
-"""A layer is not halved where its shorter side would fall below this: no window fits."""
+"""A layer is not halved if its shorter side would fall below this: no window fits."""
 
 
 _HALFWAY = np.array([3, -25, 150, 150, -25, 3], np.float32) / np.float32(256)

@@ -1,4 +1,4 @@
-"""One Lucas-Kanade iteration on one pyramid layer: smooth, warp, solve for a correction."""
+"""A Lucas-Kanade iteration on one pyramid layer: smooth, warp, solve for a correction."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ _DERIVATIVE = np.array([[1, -8, 0, 8, -1]], np.float32) / np.float32(24)
 
 
 class Refinement:
-    """Improves a displacement field between two images of one size; keeps its buffers from call to call.
+    """Improves a displacement field between two images of one size; reuses its buffers.
 
     With f0 the smoothed field so far, J the source image, I the target image, Jw(x) = J(x + f0(x)) and g the mean
     gradient of I and Jw, it solves in a window around each pixel for the correction d::
 
         (sum g g' + e) d = sum g (I - Jw)        f = f0 + d
 
-    Without smoothing first, every correction adds noise that none removes. Smoothing f0 and not d makes a field that
-    varies linearly, as a plane's does nearly, a fixed point; a larger window would draw it to where the texture is.
+    Without smoothing first, every correction adds noise that later ones do not remove. Smoothing f0 instead of d makes
+    a linearly varying field, as that of a plane nearly is, a fixed point; a larger window would bias it toward texture.
     Where x + f0 leaves the source image, I - Jw is 0: the field is continued.
 
     Parameters
@@ -32,7 +32,7 @@ class Refinement:
     smooth_px
         Side of the box that smooths the field.
     regularization_gray2
-        e, in (gray / px)^2: draws the correction to 0 where there is little texture.
+        e, in (gray / px)^2: pulls the correction to 0 where there is little texture.
     zoom
         Source pixels per target pixel (1 or 2); pixel i of the target lies on pixel ``zoom`` * i of the source.
     """

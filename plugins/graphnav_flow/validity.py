@@ -1,9 +1,9 @@
-"""Which flow vectors can be trusted: the one rule of all estimators.
+"""Validity of flow vectors: the common rule of all estimators.
 
 A vector is valid where
 
-- the pixel and the place that it came from lie inside the image by a margin: nearer to the border windows reach out
-  of the picture, and what entered the picture since the last frame is extrapolated;
+- the pixel and its source lie inside the image by a margin: nearer to the border windows extend
+  beyond the picture, and new parts of the picture are extrapolated;
 - the image has texture there in two directions: the smaller eigenvalue of the windowed mean of the gradient's outer
   product [Shi, Tomasi: Good Features to Track, CVPR 1994] reaches a threshold. Image noise of standard deviation s
   alone gives about s^2 / 2.
@@ -42,8 +42,8 @@ def came_from_inside(uv_px: Floats, margin_px: float) -> Bytes:
 
 def min_eigenvalue(uu: Floats, uv: Floats, vv: Floats) -> Floats:
     """Return the smaller eigenvalue of the symmetric matrices [[uu, uv], [uv, vv]], float32 (rows, cols)."""
-    least: Floats = (uu + vv - cv2.magnitude(uu - vv, 2 * uv)) / 2
-    return least
+    smaller: Floats = (uu + vv - cv2.magnitude(uu - vv, 2 * uv)) / 2
+    return smaller
 
 
 def texture(gray: Bytes) -> Floats:

@@ -1,4 +1,4 @@
-"""Planar flow as the taught mean times one number."""
+"""Planar flow as the taught mean times a fitted gain."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _MIN_PX2 = 1e-12
 
 
 class Gain(Mean):
-    """Planar flow as the taught mean times one gain, fitted to the flow of the frame.
+    """Planar flow as the taught mean times a gain, fitted to the flow of the frame.
 
-    The control for `planar.subspace` and `planar.motion`: it knows the speed and nothing of turns. Without it nobody
-    believes that the motion must be modelled. The gain starts from the median over the vectors (of how much of the mean
+    The baseline of `planar.subspace` and `planar.motion`: it adapts to the speed, but not to turns, and so shows
+    whether the motion must be modelled. The gain starts from the median over the vectors (of how much of the mean
     each holds), then least squares are reweighted so that obstacles do not count. Where less than 6 vectors are valid
     there is nothing to fit, and no cell of the planar flow is.
     """

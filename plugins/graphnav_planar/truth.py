@@ -15,10 +15,10 @@ _MAX_PIXELS = 2000
 
 
 class Truth(Stage):
-    """Oracle: the flow that the ground would give at every place, also behind obstacles; it isolates the planar model.
+    """Oracle: the flow of the ground at every pixel, also behind obstacles; isolates the planar model.
 
-    Between two frames a plane moves by a homography. The one that the visible ground's true flow determines gives the
-    flow of the rest. Where too little ground is visible for that, and above its horizon, no cell is valid.
+    Between two frames a plane moves by a homography. The true flow of the visible ground determines it, and it gives
+    the flow of the rest. If too little ground is visible, and above its horizon, no cell is valid.
     """
 
     role: ClassVar[Role] = "oracle"

@@ -30,7 +30,7 @@ class Ica(Detector):
     component is divided by its greater unmixing coefficient, which makes it u - αû itself. Only so can a threshold
     tell an obstacle from the noise that is all that the component holds on an empty floor.
 
-    Where one mixture says nothing beside the other (at rest û = 0, on a floor without noise u is a multiple of it)
+    If one mixture adds nothing to the other (at rest û = 0, on a floor without noise u is a multiple of it)
     nothing can be separated: α is what fits best.
 
     References
@@ -41,22 +41,24 @@ class Ica(Detector):
 
     component: Literal["kurtosis", "high_variance", "low_variance"] = param(
         "kurtosis",
-        doc="which component is the obstacle's: the one of higher kurtosis (few large values among many small ones), "
-        "or, as [OI] orders them, of high or low variance of its length",
+        doc="selection of the obstacle's component: the one of higher kurtosis (few large values among many small "
+        "ones), or, as [OI] orders them, of high or low variance of its length",
     )
     nonlinearity: Nonlinearity = param(
-        "gauss", doc="FastICA's: gauss is sure of sparse components; cubic, as [OI], heeds the largest samples most"
+        "gauss",
+        doc="of FastICA: gauss is reliable for sparse components; cubic, as in [OI], is dominated by the largest "
+        "samples",
     )
     centred: bool = param(
         False,
-        doc="take the mixtures about their means, as [OI]; false: about zero, where the ground alone would be",
+        doc="centre the mixtures at their means, as in [OI]; false: at zero, where the ground alone would be",
     )
     about: Literal["zero", "median"] = param(
-        "zero", doc="what |v| must deviate from to count as obstacle; median: as [OI]"
+        "zero", doc="reference from which |v| of an obstacle deviates; median: as in [OI]"
     )
     solver: Literal["direct", "sklearn"] = param(
         "direct",
-        doc="direct: the greatest contrast, without a start; sklearn: its iteration, started from the last frame",
+        doc="direct: the maximum contrast, without a start; sklearn: iteration, started from the last frame",
     )
     min_eigenvalue_ratio: float = param(
         1e-9,
@@ -67,7 +69,7 @@ class Ica(Detector):
     )
 
     def reset(self, seed: int) -> None:
-        """Draw where the iteration starts in the first frame; forget the last frames."""
+        """Draw the start of the iteration in the first frame; forget the last frames."""
         super().reset(seed)
         self._unmixing: Doubles = np.random.default_rng(seed).standard_normal((2, 2))
 
@@ -92,7 +94,7 @@ class Ica(Detector):
         return self._plane(score, valid, cells.step_px, converged=converged)
 
     def _separated(self, mixtures: Doubles) -> tuple[Doubles, bool]:
-        """Return what an obstacle adds to the flow, px, (2n,), and whether the iteration converged."""
+        """Return the contribution of obstacles to the flow, px, (2n,), and whether the iteration converged."""
         white = whiten(mixtures, self.min_eigenvalue_ratio, centred=self.centred)
         if white is None:
             return _fitted(mixtures), True
@@ -110,7 +112,7 @@ class Ica(Detector):
         return direct.rotation(white.samples), True
 
     def _which(self, centred: Doubles, components: Doubles) -> int:
-        """Return the place of the obstacle's component of two, (2, 2n); ``centred``: as they were separated."""
+        """Return the index of the obstacle's component of two, (2, 2n); ``centred``: as they were separated."""
         if self.component == "kurtosis":
             squares = centred * centred
             return int(np.argmax((squares * squares).sum(axis=1)))
@@ -119,7 +121,7 @@ class Ica(Detector):
 
 
 def _fitted(mixtures: Doubles) -> Doubles:
-    """Return what the multiple of the planar flow that fits best leaves of the flow, (2n,)."""
+    """Return the residual of the flow after subtracting the best multiple of the planar flow, (2n,)."""
     flow, planar = mixtures
     square = planar @ planar
     gain = float(flow @ planar / square) if square else 0.0

@@ -1,4 +1,4 @@
-"""Dominant plane as what the planar flow explains."""
+"""Dominant plane by the difference between flow and planar flow."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 class Residual(Detector):
     """Obstacle is where the flow differs from the planar flow: ``|u - û|``.
 
-    The control for `plane.ica`: the same inputs without the separation. An ablation of ICA is believed only beside it.
+    The baseline of `plane.ica`: the same inputs without the separation. An ablation of ICA needs it for comparison.
     """
 
     role: ClassVar[Role] = "control"

@@ -1,4 +1,4 @@
-"""Where obstacle begins: thresholds of a score."""
+"""Thresholds of an obstacle score."""
 
 from __future__ import annotations
 

@@ -34,8 +34,8 @@ class Forces(Stage):
         0.5,
         ge=0.0,
         le=1.0,
-        doc="dimensionless: how far w turns from straight ahead to the direction against the mean planar flow; 1 points "
-        "against it, so that a robot that turns on the spot keeps turning",
+        doc="dimensionless: how far w turns from straight ahead to the direction against the mean planar flow; 1 "
+        "points against it, so that a robot that turns on the spot keeps turning",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random

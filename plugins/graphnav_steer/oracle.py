@@ -13,12 +13,12 @@ from graphnav_steer.way import Way
 
 
 class Oracle(Stage):
-    """Oracle: follows a way that was planned on the true map, by pure pursuit [PP].
+    """Oracle: follows a path planned on the true map, by pure pursuit [PP].
 
-    The way is the cheapest one to the goal region on the map inflated by the robot's radius; what is near a wall costs
-    more. It is known from everywhere, so that a robot that strays need not plan again. The robot heads for the place
-    ``look_ahead_m`` down the way; with `control.nonholonomic` (T = T_m cos θ, R = R_m sin θ) that is nearly the arc of
-    [PP]. Moving obstacles are ignored.
+    The path is the cheapest one to the goal region on the map inflated by the robot's radius; being near a wall costs
+    more. It is known from every point, so that a robot that strays need not plan again. The robot heads for the point
+    ``look_ahead_m`` along the path; with `control.nonholonomic` (T = T_m cos θ, R = R_m sin θ) that is nearly the arc
+    of [PP]. Moving obstacles are ignored.
 
     References
     ----------
@@ -27,7 +27,9 @@ class Oracle(Stage):
 
     role: ClassVar = "oracle"
 
-    look_ahead_m: float = param(0.5, gt=0.0, doc="distance of the place to head for; more cuts corners and sways less")
+    look_ahead_m: float = param(
+        0.5, gt=0.0, doc="distance of the point to head for; more cuts corners and oscillates less"
+    )
     comfort_m: float = param(0.25, gt=0.0, doc="clearance from the rim above which nearness costs nothing")
     wall_cost: float = param(
         4.0,

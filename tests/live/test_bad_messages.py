@@ -1,4 +1,4 @@
-"""What is wrong with a message is counted by reason; it is never acted upon and never ends a run."""
+"""Bad messages are counted by reason, never acted upon, and never end a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What comes in is stepped with, what is named leaves, and stamps stay."""
+"""Inputs are stepped with, named outputs are sent, and stamps are kept."""
 
 from __future__ import annotations
 

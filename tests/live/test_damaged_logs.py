@@ -1,4 +1,4 @@
-"""Damaged logs of live runs: what is complete replays and is written anew, what is lost is told, nothing crashes."""
+"""Damaged logs of live runs: complete messages are replayed and rewritten, losses are reported, nothing crashes."""
 
 from __future__ import annotations
 

@@ -55,12 +55,12 @@ def test_the_middle_is_played_and_comparing_begins_later(again: Again, log: Path
     result = again(log, play=["both"])
     assert result.is_equal
     assert set(result.stepped) == {"gather", "guard"}
-    whole = again(log)
-    late = again(log, from_s=whole.until_s / 2)
+    entire = again(log)
+    late = again(log, from_s=entire.until_s / 2)
     assert late.is_equal
-    assert 0 < late.channels["guard.twist"].n_compared < whole.channels["guard.twist"].n_compared
-    cold = again(log, from_s=whole.until_s / 2, is_cold=True)
-    assert cold.n_ticks < whole.n_ticks
+    assert 0 < late.channels["guard.twist"].n_compared < entire.channels["guard.twist"].n_compared
+    cold = again(log, from_s=entire.until_s / 2, is_cold=True)
+    assert cold.n_ticks < entire.n_ticks
 
 
 def test_a_log_without_firings_is_refused(again: Again, log: Path, tmp_path: Path) -> None:

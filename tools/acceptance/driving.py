@@ -1,4 +1,4 @@
-"""It drives: every graph with every detector, the truth and the control, over the reporting seeds."""
+"""Acceptance of drives: every graph with every detector, the truth and the baseline, over the reporting seeds."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def drives_item(seeds: Sequence[int], jobs: int) -> bool:
 
 
 def succeeded(drives: Drives, wanted: str) -> int:
-    """Return how many drives did what the row asks for."""
+    """Return the number of drives with the expected outcome of the row."""
     if wanted == "goal":
         return drives.ended("goal")
     if wanted == "no contact":

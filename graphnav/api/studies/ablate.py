@@ -48,49 +48,48 @@ def ablate(
     gallery: int = 2,
     keep_logs: bool = False,
 ) -> Study:
-    """Swap parts of graphs, repeat over seeds, compare with statistics; return the tables and the report.
+    """Swap stages of graphs, repeat over seeds, compare with statistics; return the tables and the report.
 
-    The runs are made in processes of their own, one a core. A run that fails is a result. With ``folder``, a study that
-    was stopped goes on when the same call is made again, and more ``seeds`` add runs to the existing ones. Nothing asks
-    before many runs are made.
+    Runs execute in separate processes, one per core. A failed run is a result. With ``folder``, the same call resumes
+    an interrupted study, and more ``seeds`` add runs to the existing ones. There is no confirmation of many runs.
 
     Parameters
     ----------
     study
-        A study (a YAML file, or the name of one that ships), or graphs: ``"corridor_ccw"``,
+        A study (a YAML file, or the name of a shipped one), or graphs: ``"corridor_ccw"``,
         ``["corridor_ccw", "pillars"]``.
     vary
-        What varies, by what ``set`` takes, the base's value first: ``{"plane": ["plane.ica", "plane.affine"]}``. Axes
+        Axes by override target, the base's value first: ``{"plane": ["plane.ica", "plane.affine"]}``. Axes
         cross. ``{"plane+": ["plane.mine"]}`` adds to an axis of a study.
     set
-        What all runs have, as `graphnav.load` takes it.
+        Overrides of all runs, as for `graphnav.load`.
     seeds
-        The worlds, ``range(1000, 1010)``; None: those of the study.
+        Seeds of the worlds, ``range(1000, 1010)``; None: those of the study.
     metrics
         Columns of the tables, ``"drive.success"``, the one that decides first; none: all of them.
     within
         Axes that are conditions: variants are compared with the base under the same one.
     one_at_a_time
-        Change one axis of the base at a time, in place of crossing them.
+        Change one axis of the base at a time instead of crossing the axes.
     plugins
-        Files with stages of your own.
+        Files with your own stages.
     folder
-        The study's folder. None: a temporary one, removed when the `Study` is not in use any more.
+        The study's folder. None: a temporary one, removed when the `Study` is no longer in use.
     jobs
-        Runs at once; None: one a core.
+        Number of parallel runs; None: one per core.
     cluster
-        The scheduler of a Dask cluster, ``"tcp://host:8786"``, that makes the runs.
+        Scheduler of a Dask cluster that executes the runs, ``"tcp://host:8786"``.
     gallery
-        How many failures of each variant are run again and drawn for the report.
+        Number of failures of each variant to run again and draw for the report.
     keep_logs
-        Keep the full logs of those.
+        Keep the full logs of these failures.
 
     Raises
     ------
     UserError
-        Everything that is wrong with the study and its graphs; nothing has run then.
+        All errors of the study and its graphs; nothing has run then.
     GraphnavError
-        What ends a study: a full disk, a cluster that is gone. Every finished run is in ``folder``.
+        The study was interrupted by a full disk or a lost cluster. Every finished run is in ``folder``.
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
@@ -133,7 +132,7 @@ def ablate(
 
 @contextmanager
 def study_workers(cluster: str | None, jobs: int | None, scratch: Path) -> Iterator[Workers]:
-    """Let a cluster, or as many processes as asked for or there are cores, make runs.
+    """Provide workers: a cluster, or ``jobs`` processes (default: one per core).
 
     Raises
     ------
@@ -154,7 +153,7 @@ def _make(
     gallery: int,
     keep_logs: bool,
 ) -> None:
-    """Make the pending runs of a study and draw its failures."""
+    """Execute the pending runs of a study and draw its failures."""
     with StudyFolder(path) as folder:
         folder.begin(plan)
         tasks = TaskFactory(plan, catalog)
@@ -172,4 +171,4 @@ def _named(folder: PathLike) -> KeptFolder:
 
 def _check_count(name: str, value: object, minimum: int) -> None:
     if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < minimum):
-        raise wrong_type(name, value, f"an integer from {minimum} on", f"write {name}=2")
+        raise wrong_type(name, value, f"an integer of at least {minimum}", f"write {name}=2")

@@ -1,4 +1,4 @@
-"""The scene panel: the robot and what is around it, from above, its heading up."""
+"""The scene panel: the robot and its surroundings from above, heading up."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _VIEWS = 2.0
 
 @dataclass(frozen=True)
 class Scene:
-    """The world, the whole path, and where and when on it the robot is."""
+    """The world, the entire path, and the pose and time of the robot on it."""
 
     world: Map
     track: Track
@@ -57,7 +57,7 @@ def draw_scene(axes: Axes, scene: Scene) -> str:
     axes.set_xticks([])
     axes.set_yticks([])
     _scale_bar(axes, half_width, behind)
-    return "from above, heading up; blue: what the camera sees\nof the floor; line: path, dotted: still to come"
+    return "from above, heading up; blue: the camera's view\nof the floor; line: path, dotted: still to come"
 
 
 def _extent(axes: Axes, world: Map) -> tuple[float, float, float]:

@@ -34,7 +34,7 @@ _SCALE_FRAMES = 25
 def video_frames(signals: Signals, from_s: float = -math.inf, until_s: float = math.inf) -> VideoFrames | None:
     """Return the video's frames at the rate of the camera; None where the log has no images in that span.
 
-    ``from_s``, ``until_s``: seconds since the log begins, both included.
+    ``from_s``, ``until_s``: seconds from the start of the log, both included.
     """
     stamps = signals.stamps(Image)
     shown = {utime for utime in stamps if from_s <= signals.at_s(utime) <= until_s}
@@ -47,7 +47,7 @@ def video_frames(signals: Signals, from_s: float = -math.inf, until_s: float = m
 def _frames(signals: Signals, shown: AbstractSet[int]) -> Iterator[tuple[int, Bytes]]:
     """Yield the frames of some stamps with their stamps, (rows, cols, 3) RGB, both even.
 
-    The last tile is drawn from the beginning on: the path on the map begins where the run did.
+    The last tile is drawn from the start of the run, so that its path is complete.
     """
     image = signals.first(Image)
     assert image is not None

@@ -1,4 +1,4 @@
-"""One picture that holds all textures of a world with all their mip levels."""
+"""Texture atlas: all textures of a world with all their mip levels in one picture."""
 
 from __future__ import annotations
 

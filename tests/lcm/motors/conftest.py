@@ -1,4 +1,4 @@
-"""A channel of its own for every test, somebody who listens to it, and programs that drive and end."""
+"""A separate channel for every test, a listener on it, and programs that drive and end."""
 
 from __future__ import annotations
 

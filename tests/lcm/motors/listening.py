@@ -1,4 +1,4 @@
-"""What leaves a group of motor channels, with the time of arrival."""
+"""Messages on a group of motor channels, with their times of arrival."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def motor(name: str, max_age_s: float = 0.2) -> MotorChannel:
 
 
 def is_gone(pid: int) -> bool:
-    """Whether a process has ended; where nobody collects it, it may still be listed."""
+    """Whether a process has ended; if it is not collected, it may still be listed."""
     try:
         stat = Path(f"/proc/{pid}/stat").read_text()
     except (FileNotFoundError, ProcessLookupError):

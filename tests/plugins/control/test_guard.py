@@ -58,7 +58,7 @@ GOOD: dict[str, Any] = {
 
 
 class Driven:
-    """A guard that is fired every 50 ms, with good inputs but for those that are given."""
+    """A guard that is fired every 50 ms, with good inputs except the given ones."""
 
     def __init__(self, **parameters: Any) -> None:
         self.guard = Guard(**parameters)

@@ -151,7 +151,7 @@ def test_every_map_that_ships_passes_its_check(name: str, maps: Path) -> None:
 
 
 def test_a_missing_map_is_shown_at_its_parameter(tmp_path: Path) -> None:
-    with pytest.raises(ParamError, match="'map' names no file") as caught:
+    with pytest.raises(ParamError, match="'map' is not a file") as caught:
         Pymunk(map=tmp_path / "none.yaml").check()
     assert caught.value.param == "map"
 

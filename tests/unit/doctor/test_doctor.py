@@ -108,7 +108,7 @@ def test_sizes_of_a_live_graph_are_those_that_come_in_and_leave() -> None:
 
 
 def told_of(graph: str, buffer: ReceiveBuffer, monkeypatch: pytest.MonkeyPatch) -> Finding:
-    """Return what is said of the receive buffer of a machine that grants some other one."""
+    """Return the finding on the receive buffer of a machine that grants another size."""
     monkeypatch.setattr("graphnav.doctor.network.try_receive_buffer", lambda: buffer)
     loaded = load_graph(graph, Catalog())
     return next(finding for finding in examine(loaded) if finding.subject == "receive buffer")

@@ -79,7 +79,7 @@ def again() -> Again:
 
 @pytest.fixture
 def rewrite(tmp_path: Path) -> Rewrite:
-    """Return a function that writes a log anew without the events that a function refuses, as a logger would."""
+    """Return a function that rewrites a log without the events that a function refuses, as a logger would."""
 
     def write(log: Path, keep: Callable[[str, int], bool], name: str = "rewritten.lcmlog", offset_us: int = 0) -> Path:
         path = tmp_path / name

@@ -13,7 +13,7 @@ FAMILY = "again"
 
 
 class Sensed(NamedTuple):
-    """What `Robot` publishes."""
+    """Outputs of `Robot`."""
 
     image: Image
     odometry: Stamped[Motion] | None
@@ -71,7 +71,7 @@ class Gather(Stage):
     """Reads in all three ways."""
 
     def reset(self, seed: int) -> None:
-        """Count anew."""
+        """Restart the count."""
         self._total = 0.0
         self._steps = 0
 
@@ -86,7 +86,7 @@ class Gather(Stage):
 
 
 class LateOutputs(NamedTuple):
-    """What `Late` publishes."""
+    """Outputs of `Late`."""
 
     motion: Stamped[Motion]
 
@@ -122,7 +122,7 @@ class Fails(Stage):
     at: int = param(5, doc="the step that fails; -1 never")
 
     def reset(self, seed: int) -> None:
-        """Count anew."""
+        """Restart the count."""
         self._steps = 0
 
     def step(self, twist: Twist) -> Twist:

@@ -76,7 +76,7 @@ class WritesInputs(Stage):
 
 
 class Forgetful(Stage):
-    """Its reset does not start anew."""
+    """Its reset does not restart it."""
 
     steps = 0
 

@@ -79,7 +79,7 @@ def test_a_disk_that_refuses_ends_the_study_in_a_line_and_what_is_made_stays(
     assert study.run() == 1
     assert capsys.readouterr().err == (
         f"cannot write into {study.out}: Not a directory\n"
-        "  0 of 8 runs are made; mend this, and the same command goes on\n"
+        "  0 of 8 runs are finished; fix this and resume with the same command\n"
     )
     kept.unlink()
     (study.out / "kept").rename(kept)
@@ -95,7 +95,7 @@ def test_a_log_that_cannot_be_written_is_no_result(study: Any) -> None:
     assert process.returncode == 1
     assert said == (
         f"cannot write into {study.out / '.scratch'}: File too large\n"
-        "  0 of 8 runs are made; mend this, and the same command goes on\n"
+        "  0 of 8 runs are finished; fix this and resume with the same command\n"
     )
     assert study.run("--set", "run.until_s=1e6", **long) == 0
     assert len(study.rows) == 8
