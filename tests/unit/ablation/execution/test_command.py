@@ -47,7 +47,7 @@ def test_many_runs_are_asked_for_with_the_time_that_they_take(study: Any, answer
     assert process.wait() == 0
     assert b"executing one run first, to measure its time" in said
     assert b"1001 runs are pending, about " in said
-    assert b"nothing more is run" in said
+    assert b"no more runs" in said
     assert len(study.runs) == 1
 
 

@@ -108,7 +108,7 @@ def test_a_figure_that_no_run_says_is_named(study: Any, capsys: pytest.CaptureFi
 )
 def test_what_would_change_nothing_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["ablate", *words]) == 2
-    assert capsys.readouterr().err.startswith(f"{said}\n  leave ")
+    assert capsys.readouterr().err.startswith(f"{said}\n  remove ")
 
 
 def test_a_plugin_that_has_changed_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
