@@ -207,7 +207,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used, so that ``graphnav --help`` loads no numpy."""
+    """Import a public name on first use, so that ``graphnav --help`` does not load numpy."""
     if name not in _HOME_OF:
         raise AttributeError(f"module 'graphnav' has no attribute '{name}'")
     value = getattr(importlib.import_module(_HOME_OF[name]), name)

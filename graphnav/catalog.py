@@ -21,16 +21,16 @@ from graphnav.messages import snake_case
 from graphnav.stage import Role, Source, Stage, former_names, metrics_of, params_of, ports_of
 
 GROUP = "graphnav"
-"""The group of entry points; an entry point's name is a family, its value a module with hooks."""
+"""Entry point group: the name of an entry point is a family, its value a module with hooks."""
 
 ADAPTERS = "adapters"
-"""The reserved family of packages that bring adapters, which every graph with channels from outside may use."""
+"""Reserved family of packages that provide adapters, which any graph with inputs or outputs may use."""
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 class Catalog:
-    """Finds stage classes; imports only the families that are asked for."""
+    """Finds stage classes; imports only the requested families."""
 
     def __init__(self) -> None:
         self._plugins = pluggy.PluginManager(graphnav.hooks.PROJECT)
@@ -47,7 +47,7 @@ class Catalog:
 
     @property
     def hook(self) -> pluggy.HookRelay:
-        """The hooks of every family and file that is loaded."""
+        """The hooks of all loaded families and files."""
         return self._plugins.hook
 
     def families(self) -> tuple[str, ...]:
@@ -56,12 +56,12 @@ class Catalog:
         return tuple(sorted({*self._entry_points, *files} - {ADAPTERS}))
 
     def adapters(self) -> Adapters:
-        """Return the adapters of the packages of the family ``adapters`` and of every family and file that is loaded.
+        """Return the adapters of the family ``adapters`` and of all loaded families and files.
 
         Raises
         ------
         CatalogError
-            A package cannot be imported, or what its hook gives is not an adapter or one too many.
+            A package cannot be imported, or its hook returns something that is not an adapter, or a duplicate.
         """
         if ADAPTERS in self._entry_points:
             self._load(ADAPTERS)
@@ -78,7 +78,7 @@ class Catalog:
         Raises
         ------
         CatalogError
-            There is no such family, or one of its packages cannot be used.
+            The family does not exist, or one of its packages cannot be used.
         """
         self.load(family)
         return tuple(sorted(self._stages.get(family, {})))
@@ -89,11 +89,11 @@ class Catalog:
         Raises
         ------
         CatalogError
-            There is none, it is declared wrongly, or a package of its family cannot be used.
+            The stage does not exist, its declaration is wrong, or a package of its family cannot be used.
         """
         family, dot, name = use.partition(".")
         if not dot:
-            raise CatalogError(f"'{use}' names no stage", self._hint_without_family(use))
+            raise CatalogError(f"'{use}' does not name a stage", self._hint_without_family(use))
         if family not in self.families():
             hint = did_you_mean(family, self.families()) or f"families are {', '.join(self.families())}"
             raise CatalogError(f"there is no family '{family}'", hint)
@@ -115,7 +115,7 @@ class Catalog:
         Raises
         ------
         CatalogError
-            There is no such family, or one of its packages cannot be used.
+            The family does not exist, or one of its packages cannot be used.
         """
         if family not in self._loaded and family not in self.families():
             raise CatalogError(f"there is no family '{family}'", did_you_mean(family, self.families()))
@@ -131,7 +131,7 @@ class Catalog:
             except (Exception, SystemExit) as error:
                 raise CatalogError(
                     f"family '{family}' cannot be imported from {origin}: {one_line(error)}",
-                    "mend the package, or install what it needs",
+                    "fix the package, or install its dependencies",
                 ) from error
             self._register(family, module, origin)
         self._loaded.add(family)
@@ -139,7 +139,7 @@ class Catalog:
     def add_file(self, path: Path) -> str:
         """Add the stages of a one-file plugin; return its family: its constant ``FAMILY``, else the file's stem.
 
-        A file that is added again, by whatever path, is added once.
+        Adding the same file again, by any path, has no effect.
 
         Raises
         ------
@@ -197,15 +197,15 @@ class Catalog:
                 f"{origin}: graphnav_stages() failed: {type(error).__name__}: {error}", "fix the plugin"
             ) from error
         if not all(isinstance(classes, list | tuple) for classes in found):
-            raise CatalogError(f"{origin}: graphnav_stages() returns no list", "return [MyStage]")
+            raise CatalogError(f"{origin}: graphnav_stages() does not return a list", "return [MyStage]")
         stages = [cls for classes in found for cls in classes]
         for cls in stages:
             if not (isinstance(cls, type) and issubclass(cls, Stage)):
-                raise CatalogError(f"{origin}: graphnav_stages() returns {cls!r}, which is no Stage class")
+                raise CatalogError(f"{origin}: graphnav_stages() returns {cls!r}, which is not a Stage class")
         return stages
 
     def _given_adapters(self) -> Iterator[tuple[str, Any]]:
-        """Yield the origin and each thing that its hook gives."""
+        """Yield each object returned by an adapter hook, with the origin of the hook."""
         for hook in self._plugins.hook.graphnav_adapters.get_hookimpls():
             origin = hook.plugin_name.partition(": ")[2]
             try:
@@ -249,13 +249,13 @@ def _check_declaration(cls: type[Stage], origin: str) -> None:
         )
     if not issubclass(cls, Source) and all(port.may_be_open for port in ports_of(cls).inputs):
         raise CatalogError(
-            f"{origin}: nothing fires {cls.__qualname__}: it is no Source and all its inputs are sampled",
+            f"{origin}: nothing fires {cls.__qualname__}: it is not a Source and all its inputs are sampled",
             "derive it from Source, or annotate an input without Latest",
         )
 
 
 def _real_file(path: Path) -> str:
-    """Return the one name of an existing file, by whatever path it is reached."""
+    """Return the canonical path of an existing file."""
     try:
         if path.is_file():
             return str(path.resolve())
@@ -269,7 +269,7 @@ def _import_file(path: Path) -> ModuleType:
     name = f"graphnav_plugin_{path.stem}_{len(sys.modules)}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise CatalogError(f"plugin {path}: it is no Python file", "give it the suffix .py")
+        raise CatalogError(f"plugin {path}: not a Python file", "give it the suffix .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:

@@ -1,4 +1,4 @@
-"""What every stage keeps to, as a test that anyone can call on their own."""
+"""Check the contract of a stage: call `check_stage` in the test of your own stage."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import inspect
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -15,7 +15,18 @@ from graphnav.errors import DeclarationError, ParamError
 from graphnav.graph.find import shipped_folder
 from graphnav.graph.paths import resolve_paths
 from graphnav.messages import Message
-from graphnav.stage import Latest, Source, Stage, Stamped, metrics_of, params_of, ports_of, reported_metrics
+from graphnav.stage import (
+    Latest,
+    Param,
+    Source,
+    Stage,
+    Stamped,
+    metrics_of,
+    params_of,
+    ports_of,
+    reported_metrics,
+    unit_of,
+)
 from graphnav.stage.metric import suffix_unit
 
 __all__ = ["check_stage"]
@@ -24,11 +35,11 @@ _NO_UNITS = (
     "ms", "sec", "secs", "second", "seconds", "meter", "meters", "metre", "metres", "cm", "mm", "km", "kmh", "degree",
     "degrees", "radian", "radians", "pixel", "pixels", "pix", "percent", "pct", "fps",
 )  # fmt: skip
-"""Endings that name a unit which graphnav writes otherwise, or never."""
+"""Suffixes of units that graphnav writes differently, or does not use."""
 
 
 def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> None:
-    """Check that a stage keeps to what every stage keeps to.
+    """Check that a stage fulfils the contract of all stages.
 
     Its declaration can be read and is documented; its defaults fit; it can be made, reset again and again, asked for
     its metrics, all of which are declared, and closed. With ``steps`` also: the same seed gives the same outputs, these
@@ -39,15 +50,15 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
     cls
         The stage's class.
     steps
-        The keyword arguments of one ``step`` after the other: messages, `Latest` or stamps by name. Their arrays become
-        read-only, as received ones are.
+        Keyword arguments of consecutive calls of ``step``: messages, `Latest` or stamps by name. Their arrays are made
+        read-only, as those of received messages are.
     params
-        Parameters other than the defaults. Paths of the data that ships may be relative.
+        Parameters that differ from the defaults. Paths may be relative to the shipped data.
 
     Raises
     ------
     AssertionError
-        It does not; the text says what and where.
+        It does not; the message says which rule is broken.
     """
     _check_declaration(cls)
     resolved = _params(cls, params)
@@ -58,7 +69,7 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
         first.check()
     except ParamError as error:
         _require(not params, cls, f"check() refuses the parameters: {error}")
-        return  # its defaults name files or devices that are not here
+        return  # its defaults name files or devices that do not exist here
     outputs = []
     for stage in (first, second):
         stage.reset(seed=1)
@@ -68,30 +79,47 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
         _check_summary(stage)
         stage.close()
     for number, (one, other) in enumerate(zip(*outputs, strict=True), start=1):
-        _require(one == other, cls, f"the same seed gave another output in step {number}")
+        _require(one == other, cls, f"the same seed gave a different output in step {number}")
 
 
 def _check_declaration(cls: type[Stage]) -> None:
     doc = inspect.getdoc(cls) or ""
-    is_written = bool(doc) and not doc.startswith(f"{cls.__name__}(")  # as dataclasses write where it is missing
+    is_written = bool(doc) and not doc.startswith(f"{cls.__name__}(")  # which dataclasses write where it is missing
     _require(is_written, cls, "has no docstring; its first line is what 'graphnav stages' shows")
-    _require(doc.splitlines()[0].endswith("."), cls, "the docstring's first line is no sentence")
+    _require(
+        doc.splitlines()[0].endswith("."),
+        cls,
+        "the first line of the docstring is not a sentence: end it with a period",
+    )
     ports = ports_of(cls)
     plain = [port.name for port in ports.inputs if port.is_plain]
     if issubclass(cls, Source):
         _require(not plain, cls, f"is a Source, but its input '{plain[:1]}' is not sampled")
     else:
         needed = [port.name for port in ports.inputs if not port.may_be_open]
-        _require(bool(needed), cls, "is no Source and has no plain input that must be wired: nothing fires it")
+        _require(bool(needed), cls, "is not a Source and has no plain input that must be wired: nothing fires it")
     for name, param in params_of(cls).items():
         _require(bool(param.doc.strip()), cls, f"parameter '{name}' has no doc")
-        _require(name.rpartition("_")[2] not in _NO_UNITS, cls, f"parameter '{name}' has no suffix of graphnav's units")
+        _check_unit(cls, param)
         if not param.required:
             try:
                 param.parse(param.default)
             except ParamError as error:
                 raise AssertionError(f"{cls.__qualname__}: the default does not fit: {error}") from error
     _check_metrics(cls)
+
+
+def _check_unit(cls: type[Stage], param: Param) -> None:
+    is_known = param.name.rpartition("_")[2] not in _NO_UNITS
+    _require(is_known, cls, f"parameter '{param.name}' does not end in a unit suffix of graphnav")
+    has_unit = bool(unit_of(param.name)) or not _has_float(param.type)
+    what = f"parameter '{param.name}' has no unit suffix: add one, or say 'dimensionless' in its doc"
+    _require(has_unit or "dimensionless" in param.doc, cls, what)
+
+
+def _has_float(kind: Any) -> bool:
+    """Return whether a parameter of this type holds floats: ``float | None`` and tuples of floats do."""
+    return kind is float or any(_has_float(member) for member in get_args(kind))
 
 
 def _check_metrics(cls: type[Stage]) -> None:
@@ -107,7 +135,7 @@ def _check_metrics(cls: type[Stage]) -> None:
 
 
 def _params(cls: type[Stage], given: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Return every parameter with paths resolved, None if one is needed that is not given."""
+    """Return every parameter with paths resolved, None if a required one is not given."""
     params = {}
     for name, param in params_of(cls).items():
         if param.required and name not in given:
@@ -134,7 +162,7 @@ def _check_summary(stage: Stage) -> None:
 
 
 def _step(stage: Stage, given: Mapping[str, Any]) -> dict[str, bytes | None]:
-    """Return the bytes of what a step publishes, by port, None for what it does not."""
+    """Return the encoded output of a step by port, None for ports that it does not publish."""
     cls = type(stage)
     for value in given.values():
         _freeze(value)

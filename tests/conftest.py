@@ -1,4 +1,4 @@
-"""What tests of all parts share."""
+"""Fixtures of all tests."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from graphnav.bus import require_route
 from graphnav.errors import BusError
 
 _FIRST_PORT, _N_PORTS = 10_000, 20_000
-"""Linux hands datagrams of all groups to whoever listens on a port, so each process of the tests has its own port."""
+"""Linux hands datagrams of all groups to every listener on a port, so each process of the tests has its own port."""
 _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % _N_PORTS}?ttl=0"
 
 

@@ -1,4 +1,4 @@
-"""The long and the machine-dependent proofs: ``python tools/accept.py [ITEM ...]``; each prints its figure."""
+"""Run acceptance tests, long or machine-dependent: ``python tools/accept.py [ITEM ...]``; each prints its result."""
 
 from __future__ import annotations
 
@@ -66,8 +66,8 @@ def main() -> int:
     """Run the items named, else all; return 1 if one misses its target."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("items", nargs="*", metavar="ITEM", help=f"of {', '.join(ITEMS)} (default: all)")
-    parser.add_argument("--seeds", default="1000:1020", help="FIRST:END, the end not included (default 1000:1020)")
-    parser.add_argument("-j", dest="jobs", type=int, default=2, help="processes at once (default 2)")
+    parser.add_argument("--seeds", default="1000:1020", help="FIRST:END, END excluded (default 1000:1020)")
+    parser.add_argument("-j", dest="jobs", type=int, default=2, help="parallel processes (default 2)")
     args = parser.parse_args()
     if unknown := set(args.items) - set(ITEMS):
         parser.error(f"no item {', '.join(sorted(unknown))}: items are {', '.join(ITEMS)}")

@@ -1,4 +1,4 @@
-"""Every speed that is promised, as a ratio of medians from one run against a named reference."""
+"""Benchmark every promised speed, as a ratio of medians to a named reference in the same run."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ GRAPH = "corridor_ccw"
 
 @dataclass(frozen=True)
 class Ratio:
-    """A figure and what it is held against: at most ``limit``, or at least where ``at_least`` says so."""
+    """A measured value and its limit: a maximum, or a minimum if ``at_least``."""
 
     name: str
     value: float
@@ -38,12 +38,12 @@ class Ratio:
 
     @property
     def is_met(self) -> bool:
-        """Whether the figure keeps to its limit."""
+        """Whether the value is within its limit."""
         return self.value >= self.limit if self.at_least else self.value <= self.limit
 
 
 def ratios() -> Iterator[Ratio]:
-    """Measure one thing after another."""
+    """Measure the ratios one after the other."""
     tick, tapped = bench_tick.measure(), bench_tick.measure(tapped=True)
     ours, bare = tick["beyond the steps, ms"], tick["bare loop, ms"]
     detail = f"{ours:.3f} ms against {bare:.3f} ms for {tick['kB a tick']:.0f} kB"

@@ -1,4 +1,4 @@
-"""How well a study uses two cores: wall time with ``-j 1`` and with ``-j 2``, in turn, as a user sees it."""
+"""Benchmark a study on two cores: wall time with ``-j 1`` and ``-j 2``, alternating, as a user sees it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The codec against lcm-gen's own Python: medians of one process, and their ratio."""
+"""Benchmark the codec against the Python of lcm-gen: medians of one process, and their ratio."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def measure(message: Message, times: int) -> tuple[float, float, float, float]:
 
 
 def main() -> int:
-    """Print the figures; return 1 if the 640x480 flow misses what is promised."""
+    """Print the results; return 1 if the 640x480 flow misses its target."""
     ratios: dict[str, tuple[float, float]] = {}
     print(
         f"{'message':14}"

@@ -41,7 +41,7 @@ class Step:
 
 
 def estimators() -> dict[str, Stage]:
-    """Return what is compared; the first is the reference of all ratios."""
+    """Return the compared stages; the first is the reference of all ratios."""
     return {
         "farneback": Farneback(),
         "farneback wide": Farneback(window_px=21, iterations=5, expansion_px=7, expansion_sigma_px=1.5),
@@ -102,7 +102,7 @@ def step_ms(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -
 
 
 def main(first_seed: int = 0, seeds: int = 10) -> None:
-    """Print the figures of ``seeds`` drives from ``first_seed``."""
+    """Print the results of ``seeds`` drives from ``first_seed``."""
     cv2.setNumThreads(1)
     stages = estimators()
     shown = {name: collect(turn, range(first_seed, first_seed + seeds)) for name, turn in TURNS_RADPS.items()}

@@ -1,6 +1,6 @@
-"""From image to command: a live graph against a bare python-lcm loop that calls the same stages, taking turns.
+"""Benchmark the latency from image to command: a live graph against a bare python-lcm loop with the same stages.
 
-A recorded drive is played to both, stamped anew, in real time: the camera at 10 Hz, odometry at 50 Hz. As on a robot
+A recorded drive is played to both, with new stamps, in real time: the camera at 10 Hz, odometry at 50 Hz. As on a robot
 the two have clocks of their own: the camera's is slow by 2 in 1000, so that an image waits for the odometry after it by
 anything from nothing to 20 ms, alike in both. What is timed is what a robot would see: from the publication of an image
 to the arrival of the next command; beside it, how much of that is left once image and odometry have been published. The

@@ -1,4 +1,4 @@
-"""How fast motor channels are: commands through the sending process, and stops after the run was killed."""
+"""Benchmark motor channels: commands through the sending process, and stops after the run was killed."""
 
 from __future__ import annotations
 

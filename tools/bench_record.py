@@ -1,4 +1,4 @@
-"""What `graphnav record` and `graphnav spy` lose, beside what raw python-lcm loses that listens at the same time.
+"""Benchmark the losses of `graphnav record` and `graphnav spy` against raw python-lcm listening at the same time.
 
 Three loads over udpm with recv_buf_size=2097152: 20,000 messages/s of 200 bytes, 60 images/s of 640x480 gray, and both.
 Listening are a raw python-lcm logger, `record` and, in turn, `spy --json` and the full-screen spy where there is tmux:
@@ -60,7 +60,7 @@ log.close()
 
 @dataclass(frozen=True)
 class Loss:
-    """What a listener has of what was sent on a channel; ``says_lost``: None of raw python-lcm, which says nothing."""
+    """Messages of a channel received by a listener; ``says_lost``: None for raw python-lcm, which does not report."""
 
     load: str
     channel: str

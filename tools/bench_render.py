@@ -1,4 +1,4 @@
-"""How long rendering with truth takes, as a share of OpenCV's Farneback on the same images in the same process."""
+"""Benchmark rendering with truth, relative to OpenCV's Farneback on the same images in the same process."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def measure(cols: int, rows: int, rounds: int = 60) -> RenderCost:
     def frame(x_m: float) -> Frame:
         then = Placed.at(camera, faces, x_m - 0.03, 0.0, -0.02)
         now = Placed.at(camera, faces, x_m, 0.0, 0.0)
-        return renderer.render(now, then, noise_sigma=2.0, rng=rng)
+        return renderer.render(now, then, noise_sigma_gray=2.0, rng=rng)
 
     before = frame(-0.03)
     spent: list[tuple[float, float]] = []

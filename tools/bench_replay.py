@@ -1,4 +1,4 @@
-"""How long a replay takes, against the run that made the log: 60 s of a drive through plane, steer and control."""
+"""Benchmark a replay against the run of its log: 60 s of a drive through plane, steer and control."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from graphnav.runner.recording.run_recorded import run_recorded
 GRAPH = "corridor_ccw"
 UNTIL_S = 60
 SLOW = "control.max_speed_mps=0.2"
-"""The drive of the graph as it ships is over before 60 s."""
+"""The drive of the shipped graph finishes before 60 s."""
 PLAY = ("flow.flow", "planar.planar")
 
 

@@ -1,4 +1,4 @@
-"""What the full-screen spy costs beside a paced run: CPU time of its process, with table and with picture."""
+"""Benchmark the full-screen spy beside a paced run: CPU time of its process, with table and with picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long ``graphnav --help`` takes, against ``python -c pass``, in turn."""
+"""Benchmark ``graphnav --help`` against ``python -c pass``, alternating."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a tick costs beyond its steps, against a bare python-lcm loop that moves and logs the same bytes.
+"""Benchmark the overhead of a tick against a bare python-lcm loop that moves and logs the same bytes.
 
 The two take turns tick by tick in one process, so that both meet the same caches and the same noise of the machine.
 """

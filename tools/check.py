@@ -1,4 +1,4 @@
-"""Everything that keeps main green, in one order: format, lint, types, architecture, docs, tests. CI runs this."""
+"""Run all checks of CI in order: format, lint, types, architecture, docs, tests."""
 
 from __future__ import annotations
 

@@ -23,8 +23,9 @@ from graphnav.spy.watch.live_watch import LiveWatch
 
 GROUP = "udpm://239.255.78.9:7709?ttl=0"
 _MAGIC = 0x4C433032
-"""Of a packet with a whole message; the next number is that of a fragment. LCM's own library (1.5) ends the process at
-a packet of the first kind without any zero byte, whoever receives it: garbage with this number ends with one here."""
+"""Magic number of a packet with a complete message; the next number is that of a fragment. LCM's own library (1.5)
+ends the process at a packet of the first kind without any zero byte, in any receiver: garbage with this number ends
+with one here."""
 _HEADER = struct.Struct(">II")
 _MAX_NAME = 63
 _NAMES = ("[red]x", "\x1b[2J", "\x1b]0;owned\x07", "a b", "[/]", "<img src=x onerror=alert(1)>", "\r\x08\u202e")

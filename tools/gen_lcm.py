@@ -1,4 +1,4 @@
-"""Generate the Python of all *.lcm files with the wheel's lcm-gen; --check says whether it is fresh."""
+"""Generate the Python of all *.lcm files with the wheel's lcm-gen; --check tests whether it is up to date."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 class Target(NamedTuple):
-    """A folder of type definitions and the package that is made of them; ``prefix``: the package that it is in.
+    """A folder of type definitions and the package generated from them; ``prefix``: its parent package.
 
     The definitions are copied beside the Python, so that they are in the wheel.
     """
@@ -26,7 +26,7 @@ class Target(NamedTuple):
     prefix: str = ""
 
     def generate(self, folder: Path) -> Path:
-        """Run lcm-gen on every type definition; return the package that it makes in ``folder``."""
+        """Run lcm-gen on every type definition; return the package generated in ``folder``."""
         command = [str(Path(sysconfig.get_path("scripts")) / "lcm-gen"), "-p", "--ppath", str(folder)]
         prefix = ["--package-prefix", self.prefix] if self.prefix else []
         definitions = sorted(self.types.glob("*.lcm"))
@@ -37,7 +37,7 @@ class Target(NamedTuple):
         return made
 
     def stale(self, fresh: Path) -> list[str]:
-        """Return the names of files that differ between the package and a fresh one."""
+        """Return the names of files that differ between the package and a newly generated one."""
         found = (path for folder in (self.package, fresh) for path in folder.iterdir())
         names = {path.name for path in found if path.suffix in {".py", ".lcm"}}
         return sorted(name for name in names if _text(self.package / name) != _text(fresh / name))
@@ -48,7 +48,7 @@ TARGETS = (
     Target(ROOT / "lcmtypes", ROOT / "lcmtypes/graphnav_lcm"),
     Target(BOT_CORE, BOT_CORE, "graphnav_adapters.lcmtypes"),
 )
-"""The types of other packages are made inside the plugin: their own packages may be installed beside it."""
+"""Third-party types are generated inside the plugin: their own packages may be installed too."""
 
 
 def _text(path: Path) -> str | None:
@@ -59,7 +59,7 @@ def _text(path: Path) -> str | None:
 def main() -> int:
     """Generate, or with --check compare; return 1 if something differs."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="change nothing, return 1 if a file is not fresh")
+    parser.add_argument("--check", action="store_true", help="change nothing, return 1 if a file is out of date")
     args = parser.parse_args()
     differing: list[str] = []
     for target in TARGETS:

@@ -1,1 +1,1 @@
-"""The Python door: what notebooks and scripts call; `graphnav` exports its names."""
+"""The Python interface for notebooks and scripts; `graphnav` exports its names."""

@@ -1,4 +1,4 @@
-"""Checking what a caller passes: an error names the argument, what it is and what to write."""
+"""Check arguments of the Python interface: errors name the argument, its value and what to write."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def overrides_of(values: object) -> tuple[Override, ...]:
     UserError
         It is not a mapping, a key is not a target, or a graph cannot hold a value.
     """
-    hint = 'write set={"plane": "plane.affine", "robot.noise_sigma": 3}'
+    hint = 'write set={"plane": "plane.affine", "robot.noise_sigma_gray": 3}'
     if values is None:
         return ()
     if not isinstance(values, Mapping):
@@ -87,7 +87,7 @@ def yaml_value(value: object, name: str) -> object:
     Raises
     ------
     UserError
-        A graph cannot hold it.
+        A graph cannot contain it.
     """
     value = plain(value, name)
     if isinstance(value, list):
@@ -96,12 +96,12 @@ def yaml_value(value: object, name: str) -> object:
 
 
 def plain(value: object, name: str) -> object:
-    """Return a value without numpy's types.
+    """Return a value without numpy types.
 
     Raises
     ------
     UserError
-        A graph cannot hold it.
+        A graph cannot contain it.
     """
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()

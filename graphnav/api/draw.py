@@ -31,7 +31,7 @@ def draw(
     Raises
     ------
     UserError
-        Everything that is wrong with the graph.
+        All errors of the graph.
     """
     return Drawing(loaded(graph, set, plugins, Catalog()))
 
@@ -57,7 +57,7 @@ class Drawing:
 
     @cached_property
     def mermaid(self) -> str:
-        """A Mermaid flowchart, as Markdown viewers draw it."""
+        """A Mermaid flowchart, for Markdown viewers."""
         return mermaid_of(self.graph)
 
     @cached_property
@@ -81,7 +81,7 @@ class Drawing:
         yield from self.lines()
 
     def _repr_html_(self) -> str:
-        return self.svg  # in the page itself it shrinks to the page's width, and tells a wire's channel and type
+        return self.svg  # inline it shrinks to the page's width, and wires show channel and type on hover
 
     def _repr_svg_(self) -> str:
         return self.svg

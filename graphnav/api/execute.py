@@ -1,4 +1,4 @@
-"""Run a checked graph into a folder, in lockstep or live: what ``graphnav run`` and `graphnav.run` share."""
+"""Run a checked graph into a folder, in lockstep or live, for ``graphnav run`` and `graphnav.run`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from graphnav.stage import Stage
 def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, option: str = "") -> bool:
     """Return whether a run is live.
 
-    ``option``: what stands before the name of an option where a user wrote it: ``--`` on the command line.
+    ``option``: prefix of option names in errors: ``--`` on the command line.
 
     Raises
     ------
@@ -25,15 +25,15 @@ def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, 
         An option has no effect on such a run, or the pace is not above 0.
     """
     if pace is not None and not 0 < pace < math.inf:
-        hint = "leave it out to run as fast as it goes"
+        hint = "remove it to run as fast as possible"
         raise UserError.of(f"{option}pace is {pace:g}, but must be above 0", hint)
     is_live = live or graph.is_live
     if is_live and pace is not None:
-        what = f"{option}pace has no effect on a live run, which follows the wall clock"
-        raise UserError.of(what, f"leave {option}pace out")
+        what = f"{option}pace has no effect on a live run, which runs in wall time"
+        raise UserError.of(what, f"remove {option}pace")
     if not is_live and url is not None:
         what = f"{option}url is for live runs, but this graph runs in lockstep"
-        raise UserError.of(what, f"add {option}live{'' if option else '=True'}, or leave {option}url out")
+        raise UserError.of(what, f"add {option}live{'' if option else '=True'}, or remove {option}url")
     return is_live
 
 
@@ -53,7 +53,7 @@ def execute(
 ) -> Summary:
     """Run a graph into an existing, empty folder; see `run_recorded` and `run_live`.
 
-    ``on_time`` gets seconds: the simulated time of each tick to come; live, the time since the start, now and then.
+    ``on_time`` gets seconds: the simulated time of the next tick; in a live run the time since the start, now and then.
     """
     if is_live:
         return run_live(

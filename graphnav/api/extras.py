@@ -1,4 +1,4 @@
-"""Packages that a plain installation does not bring."""
+"""Import optional packages."""
 
 from __future__ import annotations
 

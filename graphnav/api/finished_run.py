@@ -1,4 +1,4 @@
-"""A run that is over: how it ended, its metrics, its log, its pictures."""
+"""A finished run: outcome, metrics, log, pictures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from graphnav.runner.recording.summary import Summary
 
 
 class RunError(GraphnavError):
-    """A stage failed, or something else ended a run before its time; ``run`` is what is left of it."""
+    """A run failed; ``run`` has its results up to there."""
 
     def __init__(self, run: Run) -> None:
         self.run = run
@@ -28,9 +28,9 @@ class RunError(GraphnavError):
 
 
 class Run:
-    """What a run left; in a notebook, its pictures and metrics.
+    """The results of a run; in a notebook, its pictures and metrics.
 
-    A temporary folder lives as long as this or its ``log`` does.
+    A temporary folder exists as long as this object or its ``log``.
     """
 
     def __init__(
@@ -39,26 +39,26 @@ class Run:
         self.graph = graph
         """The checked graph that ran, with every swap."""
         self.summary = summary
-        """All that ``summary.json`` holds: steps and times of each stage, notices, versions."""
+        """The content of ``summary.json``: steps and times of each stage, notices, versions."""
         self.pictures = tuple(pictures)
-        """The pictures that were drawn, in the folder of the run: what the robot saw, and its path on the map."""
+        """The pictures drawn into the run folder: the panels, and the robot's path on the map."""
         self.error = error
-        """What a failed run raised, with its traceback: ``raise run.error`` shows the line. None if it did not fail."""
+        """The exception of a failed run with its traceback, to be raised again; None if the run did not fail."""
         self._folder = folder
 
     @property
     def outcome(self) -> str:
-        """How it ended: ``"goal"``, ``"contact"``, ``"timeout"``, ``"end"``, ``"stopped"`` or ``"failed"``."""
+        """The outcome: ``"goal"``, ``"contact"``, ``"timeout"``, ``"end"``, ``"stopped"`` or ``"failed"``."""
         return str(self.summary.outcome)
 
     @property
     def failure(self) -> str:
-        """Why it failed; empty if it did not."""
+        """The cause of the failure, empty if it did not fail."""
         return self.summary.failure
 
     @cached_property
     def metrics(self) -> Mapping[str, float]:
-        """What its stages say of it, by ``stage.metric``; NaN where a metric is not defined."""
+        """The metrics of its stages, by ``stage.metric``; NaN if a metric is undefined."""
         scores = self.summary.scores
         return MappingProxyType({f"{stage}.{name}": value for stage in scores for name, value in scores[stage].items()})
 
@@ -69,7 +69,7 @@ class Run:
 
     @cached_property
     def log(self) -> Log:
-        """Every message of it; raises UserError or LogError where the log was removed or replaced."""
+        """The log of the run; raises UserError or LogError if the log was removed or replaced."""
         return Log(Recording(find_log(self.folder)), keeps=self._folder)
 
     def check(self) -> Self:

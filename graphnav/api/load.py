@@ -22,12 +22,12 @@ def load(
     set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
     plugins: Sequence[PathLike] = (),
 ) -> Graph:
-    """Return the checked graph of a file, or of the name of one that ships.
+    """Return the checked graph of a file, or of the name of a shipped one.
 
     Raises
     ------
     UserError
-        Everything that is wrong, with file, line and column: ``error.problems``.
+        All errors, with file, line and column: ``error.problems``.
     """
     checked = loaded(graph, set, plugins, Catalog())
     checked.make_stages()
@@ -41,7 +41,7 @@ def check(
     set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
     plugins: Sequence[PathLike] = (),
 ) -> list[Problem]:
-    """Return everything that is wrong with a graph, sorted by line: an empty list if nothing is.
+    """Return all errors of a graph, sorted by line; an empty list if there are none.
 
     ``str(problem)`` is what ``graphnav check`` prints; ``place``, ``what``, ``hint``, ``kind`` and ``suggestion`` are
     its parts.
@@ -71,12 +71,12 @@ def loaded(
     plugins: Sequence[PathLike],
     catalog: Catalog,
 ) -> Graph:
-    """Return the graph that the arguments of `load` mean; where it is loaded here, ``catalog`` gets its plugins.
+    """Return the graph for the arguments of `load`; if it is loaded here, its plugins are added to ``catalog``.
 
     Raises
     ------
     UserError
-        Everything that is wrong with it.
+        All errors of the graph.
     """
     overrides, files = overrides_of(sets), paths_of(plugins, "plugins", "my_stage.py")
     if isinstance(graph, Graph):
@@ -113,7 +113,7 @@ def load_with(
     Raises
     ------
     UserError
-        Everything that is wrong with it.
+        All errors of the graph.
     """
     found = load_graph(graph, catalog, overrides, problems)
     return replace(found, plugins=tuple(dict.fromkeys((*found.plugins, *(path.resolve() for path in plugins)))))
@@ -125,9 +125,9 @@ def _refuse_changes(overrides: Sequence[Override], plugins: Sequence[Path]) -> N
 
 
 def with_run_options(graph: Graph, options: Mapping[str, object], written: Mapping[str, str] | None = None) -> Graph:
-    """Return the graph with other ``run`` options; None leaves what the graph says.
+    """Return the graph with other ``run`` options; None keeps the graph's value.
 
-    ``written``: how the user wrote an option, where that is not its name: ``{"until_s": "--until"}``.
+    ``written``: names of options as the user wrote them, if different: ``{"until_s": "--until"}``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a caller should know, but what ends nothing: the logger ``graphnav``, which prints to stderr by default."""
+"""Log notices with the logger ``graphnav``, which prints to stderr by default."""
 
 from __future__ import annotations
 

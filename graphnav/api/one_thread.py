@@ -1,4 +1,4 @@
-"""One thread for BLAS while a run goes on: thread counts change sums, and the same seed must give the same log."""
+"""Limit BLAS to one thread during a run: thread counts change sums, and the same seed must give the same log."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from threadpoolctl import OpenBLASController, ThreadpoolController
 
 
 class _BlasLimit:
-    """The limit of BLAS, whose threads belong to the process: it holds while any run is under way, in any thread."""
+    """The process-wide limit of BLAS threads, in force during any run in any thread."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -19,14 +19,14 @@ class _BlasLimit:
         self._limits: list[Any] = []
 
     def enter(self) -> None:
-        """Limit the libraries that are loaded by now."""
+        """Limit the libraries loaded so far."""
         with self._lock:
             _take_control()
             self._n_runs += 1
             self._limits.append(_limited("blas"))
 
     def leave(self) -> None:
-        """Lift all limits, the newest first, if this was the last run."""
+        """Remove all limits, newest first, if this was the last run."""
         with self._lock:
             self._n_runs -= 1
             if not self._n_runs:
@@ -41,7 +41,7 @@ _blas = _BlasLimit()
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Limit the libraries that are loaded to one thread each; those of OpenMP for the calling thread."""
+    """Limit the loaded libraries to one thread each; OpenMP only for the calling thread."""
     with _limited("openmp"):
         _blas.enter()
         try:
@@ -51,12 +51,12 @@ def one_thread() -> Iterator[None]:
 
 
 def _limited(kind: str) -> Any:
-    """Return the limit of the libraries of one kind, which lifts nothing else."""
+    """Return a limit of the libraries of one kind only."""
     return ThreadpoolController().select(user_api=kind).limit(limits=1)
 
 
 def _take_control() -> None:
-    """Let the calling thread set limits: newer versions of threadpoolctl let the first thread alone that set one."""
+    """Let the calling thread set limits: newer versions of threadpoolctl allow it only to the first such thread."""
     clear = getattr(OpenBLASController, "clear_controlling_thread", None)
     if clear is not None:
         clear(force=True)

@@ -1,4 +1,4 @@
-"""Open the tap of a run: what ``graphnav run`` and `graphnav.run` share."""
+"""Open the tap of a run, for ``graphnav run`` and `graphnav.run`."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ TapMode = Literal["thin", "full", "none"]
 def open_tap(
     mode: TapMode, run_id: str, *, tell: Callable[[str], None], notice: Callable[[str], None] | None = None
 ) -> Tap | None:
-    """Return the tap, or None where it is off or there is no multicast.
+    """Return the tap, or None if it is off or there is no multicast.
 
-    ``tell`` is told why there is none; ``notice``, by default the same, is told of other runs on its group.
+    ``tell`` gets the reason if there is none; ``notice``, by default the same, gets notices of other runs on its group.
     """
     if mode == "none":
         return None

@@ -1,4 +1,4 @@
-"""The folder of a run or a study: one that the caller names, or a temporary one that lives while it is used."""
+"""The folder of a run or a study: named by the caller, or temporary."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav.errors import UserError
 
 
 class KeptFolder:
-    """A folder; a temporary one is removed with the last object that holds this."""
+    """A folder; a temporary one is removed with the last object that refers to this."""
 
     def __init__(self, path: Path, *, is_temporary: bool) -> None:
         self.path = path
@@ -23,28 +23,28 @@ class KeptFolder:
 
 
 def temporary_folder() -> KeptFolder:
-    """Return a new folder below the system's folder of temporary files.
+    """Return a new folder in the system's temporary folder.
 
     Raises
     ------
     UserError
-        It cannot be made.
+        It cannot be created.
     """
     try:
         return KeptFolder(Path(tempfile.mkdtemp(prefix="graphnav-")), is_temporary=True)
     except OSError as error:
         raise UserError.of(
-            f"cannot make a temporary folder: {error.strerror or error}", 'write folder="runs/1"'
+            f"cannot create a temporary folder: {error.strerror or error}", 'write folder="runs/1"'
         ) from error
 
 
 def new_folder(given: PathLike | None) -> KeptFolder:
-    """Return a new or empty folder that can be written: ``given``, else a temporary one.
+    """Return a new or empty writable folder: ``given``, else a temporary one.
 
     Raises
     ------
     UserError
-        ``given`` is not empty, not a folder, or cannot be made or written.
+        ``given`` is not empty, not a folder, or cannot be created or written.
     """
     if given is None:
         return temporary_folder()
@@ -58,7 +58,7 @@ def new_folder(given: PathLike | None) -> KeptFolder:
             raise UserError.of(f"folder: {path} is not empty", f"{hint}, or remove this one")
     except (OSError, ValueError) as error:
         said = error.strerror if isinstance(error, OSError) else error
-        raise UserError.of(f"folder: cannot make {path}: {said}", hint) from error
+        raise UserError.of(f"folder: cannot create {path}: {said}", hint) from error
     if not os.access(path, os.W_OK | os.X_OK):
         raise UserError.of(f"folder: cannot write into {path}", hint)
     return KeptFolder(path.absolute(), is_temporary=False)

@@ -27,7 +27,7 @@ from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import new_run_id
 
 _drawing = threading.Lock()
-"""Matplotlib's settings belong to the process: runs in several threads draw one after another."""
+"""Matplotlib's settings are global: runs in several threads draw one after another."""
 
 
 @documented
@@ -46,26 +46,26 @@ def run(
     pictures: bool = True,
     check: bool = False,
 ) -> Run:
-    """Run a graph to its end and return what came of it.
+    """Run a graph to its end and return the results.
 
-    A run that fails does not raise: its outcome is ``"failed"``, `Run.failure` says why, and its log holds everything
+    A run that fails does not raise: its outcome is ``"failed"``, `Run.failure` says why, and its log is complete
     up to there. ``check=True``, or `Run.check` later, raises `RunError`, as with `subprocess.run`. The same seed gives
     the same log, byte for byte, as ``graphnav run`` does.
 
-    Works in notebooks, in threads and several times in a process. Notices (what is late, what could not be drawn) go to
-    the logger ``graphnav``.
+    Works in notebooks, in threads and several times in a process. Notices (lateness, pictures that could not be drawn)
+    go to the logger ``graphnav``.
 
     Raises
     ------
     UserError
-        Everything that is wrong with the graph or an argument; nothing has run then.
+        All errors of the graph and the arguments; nothing has run then.
     RunError
         The run failed, and ``check`` is true.
     KeyboardInterrupt
-        Ctrl-C, or a notebook's stop button, ended a lockstep run; its folder is complete up to there. It is how a live
-        run without ``until_s`` ends, and such a run is returned.
+        Ctrl-C, or a notebook's stop button, ended a lockstep run; its folder is complete up to there. A live run
+        without ``until_s`` ends this way, and is returned.
     GraphnavError
-        The disk refuses.
+        A file cannot be written.
     """
     _check_arguments(pace, tap, url)
     catalog = Catalog()
@@ -116,7 +116,7 @@ def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *
 
 
 def _check_arguments(pace: object, tap: object, url: object) -> None:
-    """Raise UserError for what has a wrong type."""
+    """Raise UserError for arguments of a wrong type."""
     if pace is not None and (isinstance(pace, bool) or not isinstance(plain(pace, "pace"), int | float)):
         raise wrong_type("pace", pace, "a number or None", "write pace=1 for wall time")
     if tap not in get_args(TapMode):
@@ -126,7 +126,7 @@ def _check_arguments(pace: object, tap: object, url: object) -> None:
 
 
 def _draw(catalog: Catalog, graph: Graph, folder: Path) -> Sequence[Path]:
-    """Return the pictures of a run; what cannot be drawn is told, and costs nothing else."""
+    """Return the pictures of a run; log those that cannot be drawn as notices."""
     try:
         with _drawing:
             return draw_pictures(add_plugins(catalog, graph.plugins), folder / LOG, folder, video=False)

@@ -1,4 +1,4 @@
-"""A run as a notebook shows it: how it ended, the pictures, the metrics."""
+"""Show a run in a notebook: outcome, pictures, metrics."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _COLOURS = {"goal": "#2e7d4f", "end": "#2e7d4f", "contact": "#c0392b", "failed":
 Declared = Mapping[str, Mapping[str, Metric]]
 """The declared metrics of each stage, by name."""
 _MAX_PICTURE_BYTES = 8 << 20
-"""Larger pictures would make a notebook that no viewer opens."""
+"""Larger pictures would make notebooks that viewers do not open."""
 
 
 def run_html(summary: Summary, pictures: Iterable[Path], declared: Declared) -> Markup:

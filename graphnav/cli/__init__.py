@@ -15,46 +15,46 @@ from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
 from graphnav.machine.single_thread import ONE_THREAD
 
 COMMANDS = {
-    "run": "run a graph and leave a run folder: log, summary, pictures",
+    "run": "run a graph into a run folder: log, summary, pictures",
     "ablate": "swap stages and conditions, repeat over seeds, compare with statistics",
-    "check": "say everything that is wrong with a graph, with line and column",
+    "check": "report all errors of a graph, with line and column",
     "draw": "draw a graph: boxes in the terminal, svg, mermaid or dot",
-    "stages": "list what can be plugged in, or tell all about one stage",
+    "stages": "list the installed stages, or describe one",
     "new-stage": "write a working one-file plugin and its test",
     "schema": "print the JSON Schema of graphs, studies or maps, for completion in editors",
-    "teach": "run an obstacle-free graph and save the planar model that it learns",
-    "replay": "step the stages of a recorded run again, with swaps, and compare with what was recorded",
-    "figure": "draw the pictures of a recorded run again, of any time, as a contact sheet",
+    "teach": "run an obstacle-free graph and save the learned planar model",
+    "replay": "step the stages of a recorded run again, with swaps, and compare with the recorded messages",
+    "figure": "redraw the pictures of a recorded run: panels, single frames, a contact sheet",
     "export": "write a log as video, tables, or a file for Foxglove or Rerun",
-    "record": "record what is heard on LCM channels into a log that describes itself",
+    "record": "record LCM channels into a self-describing log",
     "play": "publish the messages of a log again: faster, slower, paused, step by step",
-    "info": "say what a log holds: channels, types, rates, losses, the graph that made it, damage",
-    "spy": "show the live channels of a run, or those of a log",
+    "info": "describe a log: channels, types, rates, losses, damage, the graph that produced it",
+    "spy": "show the channels of a running graph or a log",
     "echo": "print the messages of one channel, arrays summarised",
     "hz": "measure the rate of a channel, or of all",
     "bw": "measure the bandwidth of a channel, or of all, and the sizes of messages",
-    "top": "show the health of running graphs: rates, latencies, drops, what the guard allows",
+    "top": "show the health of running graphs: rates, latencies, drops, state of the guard",
     "view": "serve a page, or Foxglove, that shows a running graph or a log",
     "pub": "publish a message, once or at a rate",
-    "teleop": "drive by keys: a dead-man's twist, and a stop that latches",
-    "types": "list the message types, or tell the fields of one; definitions, Java for lcm-spy",
-    "lcm-spy": "start LCM's own lcm-spy with the types of graphnav",
-    "doctor": "say what this machine lacks, for a graph too, with the command that fixes it",
+    "teleop": "drive by keyboard: a dead man's twist, and a latching stop",
+    "types": "list the message types, or describe one; definitions, Java for lcm-spy",
+    "lcm-spy": "start lcm-spy of LCM with the types of graphnav",
+    "doctor": "check this machine, and what a graph needs of it; print the commands that fix problems",
     "completion": "print the script that makes bash, zsh or fish complete commands and names with TAB",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""
 
 FOR_A_READER = {"spy", "echo", "hz", "bw", "top", "info"}
-"""Commands that end when nothing reads what they print; all others do what they are for."""
+"""Commands that exit on a broken pipe; all others finish their work."""
 
 
 class _Intermixed(argparse.ArgumentParser):
-    """Takes options between words: before Python 3.12 ``echo CHANNEL -n 1 LOG`` loses LOG."""
+    """Accepts options between positional arguments: before Python 3.12 ``echo CHANNEL -n 1 LOG`` loses LOG."""
 
     _is_within = False
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse options first, then words."""
+        """Parse options first, then positional arguments."""
         if self._is_within:
             return super().parse_known_args(args, namespace)
         self._is_within = True
@@ -87,7 +87,7 @@ def build_parser(
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit status: 0 fine, 1 failed, 2 a user's error, 130 Ctrl-C, 141 unread."""
+    """Run the command line; return the exit status: 0 ok, 1 failed, 2 usage error, 130 Ctrl-C, 141 broken pipe."""
     _show_what_the_terminal_can()
     for variable, value in ONE_THREAD.items():
         os.environ.setdefault(variable, value)
@@ -102,7 +102,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _status_of(args: argparse.Namespace) -> int:
-    """Run a command; say in a line what ends it."""
+    """Run a command; print the error that ends it."""
     from graphnav.errors import GraphnavError, ParamError, UserError, printable
 
     try:
@@ -127,7 +127,7 @@ def _status_of(args: argparse.Namespace) -> int:
         return PIPE_CLOSED
     except OSError as error:
         print(
-            f"cannot go on: {error.strerror or error}" + (f": {error.filename}" if error.filename else ""),
+            f"stopped: {error.strerror or error}" + (f": {error.filename}" if error.filename else ""),
             file=sys.stderr,
         )
         return FAILED
@@ -144,7 +144,7 @@ def _complete() -> None:
 
 
 def _show_what_the_terminal_can() -> None:
-    """Print a question mark in place of what the terminal's encoding lacks, not a traceback."""
+    """Replace characters that the terminal's encoding lacks with a question mark, instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")

@@ -21,9 +21,8 @@ if TYPE_CHECKING:
     from graphnav.catalog import Catalog
 
 _ABOUT = """\
-A study is a YAML file, the name of one that ships, or graphs and --vary. Its folder keeps every run: a study that was
-stopped or killed goes on when the same command is given again, and a longer range of seeds adds runs to the
-existing ones.
+A study is a YAML file, the name of a shipped one, or graphs and --vary. Its folder keeps every run: the same command
+resumes a study that was interrupted, and a longer range of seeds adds runs to the existing ones.
 """
 
 
@@ -31,16 +30,16 @@ _OF_RUNS = (
     ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
     ("--one-at-a-time", "one_at_a_time"), ("--plugin", "plugins"), ("--cluster", "cluster"),
 )  # fmt: skip
-"""Options that only a study that runs takes, and what the arguments call them."""
+"""Options that apply only to a study that runs, with the names of their arguments."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.epilog = _ABOUT
-    parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files, or names of what ships")
+    parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files or names of shipped ones")
     _add_study_options(parser)
     _add_execution_options(parser)
-    parser.add_argument("--report", type=Path, metavar="DIR", help="write tables and report of a study's folder again")
+    parser.add_argument("--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder")
     parser.add_argument(
         "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
     )
@@ -54,7 +53,7 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="AXIS=A,B,...",
-        help="what varies, the base's value first (plane=plane.ica,plane.affine); AXIS+=C adds a value to the study's",
+        help="an axis, the base's value first (plane=plane.ica,plane.affine); AXIS+=C adds a value to the study's",
     )
     parser.add_argument(
         "--set",
@@ -62,11 +61,11 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="what all runs have: a stage, a parameter or a wire",
+        help="override in all runs: a stage, a parameter or a wire",
     )
-    parser.add_argument("--seeds", metavar="FIRST:END", help="the worlds, the end not included, or 1,2,5")
+    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
     parser.add_argument(
-        "--one-at-a-time", action="store_true", help="change one axis of the base at a time; else cross"
+        "--one-at-a-time", action="store_true", help="change one axis of the base at a time instead of crossing"
     )
     parser.add_argument(
         "--within",
@@ -95,12 +94,12 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="the study's folder (default: ablations/STUDY); with --compare the file to write",
     )
-    parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one a core)")
+    parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one per core)")
     parser.add_argument(
         "--cluster",
         metavar="URL",
         help="run on the Dask cluster whose scheduler is at tcp://host:8786; its workers need graphnav, and "
-        "maps and plugins of your own at the same paths, but not this folder",
+        "your maps and plugins at the same paths, but not this folder",
     )
     parser.add_argument(
         "--gallery",
@@ -109,8 +108,8 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="failures of each variant that are run again and drawn (default 2; baselines 1)",
     )
-    parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the failures that are drawn")
-    parser.add_argument("--yes", action="store_true", help="do not ask before more than 1000 runs")
+    parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the drawn failures")
+    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation before more than 1000 runs")
 
 
 def main(args: argparse.Namespace) -> int:
@@ -129,7 +128,7 @@ def main(args: argparse.Namespace) -> int:
         return OK
     if args.report:
         plan = read_plan(args.report)
-        files = write_study_files(plan, args.report, _catalog_of_what_is_left(plan))
+        files = write_study_files(plan, args.report, _catalog_of_usable_plugins(plan))
         print_outputs(plan, args.report, files, console)
         return OK
     if not args.names:
@@ -140,7 +139,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _refuse_mixtures(args: argparse.Namespace) -> None:
-    """Raise UserError where --report or --compare is given with options of a study that runs."""
+    """Raise UserError if --report or --compare is combined with options of a study that runs."""
     chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
     if not chosen:
         return
@@ -148,8 +147,8 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
     if args.report and args.folder:
         given.append("-o")
     if given:
-        what = f"{chosen[0]} takes a study as it is; {', '.join(given)} would change nothing"
-        raise UserError.of(what, f"leave {'it' if len(given) == 1 else 'them'} out")
+        what = f"{chosen[0]} reads an existing study; {', '.join(given)} would have no effect"
+        raise UserError.of(what, f"remove {'it' if len(given) == 1 else 'them'}")
 
 
 def _request(args: argparse.Namespace) -> StudyRequest:
@@ -188,18 +187,18 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
                 print_outputs(plan, folder.path, files, console)
         except KeyboardInterrupt:
             state = _state(plan, len(pending_jobs(plan, folder)))
-            print(f"stopped: {state}; the same command goes on", file=sys.stderr)
+            print(f"stopped: {state}; resume with the same command", file=sys.stderr)
             return INTERRUPTED
         except UserError:
             raise
         except GraphnavError as error:
             state = _state(plan, len(pending_jobs(plan, folder)))
-            raise GraphnavError(f"{error}\n  {state}; fix this, and the same command goes on") from error
+            raise GraphnavError(f"{error}\n  {state}; fix this and resume with the same command") from error
     return OK
 
 
-def _catalog_of_what_is_left(plan: Plan) -> Catalog:
-    """Return the catalog with those plugin files of a study that can still be used: only drawings need them."""
+def _catalog_of_usable_plugins(plan: Plan) -> Catalog:
+    """Return the catalog with the usable plugin files of a study: only drawings need them."""
     from graphnav.catalog import Catalog
 
     catalog = Catalog()
@@ -210,7 +209,7 @@ def _catalog_of_what_is_left(plan: Plan) -> Catalog:
 
 
 def _state(plan: Plan, n_missing: int) -> str:
-    return f"{plan.n_jobs - n_missing} of {plan.n_jobs} runs are made"
+    return f"{plan.n_jobs - n_missing} of {plan.n_jobs} runs are finished"
 
 
 def _count_or_none(text: str) -> int:

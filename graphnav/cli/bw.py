@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from graphnav.spy import ChannelTraffic, Traffic
 
 _KEYS = """\
-  type, messages, lost    as spy says them: messages received, and missing by their numbers
-  bytes_per_s             what arrives; null below two messages and where nothing comes any more
+  type, messages, lost    as in spy: messages received, and missing by their sequence numbers
+  bytes_per_s             bandwidth; null below two messages and on a silent channel
   bytes                   of the newest message
   min_bytes, mean_bytes, max_bytes
                           of the messages of the last 10 s, in a log of the last 10,000; null before the first
@@ -34,7 +34,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _line(channel: ChannelTraffic) -> str:
-    """Return what ``ros2 topic bw`` prints, in one line."""
+    """Return the output of ``ros2 topic bw`` in one line."""
     from graphnav.errors import shown_name
     from graphnav.spy import silence_of, size_of
 

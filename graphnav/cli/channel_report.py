@@ -1,4 +1,4 @@
-"""What ``hz`` and ``bw`` share: listen to a channel or to all, report once a second and at the end."""
+"""Base of ``hz`` and ``bw``: listen to one or all channels, report once a second and at the end."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _JSON_S = 2.5
 
 
 def add_arguments(parser: argparse.ArgumentParser, keys: str) -> None:
-    """Declare the arguments; ``keys`` documents what ``--json`` says of a channel."""
+    """Declare the arguments; ``keys`` documents the JSON keys of a channel."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = (
         f'--json prints {{"feed": ..., "dropped_packets": N, "channels": {{NAME: {{...}}}}}}; of each channel:\n{keys}'
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser, keys: str) -> None:
     parser.add_argument(
         "--json",
         action="store_true",
-        help=f"print one JSON document at the end, for programs; --for is {_JSON_S:g} s then unless given",
+        help=f"print one JSON document at the end, for programs; --for then defaults to {_JSON_S:g} s",
     )
     add_types_option(parser)
 

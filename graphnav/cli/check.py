@@ -1,4 +1,4 @@
-"""``graphnav check``: say everything that is wrong with a graph, without running it."""
+"""``graphnav check``: report all errors of a graph without running it."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resolved",
         action="store_true",
-        help="print the graph with all that it extends, every swap and every parameter; it loads from any folder",
+        help="print the graph with everything it extends, every swap and every parameter; it loads from any folder",
     )
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: load the graph, make its stages, let each look at what its parameters name."""
+    """Run the command: load the graph, construct its stages, and let each check its files and devices."""
     _, graph = load(args)
     graph.make_stages()
     if args.resolved:
@@ -54,7 +54,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _outside(graph: Graph) -> str:
-    """Return what a live graph has to do with other programs."""
+    """Return the connections of a live graph to other programs."""
     heard = [given.name for given in graph.inputs.values() if given.log is None]
     logs = dict.fromkeys(given.log.name for given in graph.inputs.values() if given.log is not None)
     sent = [f"{output.name}{' (motor)' if output.motor else ''}" for output in graph.outputs.values()]

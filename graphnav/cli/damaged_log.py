@@ -1,4 +1,4 @@
-"""Say that a log is damaged where a command cannot use what is left of it."""
+"""Report damage of a log before the error of a command that fails on it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def damage_told(recording: Recording) -> Iterator[None]:
-    """Tell what is lost of a log before the error that ends the command: it may be the cause."""
+    """Report the damage of a log before the error that ends the command: it may be the cause."""
     try:
         yield
     except GraphnavError:

@@ -1,4 +1,4 @@
-"""``graphnav doctor``: say what this machine lacks, for a graph too."""
+"""``graphnav doctor``: check this machine, and what a graph needs of it."""
 
 from __future__ import annotations
 

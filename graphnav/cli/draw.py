@@ -18,9 +18,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--format",
         choices=("text", "svg", "mermaid", "dot"),
         default="text",
-        help="boxes in the terminal (default), or a text for other programs",
+        help="boxes in the terminal (default), or the input of another program",
     )
-    parser.add_argument("-o", dest="file", type=Path, metavar="FILE", help="where to write (default: the terminal)")
+    parser.add_argument("-o", dest="file", type=Path, metavar="FILE", help="output file (default: the terminal)")
 
 
 def main(args: argparse.Namespace) -> int:

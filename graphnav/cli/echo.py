@@ -1,4 +1,4 @@
-"""``graphnav echo``: the messages of one channel as they come: for people, as JSON lines, as CSV."""
+"""``graphnav echo``: print the messages of one channel: as text, JSON lines or CSV."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PATH",
-        help="print a part of each message only: a.b, a[0], a[2:8]; may be repeated",
+        help="print only a part of each message: a.b, a[0], a[2:8]; may be repeated",
     )
     out = parser.add_mutually_exclusive_group()
-    out.add_argument("--csv", action="store_true", help="print a table: a row a message, a column a number")
+    out.add_argument("--csv", action="store_true", help="print a table: one row per message, one column per number")
     out.add_argument(
-        "--jsonl", "--json", dest="jsonl", action="store_true", help="print one JSON object a message, for programs"
+        "--jsonl", "--json", dest="jsonl", action="store_true", help="print one JSON object per message, for programs"
     )
     parser.add_argument("--full", action="store_true", help="print arrays complete instead of summarised")
     add_types_option(parser)
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.cli.echo_formats import CsvRows, JsonLines, Lines, Spoken
+    from graphnav.cli.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
     from graphnav.errors import Place, UserError
     from graphnav.spy import Feed, Selection, Traffic, parse_field
 
@@ -63,7 +63,7 @@ def main(args: argparse.Namespace) -> int:
         channel = traffic.receive(received)
         if received.channel == args.channel:
             values = channel.values if channel.decodes else None
-            n_printed += printer.show(Spoken(received, channel.type_name, channel.lcm_class, values))
+            n_printed += printer.show(EchoedMessage(received, channel.type_name, channel.lcm_class, values))
             if n_printed == args.count:
                 break
     else:

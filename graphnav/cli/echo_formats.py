@@ -1,4 +1,4 @@
-"""What ``graphnav echo`` prints: lines for people, JSON lines, CSV."""
+"""Output formats of ``graphnav echo``: text, JSON lines, CSV."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from graphnav.spy import (
 )
 
 
-class Spoken(NamedTuple):
-    """A message with what is known of it; ``values`` is None where it cannot be decoded."""
+class EchoedMessage(NamedTuple):
+    """A message and its decoded fields; ``values`` is None if it cannot be decoded."""
 
     received: Received
     type_name: str | None
@@ -38,68 +38,68 @@ class Spoken(NamedTuple):
 class Printer(Protocol):
     """Prints messages."""
 
-    def show(self, spoken: Spoken) -> bool:
+    def show(self, message: EchoedMessage) -> bool:
         """Print a message; return whether anything was printed."""
 
     def close(self) -> None:
-        """Say what was not printed."""
+        """Report messages that were not printed."""
 
 
 class Lines:
-    """For people: a line a message and one a field."""
+    """Text: one line per message and one per field."""
 
     def __init__(self, selection: Selection, _epoch_s: float, *, full: bool) -> None:
         self._selection, self._full = selection, full
 
-    def show(self, spoken: Spoken) -> bool:
+    def show(self, message: EchoedMessage) -> bool:
         """Print a message."""
-        size = size_of(len(spoken.received.data))
-        head = f"{shown_name(spoken.received.channel)}  {shown_name(spoken.type_name or 'unknown type')}, {size}"
-        print("\n".join([head, *self._contents(spoken)]), flush=True)
+        size = size_of(len(message.received.data))
+        head = f"{shown_name(message.received.channel)}  {shown_name(message.type_name or 'unknown type')}, {size}"
+        print("\n".join([head, *self._contents(message)]), flush=True)
         return True
 
     def close(self) -> None:
-        """Say nothing: every message was printed."""
+        """Do nothing: every message was printed."""
 
-    def _contents(self, spoken: Spoken) -> list[str]:
-        if spoken.lcm_class is None:
+    def _contents(self, message: EchoedMessage) -> list[str]:
+        if message.lcm_class is None:
             return ["    its type is not known: --types PACKAGE_OR_DIR"]
-        if spoken.values is None:
+        if message.values is None:
             return ["    undecodable"]
-        fields = self._selection.of(spoken.lcm_class, spoken.values)
+        fields = self._selection.of(message.lcm_class, message.values)
         if fields is None:
             return ["    another type: it has no such fields"]
         return described(nested(fields) if self._full else summarised(fields))
 
 
 class JsonLines:
-    """For programs: an object a message; ``at_s`` is when it arrived or was recorded, ``fields`` null if unknown."""
+    """One JSON object per message; ``at_s``: arrival or recording time, ``fields``: null if unknown."""
 
     def __init__(self, selection: Selection, epoch_s: float, *, full: bool) -> None:
         self._selection, self._epoch_s, self._full = selection, epoch_s, full
 
-    def show(self, spoken: Spoken) -> bool:
+    def show(self, message: EchoedMessage) -> bool:
         """Print a message."""
         fields = None
-        if spoken.values is not None and spoken.lcm_class is not None:
-            fields = self._selection.of(spoken.lcm_class, spoken.values)
+        if message.values is not None and message.lcm_class is not None:
+            fields = self._selection.of(message.lcm_class, message.values)
         if fields is not None:
             fields = plain(fields if self._full else summarised(fields))
         told = {
-            "at_s": round(self._epoch_s + spoken.received.at_s, 6),
-            "type": spoken.type_name,
-            "bytes": len(spoken.received.data),
+            "at_s": round(self._epoch_s + message.received.at_s, 6),
+            "type": message.type_name,
+            "bytes": len(message.received.data),
             "fields": fields,
         }
         print(json.dumps(told), flush=True)
         return True
 
     def close(self) -> None:
-        """Say nothing: every message was printed."""
+        """Do nothing: every message was printed."""
 
 
 class CsvRows:
-    """A row a message: when it arrived or was recorded, then the fields; the first message decides on the columns."""
+    """One row per message: arrival or recording time, then fields; the first message determines the columns."""
 
     def __init__(self, paths: Sequence[FieldPath], epoch_s: float) -> None:
         self._paths, self._epoch_s = paths, epoch_s
@@ -109,25 +109,25 @@ class CsvRows:
         self._n_skipped = 0
         self._skipped_type: type | None = None
 
-    def show(self, spoken: Spoken) -> bool:
-        """Print a row; a message that cannot be decoded, or has another type than the first, has none."""
-        if spoken.values is not None and self._lcm_class is None and spoken.lcm_class is not None:
-            self._begin(spoken.lcm_class)
-        if spoken.values is None or spoken.lcm_class is not self._lcm_class:
+    def show(self, message: EchoedMessage) -> bool:
+        """Print a row, unless the message cannot be decoded or has another type than the first."""
+        if message.values is not None and self._lcm_class is None and message.lcm_class is not None:
+            self._begin(message.lcm_class)
+        if message.values is None or message.lcm_class is not self._lcm_class:
             self._n_skipped += 1
-            self._skipped_type = spoken.lcm_class
+            self._skipped_type = message.lcm_class
             return False
-        cells = [_cell(column.pick(spoken.values)) for column in self._columns]
-        self._writer.writerow([f"{self._epoch_s + spoken.received.at_s:.6f}", *cells])
+        cells = [_cell(column.pick(message.values)) for column in self._columns]
+        self._writer.writerow([f"{self._epoch_s + message.received.at_s:.6f}", *cells])
         sys.stdout.flush()
         return True
 
     def close(self) -> None:
-        """Say how many messages have no row; raise GraphnavError where that is all of them."""
+        """Report the number of messages without a row; raise GraphnavError if no message has one."""
         if self._lcm_class is None:
             raise GraphnavError(self._undecodable())
         if self._n_skipped:
-            print_notice(f"{self._n_skipped} messages left out: undecodable, or not {lcm_name(self._lcm_class)}")
+            print_notice(f"{self._n_skipped} messages skipped: undecodable, or not {lcm_name(self._lcm_class)}")
 
     def _undecodable(self) -> str:
         if self._skipped_type is None:
@@ -142,7 +142,7 @@ class CsvRows:
         else:
             self._columns, left_out = all_columns(lcm_class)
             if left_out:
-                print_notice(f"left out: {', '.join(left_out)}; --field names elements of arrays")
+                print_notice(f"omitted: {', '.join(left_out)}; select elements of arrays with --field")
         self._lcm_class = lcm_class
         self._writer.writerow(["at_s", *(column.text for column in self._columns)])
 

@@ -1,4 +1,4 @@
-"""``graphnav export``: a log as video, tables, or a file for Foxglove or Rerun."""
+"""``graphnav export``: write a log as video, tables, or a file for Foxglove or Rerun."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="only this channel, or those of a pattern ('robot.*'); may be given several times",
     )
     add_span_options(parser)
-    parser.add_argument("--force", action="store_true", help="replace what exists")
+    parser.add_argument("--force", action="store_true", help="replace existing files")
     add_types_option(parser)
     add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: export, print what was written, and what was lost."""
+    """Run the command: export, list the files and the losses."""
     from rich.console import Console
 
     from graphnav.cli.damaged_log import damage_told

@@ -1,4 +1,4 @@
-"""``graphnav figure``: draw the pictures of a recorded run again, from its log alone."""
+"""``graphnav figure``: redraw the pictures of a recorded run from its log."""
 
 from __future__ import annotations
 
@@ -18,9 +18,7 @@ PICTURE_FORMATS = ("png", "svg", "pdf")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("run", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
-    parser.add_argument(
-        "-o", dest="folder", type=Path, metavar="DIR", help="where the pictures go (default: beside the log)"
-    )
+    parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="output folder (default: that of the log)")
     parser.add_argument("--video", action="store_true", help="also draw video.mp4")
     parser.add_argument(
         "--at",
@@ -39,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: draw, and print what was written."""
+    """Run the command: draw, and list the files."""
     from graphnav.catalog import Catalog
     from graphnav.cli.damaged_log import damage_told
     from graphnav.record import Recording, find_log
@@ -66,7 +64,7 @@ def main(args: argparse.Namespace) -> int:
                 f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"
             ) from error
         if not drawn:
-            raise UserError.of(f"{log} holds nothing to draw", "record images, planes or a robot's states")
+            raise UserError.of(f"{log} contains nothing to draw", "record images, planes or a robot's states")
     for path in drawn:
         print(path)
     for damage in (*recording.damaged, *filter(None, [recording.truncated])):

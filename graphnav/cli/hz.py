@@ -1,4 +1,4 @@
-"""``graphnav hz``: the rates of channels, by their own stamps and as they arrive."""
+"""``graphnav hz``: measure the rates of channels, by stamp and by arrival."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _KEYS = """\
   type, messages, lost    as spy says them: messages received, and missing by their numbers
   rate_hz, wall_rate_hz   by the messages' own stamps, and as they arrived; null where there is none
   period_min_s, period_max_s, period_std_s, wall_period_min_s, ...
-                          of the periods between neighbours, on either clock
+                          of the periods between consecutive messages, on either clock
   silent_s                since the newest arrived; null in a log
 """
 
@@ -33,7 +33,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _lines(channel: ChannelTraffic) -> str:
-    """Return the periods by stamps and, where that is not the same, by arrival; or how long nothing has come."""
+    """Return the periods by stamp and, if different, by arrival; or the duration of the silence."""
     from graphnav.errors import shown_name
     from graphnav.spy import silence_of, volume
 
@@ -47,7 +47,7 @@ def _lines(channel: ChannelTraffic) -> str:
 
 
 def _text(periods: Periods | None) -> str:
-    """Return periods as ``ros2 topic hz`` prints them."""
+    """Return periods in the format of ``ros2 topic hz``."""
     if periods is None:
         return "no rate yet"
     text = f"average rate: {periods.rate_hz:.3f}"
@@ -57,7 +57,7 @@ def _text(periods: Periods | None) -> str:
 
 
 def _table(traffic: Traffic) -> TextTable:
-    """Return a row for each channel; periods are those of the stamps."""
+    """Return a row for each channel; periods are by stamp."""
     from graphnav.cli.tables import TextTable
     from graphnav.errors import shown_name
 

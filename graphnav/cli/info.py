@@ -1,4 +1,4 @@
-"""``graphnav info``: what a log holds, who made it, and what of it is damaged."""
+"""``graphnav info``: describe a log: its content, origin and damage."""
 
 from __future__ import annotations
 
@@ -38,5 +38,5 @@ def main(args: argparse.Namespace) -> int:
         for channel, type_name, *numbers in rows(info):
             table.add_text(channel, short_type(type_name), *numbers)
         print_table(table)
-    print("\n".join(damage(info)) or "nothing is damaged")
+    print("\n".join(damage(info)) or "no damage")
     return OK

@@ -1,4 +1,4 @@
-"""Standard output and error that may be closed while the command is at work, as behind ``| head -1``."""
+"""Survive standard output or error being closed during a command, as by ``| head -1``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 @contextmanager
 def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
-    """Let what is printed after the reader has left go nowhere, so that nothing else the command does is lost.
+    """Discard output after the reader has left, so that the command still completes its other work.
 
     ``for_a_reader``: whether the command does nothing but print; then a ReaderLeftError ends it.
     """
@@ -22,13 +22,13 @@ def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
         yield
     finally:
         for stream in filter(None, new):
-            with suppress(OSError):  # said when it was printed
+            with suppress(OSError):  # reported when it was printed
                 stream.flush()
         sys.stdout, sys.stderr = old
 
 
 def _lasting(stream: Any, *, for_a_reader: bool) -> Any:
-    """Return a stream to the same file; the stream itself where there is no file, as in a test."""
+    """Return a stream to the same file; the stream itself if there is no file, as in a test."""
     try:
         raw = _LastingFile(stream.fileno(), for_a_reader=for_a_reader)
     except (AttributeError, io.UnsupportedOperation):
@@ -48,19 +48,19 @@ class ReaderLeftError(OSError):
 
 
 class _LastingFile(io.FileIO):
-    """A file that, once it has refused something, takes everything and drops it."""
+    """A file that discards all output after the first failed write."""
 
     def __init__(self, fd: int, *, for_a_reader: bool) -> None:
         super().__init__(fd, "w", closefd=False)
         self._for_a_reader = for_a_reader
 
     def write(self, data: Any) -> int:
-        """Write bytes; raise the OSError of the first refusal, but for a reader that has left."""
+        """Write bytes; raise the OSError of the first failure, except for a reader that has left."""
         try:
             return super().write(data)
         except OSError as error:
             nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, self.fileno())  # for what is still in buffers, and for processes to come
+            os.dup2(nowhere, self.fileno())  # for buffered output, and for child processes
             os.close(nowhere)
             if not isinstance(error, BrokenPipeError):
                 raise

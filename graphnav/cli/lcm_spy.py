@@ -1,4 +1,4 @@
-"""``graphnav lcm-spy``: LCM's own spy, started with the types of graphnav, of plugins and of ``--types``."""
+"""``graphnav lcm-spy``: start LCM's own spy with the types of graphnav, of plugins and of ``--types``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: build the jar of all types unless the cache has it, then become lcm-spy, signals and all."""
+    """Run the command: build the jar of all types unless it is cached, then replace this process by lcm-spy."""
     from graphnav.cli.type_names import listed_types
     from graphnav.errors import UserError
     from graphnav.lcm_url import lcm_url
@@ -28,7 +28,7 @@ def main(args: argparse.Namespace) -> int:
     require_jdk()
     given = load_types_of(args)
     if not os.environ.get("DISPLAY"):
-        what = "lcm-spy opens a window, and there is no display: DISPLAY is not set"
+        what = "lcm-spy opens a window, but there is no display: DISPLAY is not set"
         raise UserError.of(what, "run it in a graphical session, or watch in this terminal: graphnav spy")
     types = listed_types(catalog_of(args)) | given
     jar = types_jar(types.values())

@@ -13,13 +13,15 @@ from graphnav.errors import UserError
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("family", metavar="FAMILY", help="what it is for: flow, plane, steer, … or a new family")
-    parser.add_argument("name", metavar="NAME", help="what it is called in graphs: my_detector")
-    parser.add_argument("-o", dest="folder", type=Path, default=Path(), metavar="DIR", help="where (default: here)")
+    parser.add_argument("family", metavar="FAMILY", help="family of the stage: flow, plane, steer, … or a new one")
+    parser.add_argument("name", metavar="NAME", help="name of the stage in graphs: my_detector")
+    parser.add_argument(
+        "-o", dest="folder", type=Path, default=Path(), metavar="DIR", help="output folder (default: this one)"
+    )
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command; nothing is overwritten."""
+    """Run the command; existing files are not overwritten."""
     from graphnav.catalog import ADAPTERS, Catalog
     from graphnav.cli.stage_hints import hints
     from graphnav.cli.stage_templates import stage_text, test_text
@@ -33,11 +35,11 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of(f"the family '{ADAPTERS}' is reserved for adapters", "choose another family")
     cls = "".join(part.capitalize() for part in args.name.split("_"))
     if snake_case(cls) != args.name:
-        what = f"'{args.name}' cannot be a name: its class {cls} would be called '{snake_case(cls)}'"
-        raise UserError.of(what, f"choose another name, as '{snake_case(cls)}'")
+        what = f"'{args.name}' cannot be a name: its class {cls} would be named '{snake_case(cls)}'"
+        raise UserError.of(what, f"choose another name, such as '{snake_case(cls)}'")
     catalog = Catalog()
     if args.family in catalog.families() and args.name in catalog.names(args.family):
-        raise UserError.of(f"'{args.family}.{args.name}' is there already", "choose another name")
+        raise UserError.of(f"'{args.family}.{args.name}' already exists", "choose another name")
     if find_spec(args.name) is not None:
         what = f"'{args.name}' is the name of a Python module, which {args.name}.py would hide from its test"
         raise UserError.of(what, "choose another name")
@@ -47,7 +49,7 @@ def main(args: argparse.Namespace) -> int:
     }
     for path in texts:
         if path.exists():
-            raise UserError.of(f"{path} is there already", "choose another name, or another folder with -o")
+            raise UserError.of(f"{path} already exists", "choose another name, or another folder with -o")
     try:
         args.folder.mkdir(parents=True, exist_ok=True)
         for path, text in texts.items():

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _EXAMPLES = """\
 examples:
-  graphnav play runs/corridor_ccw-1                      as it was, on this machine's group
+  graphnav play runs/corridor_ccw-1                      at the recorded pace, on this machine's group
   graphnav play drive.lcmlog --start 12.3s --end 20s --speed 0.5 --loop
   graphnav play drive.lcmlog -c 'robot.*' --url udpm://239.255.1.1:7667
 
@@ -38,10 +38,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = _EXAMPLES
     parser.add_argument("log", metavar="LOG", type=Path, help="a log, also of lcm-logger, or a run folder")
-    parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="X times as fast (default: 1)")
-    parser.add_argument("--start", type=log_time, default=0.0, metavar="TIME", help="begin there, as 12.3s")
-    parser.add_argument("--end", type=log_time, metavar="TIME", help="end there, as 20s or 2min")
-    parser.add_argument("--loop", action="store_true", help="begin anew at the end, until Ctrl-C")
+    parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="speed factor (default: 1)")
+    parser.add_argument(
+        "--start", type=log_time, default=0.0, metavar="TIME", help="start of the playback, such as 12.3s"
+    )
+    parser.add_argument("--end", type=log_time, metavar="TIME", help="end of the playback, such as 20s or 2min")
+    parser.add_argument("--loop", action="store_true", help="restart at the end, until Ctrl-C")
     add_channel_options(parser)
     add_url_option(parser)
 
@@ -103,8 +105,8 @@ def _tell(recording: Recording, selection: EventSelection) -> None:
     for channel, ref in motors.items():
         name = shown_name(channel)
         print_notice(
-            f"'{name}' is a motor channel ({shown_name(ref)}): a robot that listens will move\n"
-            f"  leave it out with --invert --channel '{name}'"
+            f"'{name}' is a motor channel ({shown_name(ref)}): a listening robot will move\n"
+            f"  exclude it with --invert --channel '{name}'"
         )
 
 
@@ -120,7 +122,7 @@ def _status(player: Player, selection: EventSelection) -> str:
 
 
 class _NoKeyboard:
-    """Where there is no terminal."""
+    """A keyboard without keys, if there is no terminal."""
 
     def read(self, timeout_s: float) -> bytes:
         """Wait."""
@@ -130,7 +132,7 @@ class _NoKeyboard:
 
 @contextmanager
 def _keyboard() -> Iterator[tuple[Keyboard, bool]]:
-    """Yield where keys come from, and whether there are any: in the foreground of a terminal."""
+    """Yield the keyboard and whether it has keys: only in the foreground of a terminal."""
     from graphnav.keyboard import Terminal
 
     if sys.stdin is None or sys.stdout is None or not (sys.stdin.isatty() and sys.stdout.isatty()):

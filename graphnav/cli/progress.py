@@ -11,7 +11,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 @contextmanager
 def progress_bar(console: Console, title: str, until_s: float | None) -> Iterator[Callable[[int], None]]:
-    """Show simulated time while entered; call what is yielded with each tick's stamp. Nothing where no one looks."""
+    """Show simulated time; call the yielded function with each tick's stamp. Shows nothing without a terminal."""
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[sim]}"), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task(title, total=until_s, sim="")

@@ -24,7 +24,7 @@ examples:
   graphnav pub STOP stop_t 'engaged: true, reason: by hand'
   graphnav pub BASE_CMD some_robot.command_t '{wheels: [{speed: 1.5}, {speed: 1.5}]}' --rate 20 --for 3
 
-FIELDS is YAML; what is not given is zero or empty. utime is now and seq counts, unless they are given.
+FIELDS is YAML; omitted fields are zero or empty. utime is the current time and seq counts, unless given.
 """
 
 
@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "type", metavar="TYPE", help="Twist, twist_t, or package.type_t of an installed package or of --types"
     )
     parser.add_argument("fields", metavar="FIELDS", nargs="?", default="", help="the fields (default: all zero)")
-    parser.add_argument("--rate", type=positive, metavar="HZ", help="publish again and again (default: once)")
+    parser.add_argument("--rate", type=positive, metavar="HZ", help="publish repeatedly (default: once)")
     parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages; needs --rate")
     parser.add_argument(
         "--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C); needs --rate"
@@ -58,7 +58,7 @@ def main(args: argparse.Namespace) -> int:
 
     if args.rate is None and (args.count or args.for_s):
         option = "-n" if args.count else "--for"
-        raise UserError.of("without --rate there is one message", "give --rate HZ", Place(option))
+        raise UserError.of("without --rate only one message is published", "give --rate HZ", Place(option))
     url = url_of(args)
     lcm_class = type_called(args.type, catalog_of(args), load_types_of(args))
     fields = parse_fields(args.fields, lcm_class)

@@ -1,4 +1,4 @@
-"""Quantities as people write and read them: ``100MB``, ``12.3s``, ``1 message``."""
+"""Parse and format quantities: ``100MB``, ``12.3s``, ``1 message``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SECONDS = {None: 1, "s": 1, "min": 60, "h": 3600}
 
 
 def size(text: str) -> int:
-    """Return the bytes of ``100MB`` or ``0.5GiB``, at least one."""
+    """Parse a size, ``100MB`` or ``0.5GiB``, into at least one byte."""
     found = _SIZE.fullmatch(text.strip())
     number = _number(found[1]) if found else None
     if found is None or number is None:
@@ -29,7 +29,7 @@ def size(text: str) -> int:
 
 
 def log_time(text: str) -> float:
-    """Return the seconds of ``12.3s``, ``12.3`` or ``2min``; 0 is allowed."""
+    """Parse a time, ``12.3s``, ``12.3`` or ``2min``, into seconds; 0 is allowed."""
     found = _TIME.fullmatch(text.strip())
     number = _number(found[1]) if found else None
     if found is None or number is None:
@@ -38,7 +38,7 @@ def log_time(text: str) -> float:
 
 
 def split(text: str) -> Split:
-    """Return when a new file begins: ``100MB`` or ``60s``."""
+    """Parse the size or time of a part of a log: ``100MB`` or ``60s``."""
     from graphnav.record.log_files import Split
 
     try:

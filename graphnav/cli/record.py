@@ -1,4 +1,4 @@
-"""``graphnav record``: what is heard on LCM channels goes into a log that describes itself."""
+"""``graphnav record``: record LCM channels into a self-describing log."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ examples:
   graphnav record -c 'robot.*' -c control.twist --for 60
   graphnav record udpm://239.255.1.1:7667 --split 1GB --rotate 10 --quota 5GB
 
-graphnav.about, by which a run describes itself, is recorded whatever the filters say, and comes first.
+graphnav.about, the description of a run, is always recorded, as the first message, whatever the filters are.
 lcm-logplayer and 'graphnav play' play the log. Ctrl-C, SIGTERM and SIGHUP end the recording.
 """
 
@@ -49,14 +49,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", dest="path", type=Path, metavar="FILE", help="the log (default: record-DATE-TIME.lcmlog in this folder)"
     )
-    parser.add_argument("--force", action="store_true", help="replace an existing file, with --split all its parts")
+    parser.add_argument("--force", action="store_true", help="replace an existing file; with --split, all its parts")
     add_channel_options(parser)
     parser.add_argument(
         "--split", type=split, metavar="SIZE|TIME", help="begin a new file every 100MB, 60s: FILE.0000.lcmlog, ..."
     )
     parser.add_argument("--rotate", type=count, metavar="N", help="keep only the newest N files; needs --split")
     parser.add_argument(
-        "--quota", type=size, metavar="SIZE", help="end when less than this is free on the disk (100MB, 5GB)"
+        "--quota", type=size, metavar="SIZE", help="end when the free space of the disk falls below this (100MB, 5GB)"
     )
     add_types_option(parser)
     parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
@@ -72,7 +72,7 @@ def main(args: argparse.Namespace) -> int:
 
     load_types_of(args)
     if args.rotate is not None and args.split is None:
-        raise UserError.of("there is only one file", "add --split SIZE, or leave it out", Place("--rotate"))
+        raise UserError.of("only one file is written", "add --split SIZE, or remove it", Place("--rotate"))
     path = args.path or Path(f"record-{datetime.now(UTC).astimezone():%Y%m%d-%H%M%S}.lcmlog")
     url = lcm_url(("URL", args.url))
     if notice := buffer_notice(url):
@@ -91,7 +91,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
-    """Return a recorder whose log is open; raise UserError where the file is not to be written."""
+    """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
     from graphnav.notices import print_notice
     from graphnav.record.log_files import LogFiles, files_of
     from graphnav.recorder import Recorder
@@ -100,7 +100,7 @@ def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
     existing = files_of(path) if args.split is not None else [path] if path.exists() else []
     if existing and not args.force:
         hint = "name another file with -o, or replace it with --force"
-        raise UserError.of(f"{existing[0]} exists", hint, Place("-o"))
+        raise UserError.of(f"{existing[0]} already exists", hint, Place("-o"))
     try:
         for old in existing if args.split is not None else []:
             old.unlink()
@@ -112,7 +112,7 @@ def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
 
 
 def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> None:
-    """Show how it goes until it is to end, or the disk refuses."""
+    """Show the progress until the end, or until a write fails."""
     from graphnav.cli.record_summary import losses
     from graphnav.runner.recording.log_forecast import size_text
 

@@ -1,4 +1,4 @@
-"""What a recording came to."""
+"""Print the summary of a recording."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def losses(recorder: Recorder) -> Iterator[str]:
 
 
 def print_recorded(recorder: Recorder, url: str) -> None:
-    """Print a table of the channels, what was lost, and the files."""
+    """Print a table of the channels, the losses and the files."""
     from graphnav.cli.tables import TextTable, print_table
 
     statistics = recorder.statistics

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=_words,
         metavar="CHANNEL,...",
-        help="play these channels from the log too, so that the stages which made them do not step",
+        help="also play these channels from the log; the stages that write them do not step",
     )
     parser.add_argument(
         "--from",
@@ -43,14 +43,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_at,
         default=0.0,
         metavar="S",
-        help="compare from here on (12.3s), after warming up from the start",
+        help="start of the comparison (12.3s), after warming up from the start of the log",
     )
-    parser.add_argument("--cold", action="store_true", help="begin at --from with fresh state, without warming up")
+    parser.add_argument("--cold", action="store_true", help="start at --from with fresh state, without warming up")
     parser.add_argument(
         "--tolerance",
         type=_tolerance,
         metavar="ABS[,REL]",
-        help="take numbers for equal up to ABS + REL * |recorded| (default: 0, exact)",
+        help="treat numbers as equal up to ABS + REL * |recorded| (default: 0, exact)",
     )
     parser.add_argument("-o", dest="out", type=Path, metavar="FILE", help="also write the log of the replay")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
@@ -58,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command; the status is 1 where anything differs."""
+    """Run the command; the exit status is 1 if anything differs."""
     from rich.console import Console
 
     from graphnav.cli.damaged_log import damage_told
@@ -72,7 +72,7 @@ def main(args: argparse.Namespace) -> int:
             traceback.print_exception(error)
 
     if args.cold and not args.from_s:
-        raise UserError.of("--cold begins at --from with fresh state, but there is no --from", "add --from S")
+        raise UserError.of("--cold starts at --from with fresh state, but there is no --from", "add --from S")
     log = find_log(args.log)
     catalog = catalog_of(args)
     with _opened(log) as recording, damage_told(recording):

@@ -1,4 +1,4 @@
-"""``graphnav run``: run a graph and leave a run folder."""
+"""``graphnav run``: run a graph into a run folder."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--pace",
         type=float,
         metavar="X",
-        help="X times wall time; 1 to watch (default: as fast as it goes)",
+        help="speed relative to wall time; 1 to watch (default: as fast as possible)",
     )
     parser.add_argument(
         "--live",
         action="store_true",
-        help="by the wall clock and on LCM channels of other programs; a graph with inputs is live by itself",
+        help="run in wall time, on LCM channels of other programs; implied by a graph with inputs",
     )
     parser.add_argument(
         "--url",
         metavar="URL",
-        help="LCM URL of what comes in and leaves, live (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
+        help="LCM URL of live inputs and outputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
     )
     parser.add_argument(
         "-o", dest="folder", type=Path, metavar="DIR", help="run folder, new or empty (default: runs/…)"
@@ -50,11 +50,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--tap",
         choices=("thin", "full", "none"),
         default="thin",
-        help="what goes out for spies and loggers on this machine: thinned to one packet, everything, or nothing",
+        help="copies for viewers on this machine: messages thinned to one packet, full messages, or none",
     )
     parser.add_argument("--no-tap", dest="tap", action="store_const", const="none", help="the same as --tap none")
     parser.add_argument("--video", action="store_true", help="also draw video.mp4")
-    parser.add_argument("--no-pictures", action="store_true", help="leave the pictures to 'graphnav figure'")
+    parser.add_argument(
+        "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
+    )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON instead of tables")
     parser.add_argument("-v", "--verbose", action="store_true", help="show the cause of a failure with its traceback")
 
@@ -97,15 +99,14 @@ def main(args: argparse.Namespace) -> int:
 
 def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path) -> list[str]:
     """Draw the pictures of a run; return the files of its folder as they are listed, the log with its size."""
-    from graphnav.record import LOG
     from graphnav.report.pictures import draw_pictures
+    from graphnav.run_folder import GRAPH, LOG
     from graphnav.runner.recording.log_forecast import size_text
     from graphnav.runner.recording.run_recorded import SUMMARY
-    from graphnav.runner.recording.saved_graph import GRAPH
 
     files, pictures = [LOG, GRAPH, SUMMARY], list[str]()
     if summary.outcome == "stopped":
-        print(f"no pictures were drawn; for them run: graphnav figure {folder}", file=sys.stderr)
+        print(f"no pictures were drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
     elif not args.no_pictures and summary.frames:
         try:
             pictures = [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
@@ -115,7 +116,7 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
                 traceback.print_exception(error.__cause__)
             pictures = sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)
         except KeyboardInterrupt:
-            print(f"the pictures are not all drawn; for them run: graphnav figure {folder}", file=sys.stderr)
+            print(f"some pictures were not drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
             raise
     return [f"{LOG} ({size_text((folder / LOG).stat().st_size)})", GRAPH, SUMMARY, *pictures]
 

@@ -1,4 +1,4 @@
-"""Spans of a log as options give them."""
+"""Options that select a time span of a log."""
 
 from __future__ import annotations
 
@@ -9,22 +9,20 @@ from graphnav.cli.quantities import log_time
 
 
 def period(text: str) -> float:
-    """Return the seconds of ``0.5s``, above 0."""
+    """Parse a period above 0, ``0.5s``, into seconds."""
     if value := log_time(text):
         return value
     raise argparse.ArgumentTypeError(f"'{text}' is not a time above 0: write 0.5s")
 
 
 def add_span_options(parser: argparse.ArgumentParser, what: str = "") -> None:
-    """Declare ``--from`` and ``--until``: seconds since the log begins; ``what``: to what they apply."""
+    """Declare ``--from`` and ``--until``, seconds from the start of the log; ``what``: what they apply to."""
     parser.add_argument(
         "--from",
         dest="from_s",
         type=log_time,
         default=-math.inf,
         metavar="T",
-        help=f"{what}leave out what is before T (12.3s since the log begins)",
+        help=f"{what}start at T (12.3s from the start of the log)",
     )
-    parser.add_argument(
-        "--until", dest="until_s", type=log_time, default=math.inf, metavar="T", help=f"{what}leave out what is after T"
-    )
+    parser.add_argument("--until", dest="until_s", type=log_time, default=math.inf, metavar="T", help=f"{what}end at T")

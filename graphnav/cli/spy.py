@@ -1,4 +1,4 @@
-"""``graphnav spy``: every channel of a live run or of a log, on a full screen where there is one, else as a list."""
+"""``graphnav spy``: show the channels of a live run or a log, full screen if possible, else as a list."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _REFRESH_S = 0.5
 _PRINT_S = 2.0
 _HINT_S = 3.0
-"""A group that is silent for longer is told, once."""
+"""A longer silence of the group is reported, once."""
 _PLAIN_TERMINALS = {"dumb", "unknown", ""}
 
 
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_feed_argument(parser)
     parser.add_argument(
-        "--once", action="store_true", help="listen for a while, list the channels with their fields and end"
+        "--once", action="store_true", help="listen for a while, list the channels with their fields and exit"
     )
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
     parser.add_argument(
@@ -40,8 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--graphics",
         choices=("auto", "blocks", "sixel", "kitty"),
         default="blocks",
-        help="how the full screen shows pictures: half blocks, which every terminal has; sixels; the protocol of "
-        "kitty; auto asks the terminal and takes the best, half blocks inside tmux and screen (default: blocks)",
+        help="pictures on the full screen: half blocks, for every terminal; sixels; the kitty protocol; auto "
+        "queries the terminal for the best, half blocks inside tmux and screen (default: blocks)",
     )
     add_types_option(parser)
 
@@ -75,7 +75,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _has_screen() -> bool:
-    """Whether this is a terminal that a full screen can be drawn on and keys come from."""
+    """Whether this is a terminal for a full screen with keys."""
     streams = (sys.__stdin__, sys.__stdout__, sys.__stderr__)
     is_terminal = all(stream is not None and stream.isatty() for stream in streams)
     return is_terminal and os.environ.get("TERM", "dumb") not in _PLAIN_TERMINALS
@@ -90,7 +90,7 @@ def _full_screen(feed: Feed, graphics: str) -> int:
     from graphnav.catalog import Catalog
     from graphnav.spy.screen import SpyApp, painters, run_app, watch_of
 
-    gc.freeze()  # what was imported stays: it need not be looked through again and again
+    gc.freeze()  # imported modules stay: the garbage collector need not scan them
     new_painter = painters(graphics)
     watch = watch_of(feed)
     watch.start()
@@ -101,7 +101,7 @@ def _full_screen(feed: Feed, graphics: str) -> int:
 
 
 def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
-    """Show what goes by, a line a channel, until Ctrl-C; anew below where a terminal cannot go back."""
+    """Show one line per channel until Ctrl-C; reprinted below if the terminal cannot move the cursor up."""
     from rich.live import Live
 
     from graphnav.notices import print_notice

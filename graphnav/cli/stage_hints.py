@@ -1,4 +1,4 @@
-"""What ``graphnav new-stage`` prints at its end: commands that run as they are printed."""
+"""Next steps printed by ``graphnav new-stage``: commands that run as printed."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from graphnav.spec import parse_spec, parse_yaml
 from graphnav.spec.spec import RESERVED_STAGES
 
 _TRY_S = 10
-"""How long the printed run lasts, simulated seconds: sources of noise never end by themselves."""
+"""Duration of the printed run, simulated seconds: sources of noise never end by themselves."""
 _MAX_NAME = 40
-"""Longer stage names may give channel names that LCM refuses."""
+"""Longer stage names may result in channel names that LCM refuses."""
 
 
 def hints(family: str, name: str, stage_file: Path, test_file: Path) -> Iterator[str]:
-    """Yield the lines to print for a stage that was written: its files, how to test it, run it and use it."""
+    """Yield the next steps for a new stage: its files, how to test, run and use it."""
     plugin = shlex.quote(str(stage_file))
     yield f"{stage_file}: a working stage, {family}.{name}"
     needs = "" if find_spec("pytest") else " (it needs pytest: python -m pip install pytest)"
@@ -30,7 +30,7 @@ def hints(family: str, name: str, stage_file: Path, test_file: Path) -> Iterator
 
 
 def _tried(family: str, name: str) -> tuple[str, str]:
-    """Return the graph that ships in which a stage is tried, and what ``--set`` swaps or adds there."""
+    """Return the shipped graph in which to try a stage, and the ``--set`` target there."""
     kind = kind_of(family)
     if kind.swaps:
         return kind.graph, kind.swaps

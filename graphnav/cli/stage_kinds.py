@@ -1,4 +1,4 @@
-"""What stages of each family look like when they begin: working, small, with one parameter and one test."""
+"""Starting points of stages by family: small and working, with one parameter and one test."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Kind:
-    """What differs between the stages of families; ``$`` names are filled in."""
+    """The parts of a template that differ between families; ``$`` names are filled in."""
 
     doc: str
     imports: str
@@ -19,9 +19,9 @@ class Kind:
     test: str
     base: str = "Stage"
     graph: str = "corridor_ccw"
-    """The graph that ships in which such a stage is tried."""
+    """The shipped graph in which to try the stage."""
     swaps: str = ""
-    """The stage there that it replaces; empty where it is added to the others."""
+    """The stage of that graph to replace; empty to add the stage."""
 
 
 _FLOW_EXAMPLE = '''
@@ -62,14 +62,14 @@ KINDS = {
         test_imports="",
         example="",
         steps="{}, {}",
-        test="""def test_pictures_have_the_size_that_was_asked_for() -> None:
+        test="""def test_pictures_have_the_requested_size() -> None:
     stage = $cls(width_px=5, height_px=3)
     stage.reset(seed=0)
     assert stage.step().pixels.shape == (3, 5)
 """,
     ),
     "flow": Kind(
-        doc="Optical flow of a scene that stands still.",
+        doc="Optical flow of a static scene.",
         swaps="flow",
         imports="import numpy as np\nfrom graphnav import Flow, Image, Stage, hookimpl, param",
         params='    step_px: int = param(1, ge=1, doc="grid step; more is coarser")\n',
@@ -95,7 +95,7 @@ def picture() -> Image:
     return Image(pixels=np.full((12, 16), 128, np.uint8))
 ''',
         steps='{"image": picture()}, {"image": picture()}',
-        test="""def test_a_scene_that_stands_still_has_no_flow() -> None:
+        test="""def test_a_static_scene_has_no_flow() -> None:
     stage = $cls()
     stage.reset(seed=0)
     assert stage.step(picture()) is None
@@ -128,10 +128,10 @@ def picture() -> Image:
 """,
     ),
     "plane": Kind(
-        doc="Obstacle is where the flow is longer than most of it.",
+        doc="Obstacle is where the flow is longer than its median.",
         swaps="plane",
         imports="import numpy as np\nfrom graphnav import Flow, Plane, Stage, hookimpl, param",
-        params='    threshold_px: float = param(0.5, gt=0.0, doc="how far above the median obstacle begins")\n',
+        params='    threshold_px: float = param(0.5, gt=0.0, doc="excess over the median that makes an obstacle")\n',
         body="""    def step(self, flow: Flow) -> Plane:
         valid = flow.valid.astype(bool)
         length_px = np.linalg.norm(flow.uv_px, axis=2)
@@ -190,7 +190,7 @@ def picture() -> Image:
 """,
     ),
     "control": Kind(
-        doc="Turn as the steering asks, and slow down for it.",
+        doc="Turn toward the steering angle, and slow down in turns.",
         swaps="control",
         imports="import math\n\nfrom graphnav import Stage, Steering, Twist, hookimpl, param",
         params='    max_speed_mps: float = param(0.3, gt=0.0, doc="speed straight ahead")\n'
@@ -271,11 +271,11 @@ def picture(gray: int) -> Image:
 """,
     ),
 }
-"""What to write, by what the stage turns into what."""
+"""The starting point by family."""
 
 _KIND_OF = {"io": "source", "world": "source"}
 
 
 def kind_of(family: str) -> Kind:
-    """Return what to write for a family; stages of an unknown one turn pictures into pictures."""
+    """Return the starting point for a family; an unknown family turns images into images."""
     return KINDS.get(_KIND_OF.get(family, family), KINDS["image"])

@@ -1,4 +1,4 @@
-"""What ``graphnav new-stage`` writes: a working stage of a family and a test of it."""
+"""Templates of ``graphnav new-stage``: a working stage of a family and its test."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def graphnav_stages() -> list[type[Stage]]:
     return [$cls]
 ''')
 
-_TEST = Template('''"""What is true of $family.$name."""
+_TEST = Template('''"""Tests of $family.$name."""
 
 from pathlib import Path
 from typing import Any
@@ -44,7 +44,7 @@ $test
 
 
 def stage_text(family: str, cls: str) -> str:
-    """Return the text of a one-file plugin."""
+    """Return the source of a one-file plugin."""
     kind = kind_of(family)
     return _STAGE.substitute(
         family=family,
@@ -58,7 +58,7 @@ def stage_text(family: str, cls: str) -> str:
 
 
 def test_text(family: str, name: str, cls: str) -> str:
-    """Return the text of its test."""
+    """Return the source of its test."""
     kind = kind_of(family)
     return _TEST.substitute(
         family=family,

@@ -1,4 +1,4 @@
-"""``graphnav stages``: what can be plugged in, and everything that a graph may say of it."""
+"""``graphnav stages``: list the installed stages, or describe one."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list[str]:
-    """Return the stages of families; a family that cannot be imported is told, unless it was asked for alone."""
+    """Return the stages of families; an import error is reported, or raised if only one family is requested."""
     from graphnav.errors import CatalogError
 
     uses: list[str] = []
@@ -101,7 +101,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     if ports.row_count:
         console.print()
         console.print(ports)
-    params = TextTable("parameter", "type", "default", "what it means")
+    params = TextTable("parameter", "type", "default", "meaning")
     for param in described["parameters"]:
         kind = param["type"] + (f", {param['bounds']}" if param["bounds"] else "")
         kind += f", {param['unit']}" if param["unit"] else ""
@@ -123,10 +123,10 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
 def _reading(port: Mapping[str, Any]) -> str:
     """Return how an input is read."""
     if port["latest"]:
-        return "read when something else fires; may stay open"
+        return "sampled when another input fires the stage; may be unwired"
     if port["since"]:
-        return "all that came since the last firing; may stay open"
-    return "fires the stage; may stay open" if port["open"] else "fires the stage"
+        return "all messages since the last firing; may be unwired"
+    return "fires the stage; may be unwired" if port["open"] else "fires the stage"
 
 
 def _if_failed(metric: Mapping[str, Any]) -> str:
@@ -137,7 +137,7 @@ def _if_failed(metric: Mapping[str, Any]) -> str:
 
 
 def _flowing(doc: str) -> str:
-    """Return a docstring with each paragraph on a line of its own, which the terminal wraps to its width."""
+    """Return a docstring with one line per paragraph, which the terminal wraps to its width."""
     lines: list[str] = []
     for line in doc.splitlines():
         last = lines[-1] if lines else ""
@@ -152,22 +152,22 @@ def _flowing(doc: str) -> str:
 def _default(param: dict[str, Any]) -> str:
     from graphnav.spec import write_value
 
-    return "has to be given" if param["required"] else write_value(param["default"])
+    return "required" if param["required"] else write_value(param["default"])
 
 
 def _snippet(described: dict[str, Any]) -> str:
-    """Return YAML with every parameter at its default and every input to be wired."""
+    """Return YAML with every parameter at its default and every input to wire."""
     family = described["name"].partition(".")[0]
     lines = ["stages:", f"  {family}:", f"    use: {described['name']}"]
     if described["parameters"]:
         lines.append("    with:")
     lines += [
-        f"      {param['name']}: " + ("...  # needed" if param["required"] else _default(param))
+        f"      {param['name']}: " + ("...  # required" if param["required"] else _default(param))
         for param in described["parameters"]
     ]
     if described["inputs"]:
         lines.append("    in:")
     for port in described["inputs"]:
-        note = "may be left out" if port["open"] else "needed"
+        note = "optional" if port["open"] else "required"
         lines.append(f"      {port['name']}: STAGE.PORT  # {note}: a port that writes {port['type']}")
     return "\n".join(lines)

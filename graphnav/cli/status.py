@@ -5,4 +5,4 @@ FAILED = 1
 USER_ERROR = 2
 INTERRUPTED = 130
 PIPE_CLOSED = 141
-"""As shells tell a program that SIGPIPE ended: 128 + 13."""
+"""Exit status that shells report for SIGPIPE: 128 + 13."""

@@ -1,4 +1,4 @@
-"""A line in the terminal that is written again and again."""
+"""A line in the terminal that is rewritten in place."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Self
 
 
 class StatusLine:
-    """Shows the newest line where standard output is a terminal, nothing elsewhere; it is gone when left."""
+    """Shows the newest line if standard output is a terminal; removed on exit."""
 
     def __init__(self) -> None:
         self._is_shown = sys.stdout is not None and sys.stdout.isatty()
 
     def show(self, line: str) -> None:
-        """Replace the line; what does not fit the terminal is cut off."""
+        """Replace the line; it is truncated to the terminal's width."""
         if self._is_shown:
             columns = shutil.get_terminal_size().columns
             print(f"\r\x1b[K{line[: columns - 1]}", end="", flush=True)

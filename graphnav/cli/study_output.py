@@ -35,12 +35,12 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console)
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:
-    """Compare the studies of two folders, world by world; print that in short and write all of it to ``file``.
+    """Compare the studies of two folders, world by world; print a short table, write the full one to ``file``.
 
     Raises
     ------
     UserError
-        A folder holds no study, they have nothing in common, or the file cannot be written.
+        A folder does not contain a study, they have nothing in common, or the file cannot be written.
     """
     plan_a, plan_b = map(read_plan, (folder_a, folder_b))
     pairing = pair_studies(plan_a, read_records(plan_a, folder_a), plan_b, read_records(plan_b, folder_b))

@@ -14,7 +14,7 @@ from rich.text import Text
 
 
 class _TimeLeft(ProgressColumn):
-    """The time left by the mean of the runs that were made while the bar is shown: earlier ones took none of it."""
+    """The remaining time, from the mean of the runs completed while the bar is shown."""
 
     def render(self, task: Task) -> Text:
         over_s = task.fields["over_s"]
@@ -25,9 +25,9 @@ class _TimeLeft(ProgressColumn):
 
 @contextmanager
 def study_bar(console: Console, title: str, done: int, total: int) -> Iterator[Callable[[str], None]]:
-    """Show how many runs are made, how they ended, and the time left; call what is yielded with each outcome.
+    """Show the number of finished runs, their outcomes and the time left; call the yielded function per outcome.
 
-    Nothing is shown where no one looks.
+    Shows nothing without a terminal.
     """
     columns = (
         TextColumn("{task.description}"),

@@ -1,4 +1,4 @@
-"""Make the runs of a study while a person watches."""
+"""Execute the runs of a study in the terminal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
 
 MANY_RUNS = 1000
-"""Above so many it asks before it makes them."""
+"""More runs than this need a confirmation."""
 
 
 @contextmanager
@@ -44,18 +44,18 @@ class StudyConsole:
         """
         jobs, total = run.pending(), run.plan.n_jobs
         if len(jobs) < total:
-            self._console.print(f"{total - len(jobs)} of {total} runs exist already", markup=False)
+            self._console.print(f"{total - len(jobs)} of {total} runs are finished already", markup=False)
         if len(jobs) <= MANY_RUNS or self._is_sure:
             return jobs
         if not (sys.stdin.isatty() and self._console.is_terminal):
-            what = f"{len(jobs)} runs are pending; cannot ask for confirmation: not a terminal"
-            raise UserError.of(what, "add --yes, or take fewer seeds")
+            what = f"{len(jobs)} runs are pending, and cannot ask for confirmation: not a terminal"
+            raise UserError.of(what, "add --yes, or use fewer seeds")
         if len(jobs) == total:
-            self._console.print("one run is made first, to see how long it takes")
+            self._console.print("executing one run first, to measure its time")
             run.make(jobs[:1])
             jobs = jobs[1:]
         if not _wants(len(jobs), run.seconds_a_run() / run.workers.at_once, self._console):
-            self._console.print("nothing more is run; --seeds and --vary make the study smaller")
+            self._console.print("no more runs; --seeds and --vary make the study smaller")
             return None
         return jobs
 
@@ -69,16 +69,16 @@ class StudyConsole:
 
 
 def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:
-    """Ask whether so many runs are meant."""
-    question = f"{n_jobs} runs are pending, which take about {spoken(n_jobs * seconds_each)}. Go on? [y/N] "
+    """Ask for confirmation of many runs."""
+    question = f"{n_jobs} runs are pending, about {duration_text(n_jobs * seconds_each)}. Continue? [y/N] "
     try:
         return console.input(question, markup=False).strip().lower() in {"y", "yes"}
     except EOFError:
         return False
 
 
-def spoken(seconds: float) -> str:
-    """Return a duration as people say it."""
+def duration_text(seconds: float) -> str:
+    """Return a duration in words."""
     for unit, size in (("days", 86400), ("hours", 3600), ("minutes", 60)):
         if seconds >= 2 * size:
             return f"{seconds / size:.0f} {unit}"

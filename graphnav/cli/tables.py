@@ -9,7 +9,7 @@ from rich.text import Text
 
 
 class TextTable(Table):
-    """A table without frames; long cells are folded, and nothing in a cell is read as markup."""
+    """A table without frames; long cells are folded, and cells are not parsed as markup."""
 
     def __init__(self, *headings: str) -> None:
         super().__init__(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
@@ -25,7 +25,7 @@ _PIPED_COLS = 160
 
 
 def print_table(table: TextTable) -> None:
-    """Print a table at once; where that is no terminal, wide enough for programs that search its lines."""
+    """Print a table; without a terminal it is as wide as needed, for programs that search its lines."""
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=_PIPED_COLS)

@@ -1,4 +1,4 @@
-"""``graphnav teach``: run an obstacle-free graph and save the planar model that it learns."""
+"""``graphnav teach``: run an obstacle-free graph and save the learned planar model."""
 
 from __future__ import annotations
 
@@ -22,24 +22,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
     add_run_options(parser)
-    parser.add_argument(
-        "-o", dest="model", type=Path, required=True, metavar="FILE", help="where the model goes (.lcmlog)"
-    )
-    parser.add_argument(
-        "--live", action="store_true", help="teach by the wall clock; a graph with inputs is live by itself"
-    )
+    parser.add_argument("-o", dest="model", type=Path, required=True, metavar="FILE", help="the model (.lcmlog)")
+    parser.add_argument("--live", action="store_true", help="teach in wall time; implied by a graph with inputs")
     parser.add_argument(
         "--url",
         metavar="URL",
-        help="LCM URL of what comes in, live (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
+        help="LCM URL of live inputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
     )
-    parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
+    parser.add_argument("--force", action="store_true", help="replace FILE if it exists")
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: the last planar model that the graph publishes becomes a log of one message.
+    """Run the command: save the last planar model published by the graph as a log of one message.
 
-    Ctrl-C throws teaching in simulated time away, which has an end of its own; live it is how teaching ends.
+    Ctrl-C discards the result in simulated time, which ends by itself; in a live run it ends teaching.
     """
     from rich.console import Console
 
@@ -49,7 +45,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.runner import Outcome
 
     if args.model.exists() and not args.force:
-        raise UserError.of(f"{args.model} is there already", "choose another file, or replace it with --force")
+        raise UserError.of(f"{args.model} already exists", "choose another file, or replace it with --force")
     _, graph = load(args)
     learning = [learnt for learnt in graph.channels.values() if learnt.message is PlanarModel]
     if len(learning) != 1:
@@ -64,11 +60,11 @@ def main(args: argparse.Namespace) -> int:
             print(summary.failure, file=sys.stderr)
             return FAILED
         if summary.outcome == Outcome.STOPPED and summary.live is None:
-            print(f"stopped: teaching was not over, and nothing is written to {args.model}", file=sys.stderr)
+            print(f"interrupted: teaching was not finished, and {args.model} is not written", file=sys.stderr)
             return INTERRUPTED
         with Recording(Path(scratch) / LOG) as recording:
             if not recording.count(channel):
-                raise UserError.of(f"{graph.path} published no planar model", _why_none(summary))
+                raise UserError.of(f"{graph.path} did not publish a planar model", _why_none(summary))
             utime, _, model = recording.message(channel, -1)
         assert isinstance(model, PlanarModel)
         fresh = Path(scratch) / "model.lcmlog"
@@ -110,8 +106,8 @@ def _run(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> 
 
 
 def _why_none(summary: Summary) -> str:
-    """Return what to do where no model came: live, an input may have been silent."""
+    """Return the hint for a missing model: in a live run an input may have been silent."""
     silent = [one["channel"] for one in (summary.live or {}).get("inputs", ()) if not one["accepted"]]
     if silent:
-        return f"nothing came on {', '.join(silent)}: start what sends it, or name its URL with --url"
-    return "let it run longer with --until"
+        return f"no message on {', '.join(silent)}: start its sender, or give its URL with --url"
+    return "run it longer with --until"

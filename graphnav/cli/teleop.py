@@ -1,4 +1,4 @@
-"""``graphnav teleop``: drive by keys."""
+"""``graphnav teleop``: drive by keyboard."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from graphnav.cli.options import add_url_option, channel_name, positive, seconds
 from graphnav.cli.status import OK
 
 _EXAMPLES = """\
-keys: w s a d, i k j l or the arrows drive; space halts; x stops the robot until r arms it again; + and - change the
+keys: w s a d, i k j l or the arrows drive; space halts; x stops the robot until r re-arms it; + and - change the
 speeds; q quits.
 
-A terminal tells when a key is pressed, never when it is let go: without a repeat within --timeout zero is published for
-a moment, then nothing, so that the override of a guard goes stale and the graph drives on.
+A terminal reports when a key is pressed, but not when it is released: without a repeat within --timeout zero is
+published for a moment, then nothing, so that the override of a guard goes stale and the graph drives again.
 """
 
 
@@ -22,19 +22,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = _EXAMPLES
-    parser.add_argument(
-        "--channel", type=channel_name, default="TELEOP", help="where the twist is published (default: TELEOP)"
-    )
-    parser.add_argument(
-        "--stop-channel", type=channel_name, default="STOP", help="where x and r are published (default: STOP)"
-    )
+    parser.add_argument("--channel", type=channel_name, default="TELEOP", help="channel of the twist (default: TELEOP)")
+    parser.add_argument("--stop-channel", type=channel_name, default="STOP", help="channel of x and r (default: STOP)")
     parser.add_argument("--speed", type=positive, default=0.3, metavar="MPS", help="forward speed, m/s (default: 0.3)")
     parser.add_argument(
         "--turn", type=positive, default=0.8, metavar="RADPS", help="turning rate, rad/s (default: 0.8)"
     )
     parser.add_argument("--rate", type=positive, default=20.0, metavar="HZ", help="messages per second (default: 20)")
     parser.add_argument(
-        "--timeout", type=seconds, default=0.3, metavar="S", help="a key counts for so long (default: 0.3 s)"
+        "--timeout", type=seconds, default=0.3, metavar="S", help="how long a key press lasts (default: 0.3 s)"
     )
     add_url_option(parser)
 
@@ -50,7 +46,7 @@ def main(args: argparse.Namespace) -> int:
     if sys.stdin is None or not sys.stdin.isatty():
         raise UserError.of(
             "teleop reads keys, and standard input is not a terminal",
-            "run it in a terminal; programs and scripts publish with 'graphnav pub'",
+            "run it in a terminal; in scripts use 'graphnav pub'",
         )
     url = url_of(args)
     bus = Bus(url)
@@ -68,7 +64,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _show(line: str) -> None:
-    """Print a line, in a terminal in place of the last one; what does not fit there is cut off."""
+    """Print a line; in a terminal it replaces the last one and is truncated to the width."""
     if not sys.stdout.isatty():
         print(line, flush=True)
         return

@@ -1,4 +1,4 @@
-"""``graphnav top``: the health of running graphs: rates, latencies, drops, and what the guard allows."""
+"""``graphnav top``: show the health of running graphs: rates, latencies, drops, state of the guard."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 _REFRESH_S = 0.5
 _PIPED_COLS = 160
 _EVERY_RUN_S = 1.5
-"""Every run that is healthy sends a status within this time."""
+"""Every healthy run sends a status within this time."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_feed_argument(parser)
-    parser.add_argument("--once", action="store_true", help="wait for one status of each run, print it and end")
+    parser.add_argument("--once", action="store_true", help="wait for one status of each run, print it and exit")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
     parser.add_argument(
         "--for",
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=seconds,
         default=2.5,
         metavar="S",
-        help="how long --once waits for the first status, and when it is said that there is none (default: 2.5 s)",
+        help="how long to wait for the first status before reporting that there is none (default: 2.5 s)",
     )
     add_types_option(parser)
 
@@ -74,7 +74,7 @@ def _look(feed: Feed, health: Health, for_s: float) -> None:
 
 
 def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
-    """Show the runs, as status comes and silence grows, until Ctrl-C; say once, after ``for_s``, that there is none."""
+    """Show the runs until Ctrl-C; report once, after ``for_s``, that there is none."""
     from rich.live import Live
 
     from graphnav.notices import print_notice
@@ -91,14 +91,14 @@ def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
                     live.update(health_as_text(health, console.width), refresh=True)
             elif not is_told and time.monotonic() - begin_s > for_s:
                 is_told = True
-                print_notice(f"{_no_run(feed, health, for_s)}\n  waiting for it; Ctrl-C ends")
+                print_notice(f"{_no_run(feed, health, for_s)}\n  waiting for it; Ctrl-C exits")
 
 
 def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:
     from graphnav.errors import GraphnavError, shown_name
 
     if not feed.is_live:
-        return GraphnavError(f"{feed.name} holds no status of a run: live runs record it")
+        return GraphnavError(f"{feed.name} does not contain a status of a run: only live runs record it")
     if health.runs:
         runs = ", ".join(map(shown_name, sorted(health.runs)))
         return GraphnavError(f"no status within {for_s:g} s of run {runs}, which is received on {feed.name}")

@@ -1,4 +1,4 @@
-"""The LCM types that a command line may name: those that ship, those of plugins, any that is installed."""
+"""Find LCM types by name: those of graphnav, of plugins and of installed packages."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def short_type(name: str) -> str:
 
 
 def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
-    """Return the lcm-gen class of a type or message; plugins are imported only for what is not known without them.
+    """Return the lcm-gen class of a type or message; plugins are imported only if it is unknown without them.
 
-    ``given``: the types of ``--types``, by their names in LCM.
+    ``given``: the types of ``--types``, by LCM name.
 
     Raises
     ------
     UserError
-        There is none.
+        There is no such type.
     """
     from graphnav.codec import find_type
 
@@ -39,7 +39,7 @@ def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
 
 
 def listed_types(catalog: Catalog) -> dict[str, type]:
-    """Return the types that ship, those of the messages of all plugins and those of adapters, by name in LCM."""
+    """Return the types of graphnav, of the messages of all plugins and of adapters, by LCM name."""
     from graphnav.codec import SHIPPED, lcm_name, message_classes
 
     _load_all(catalog)
@@ -48,14 +48,14 @@ def listed_types(catalog: Catalog) -> dict[str, type]:
 
 
 def _load_all(catalog: Catalog) -> None:
-    """Import every plugin; one that cannot be imported brings no types."""
+    """Import every plugin; ignore those that cannot be imported."""
     for family in catalog.families():
         with suppress(CatalogError):
             catalog.load(family)
 
 
 def _adapted(catalog: Catalog) -> dict[str, type]:
-    """Return the types of other packages that adapters read or write, and what is nested in them, by name in LCM."""
+    """Return the third-party types that adapters read or write, and their nested types, by LCM name."""
     from graphnav.codec import lcm_name
     from graphnav.typeinfo import nested_types
 

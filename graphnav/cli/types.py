@@ -1,4 +1,4 @@
-"""``graphnav types``: the LCM types: fields, units, comments; their definitions; Java for lcm-spy."""
+"""``graphnav types``: list or describe LCM types; print definitions; write Java for lcm-spy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _EXAMPLES = """\
 examples:
   graphnav types Flow                fields, units, shapes
   graphnav types twist_t --lcm       the definition, for lcm-gen in any language
-  graphnav types --java types        a jar, with which lcm-spy shows every field
+  graphnav types --java types        a jar that lets lcm-spy show every field
 """
 
 
@@ -62,7 +62,7 @@ def main(args: argparse.Namespace) -> int:
         _print_one(console, describe_type(found[args.name]))
     else:
         console.print(_all(found))
-        console.print("'graphnav types NAME' tells the fields of one.", markup=False)
+        console.print("'graphnav types NAME' describes one.", markup=False)
     return OK
 
 
@@ -71,7 +71,7 @@ def _all(found: dict[str, type]) -> TextTable:
     from graphnav.codec import message_class_of
     from graphnav.typeinfo import summary_of_type
 
-    table = TextTable("message", "LCM type", "what it is")
+    table = TextTable("message", "LCM type", "description")
     for name, lcm_class in found.items():
         message = message_class_of(lcm_class)
         table.add_text(message.__name__ if message else "", name, summary_of_type(lcm_class))
@@ -86,7 +86,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     if described["doc"]:
         console.print()
         console.print(described["doc"], markup=False)
-    table = TextTable("field", "type", "unit", "what the definition says")
+    table = TextTable("field", "type", "unit", "description")
     for field in described["fields"]:
         dims = "".join(f"[{dim}]" for dim in field["dims"])
         kind = field["type"].removeprefix(f"{described['type'].rpartition('.')[0]}.")
@@ -96,7 +96,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     for name, value in described["constants"].items():
         console.print(f"{name} = {value}", markup=False)
     for name in described["nested"]:
-        console.print(f"'graphnav types {name}' tells the fields of that.", markup=False)
+        console.print(f"'graphnav types {name}' describes it.", markup=False)
 
 
 def _write_java(lcm_classes: list[type], folder: Path) -> None:
@@ -105,6 +105,6 @@ def _write_java(lcm_classes: list[type], folder: Path) -> None:
     made = write_java(lcm_classes, folder)
     print(f"{len(made.sources)} sources below {folder}")
     if not made.is_built:
-        print("no javac here: install a JDK, or run where there is one")
+        print("javac is not installed: install a JDK, or run on a machine that has one")
         print("\n".join(f"  {command}" for command in made.commands))
     print(f"then CLASSPATH={made.jar.resolve()} lcm-spy shows these types")

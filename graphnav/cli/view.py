@@ -1,4 +1,4 @@
-"""``graphnav view``: a running graph, or a log, as a page on this machine or for Foxglove."""
+"""``graphnav view``: serve a running graph or a log as a web page, or to Foxglove."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from graphnav.spy import Feed
 
 _PORT = 7667
-"""LCM's own number, which it uses for UDP."""
+"""The port number of LCM, which uses it for UDP."""
 _FOXGLOVE_PORT = 8765
-"""Where Foxglove looks by default."""
+"""The default port of Foxglove."""
 _LOOPBACK = "127.0.0.1"
 
 
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--foxglove",
         action="store_true",
-        help="serve Foxglove's WebSocket protocol in place of the page (needs the extra 'foxglove')",
+        help="serve Foxglove's WebSocket protocol instead of the page (needs the extra 'foxglove')",
     )
     parser.add_argument(
         "--port",
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--host",
         default=_LOOPBACK,
         metavar="ADDRESS",
-        help=f"where to listen; any other than {_LOOPBACK} lets other machines watch",
+        help=f"address to listen on; any other than {_LOOPBACK} gives other machines access",
     )
     parser.add_argument("--open", action="store_true", help="open the page, or Foxglove's, in the browser")
     add_types_option(parser)
@@ -57,7 +57,7 @@ def main(args: argparse.Namespace) -> int:
     serve = _serve_foxglove if args.foxglove else _serve_page
     port = args.port if args.port is not None else _FOXGLOVE_PORT if args.foxglove else _PORT
     if not is_loopback(args.host):
-        print_notice(f"everybody who can reach {args.host} can watch: leave out --host to serve this machine only")
+        print_notice(f"anyone who can reach {args.host} can watch: remove --host to serve this machine only")
     try:
         serve(feed, args.host, port, is_opened=args.open)
     except (OSError, UnicodeError) as error:
@@ -80,7 +80,7 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
         raise feed.silence(None)
 
     def ready(url: str) -> None:
-        print(f"{feed.name} is shown at {url}  (Ctrl-C ends)", flush=True)
+        print(f"{feed.name} is shown at {url}  (Ctrl-C exits)", flush=True)
         if is_opened:
             _open(url)
 
@@ -106,7 +106,7 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
     signal.signal(signal.SIGTERM, lambda *_: ending.set())
 
     def ready(url: str, app_url: str) -> None:
-        print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C ends)", flush=True)
+        print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C exits)", flush=True)
         if is_opened:
             _open(app_url)
 
@@ -124,7 +124,7 @@ def _open(url: str) -> None:
 
 
 def _port(text: str) -> int:
-    """Return a TCP port that an option gives."""
+    """Parse a TCP port."""
     if text.isdecimal() and text.isascii() and int(text) < 65536:
         return int(text)
     raise argparse.ArgumentTypeError(f"'{text}' is not a port: write a number from 0 to 65535")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, Problem, UserError, shown_path
-from graphnav.graph.check import check
+from graphnav.graph.check import check, classes_of
 from graphnav.graph.find import find_graph
 from graphnav.graph.graph import Graph
 from graphnav.graph.overrides.override import Override
@@ -16,7 +16,8 @@ from graphnav.graph.overrides.swap import apply_overrides
 from graphnav.graph.read.extend import merge_files, rewire_merged
 from graphnav.graph.read.graph_files import read_files
 from graphnav.graph.read.plugin_files import load_plugins
-from graphnav.graph.read.recorded_names import rename_parameters
+from graphnav.graph.read.renamed_params import accept_old_names
+from graphnav.run_folder import is_graph_of_run
 from graphnav.spec import parse_spec, read_bytes
 
 
@@ -34,7 +35,8 @@ def load_graph(
     """
     path = find_graph(path_or_name)
     source = shown_path(path)
-    return graph_of(read_bytes(path, Place(source)), path, catalog, overrides, source, problems=problems)
+    data, is_record = read_bytes(path, Place(source)), is_graph_of_run(path)
+    return graph_of(data, path, catalog, overrides, source, problems=problems, is_record=is_record)
 
 
 def graph_of(
@@ -46,12 +48,12 @@ def graph_of(
     replaced: Collection[str] = (),
     problems: Sequence[Problem] = (),
     *,
-    is_recorded: bool = False,
+    is_record: bool = False,
 ) -> Graph:
     """Return the checked graph in the bytes of the file ``path``; errors name it ``source``.
 
     ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
-    ``is_recorded``: whether a run wrote it, of an earlier version perhaps, whose names of parameters are then read.
+    ``is_record``: whether a run wrote it, maybe with an older version: old names of parameters are accepted.
 
     Raises
     ------
@@ -67,9 +69,9 @@ def graph_of(
     problems += more + unusable
     if unusable:
         raise UserError(_without_repetitions(problems))  # what their stages lack is not worth telling
-    if is_recorded:
-        rename_parameters(spec)
     spec.folders = {file.source: file.path.parent for file in files}
+    if is_record:
+        accept_old_names(spec, classes_of(spec, catalog, []))
     rewire_merged(spec, merged, catalog, problems, notices)
     spec = apply_overrides(spec, overrides, catalog, problems, notices)
     graph = check(spec, catalog, path, problems, notices)

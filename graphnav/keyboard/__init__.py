@@ -1,4 +1,4 @@
-"""Keys of a terminal, one by one."""
+"""Single keys from a terminal."""
 
 from graphnav.keyboard.decoder import KeyDecoder
 from graphnav.keyboard.terminal import Terminal

@@ -1,4 +1,4 @@
-"""What the bytes of a terminal mean."""
+"""Decode the bytes of a terminal into keys."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ _MAX_BEGUN = 32
 
 
 class KeyDecoder:
-    """Turns bytes into keys: single characters in lower case, and ``up``, ``down``, ``left``, ``right``.
+    """Decodes bytes into keys: lower-case characters, and ``up``, ``down``, ``left``, ``right``.
 
-    An arrow's sequence may come in pieces. Other sequences are left out.
+    The escape sequence of an arrow may arrive in pieces. Other sequences are ignored.
     """
 
     def __init__(self) -> None:

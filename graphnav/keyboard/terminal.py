@@ -1,4 +1,4 @@
-"""A terminal that gives every key at once, and is left as it was found."""
+"""Read a terminal key by key, and restore its settings afterwards."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from typing import Any, NoReturn, Self
 
 _LFLAG, _IFLAG, _CC = 3, 0, 6
 _CHUNK = 4096
-"""What a terminal keeps at most."""
+"""Maximum size of a terminal's input buffer."""
 
 
 class Terminal:
-    """While entered, keys come one by one and unseen; Ctrl-Z, Ctrl-S and the key of SIGQUIT do nothing.
+    """A context in which keys arrive one by one, without echo; Ctrl-Z, Ctrl-S and the key of SIGQUIT do nothing.
 
-    Ctrl-C still raises KeyboardInterrupt; SIGTERM and SIGHUP raise SystemExit, so that the terminal is left as it was
-    found however the program ends, but for SIGKILL.
+    Ctrl-C still raises KeyboardInterrupt; SIGTERM and SIGHUP raise SystemExit, so that the terminal is restored
+    however the program ends, except by SIGKILL.
     """
 
     def __init__(self, fd: int) -> None:
@@ -48,13 +48,13 @@ class Terminal:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         with suppress(termios.error):  # it may have been closed
-            termios.tcflush(self._fd, termios.TCIFLUSH)  # what was typed is not meant for the shell
+            termios.tcflush(self._fd, termios.TCIFLUSH)  # pending keys are not meant for the shell
             termios.tcsetattr(self._fd, termios.TCSANOW, self._found)
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
 
     def read(self, timeout_s: float) -> bytes | None:
-        """Return what was typed, empty if nothing was within the time, None once the terminal is closed."""
+        """Return the bytes typed, empty after the timeout, None once the terminal is closed."""
         if not select.select([self._fd], [], [], max(0.0, timeout_s))[0]:
             return b""
         try:

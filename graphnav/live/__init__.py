@@ -1,4 +1,4 @@
-"""Live runs: graphs on the channels of other programs, by the wall clock."""
+"""Live runs: graphs in wall time, connected to channels of other programs."""
 
 from graphnav.live.run import run_live
 from graphnav.live.url import live_url

@@ -1,4 +1,4 @@
-"""What a live run says of its channels."""
+"""The `About` message of a live run."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from graphnav.runner.recording.run_recorded import about_of
 
 
 def live_about(graph: Graph, *, by_outside_names: bool) -> About:
-    """Return what the log or the tap of a live run says of itself.
+    """Return the `About` message for the log or the tap of a live run.
 
-    ``by_outside_names``: inputs and outputs stand under their LCM channels and types, for those who watch them on the
-    group where other programs write and read them.
+    ``by_outside_names``: list inputs and outputs under their LCM channels and types, for viewers on the group on which
+    other programs write and read them.
     """
     about = about_of(graph)
     channels = dict(zip(about.channels, about.types, strict=True))

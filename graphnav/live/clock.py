@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 
 class LiveClock:
-    """Tells monotonic seconds and the stamps that belong to them.
+    """Reads monotonic seconds and converts them to stamps.
 
-    Stamps never run backwards, whatever happens to the machine's time of day while the run goes on.
+    Stamps never run backwards, even if the machine's time of day is set during the run.
     """
 
     def __init__(
@@ -28,9 +28,9 @@ class LiveClock:
         return self.start_utime + round((time_s - self.start_s) * 1e6)
 
     def now(self) -> int:
-        """Return the stamp of now, microseconds."""
+        """Return the current stamp in microseconds."""
         return self.utime_at(self.now_s())
 
     def run_s(self) -> float:
-        """Return the seconds since the run began."""
+        """Return the seconds since the start of the run."""
         return self.now_s() - self.start_s

@@ -1,4 +1,4 @@
-"""A firing as the log of a live run holds it: what a stage stepped with."""
+"""Record of a firing in the log of a live run: the messages that a stage stepped with."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from graphnav.codec import encode
 from graphnav.messages import Fired
 
 FIRED = "graphnav.fired"
-"""The channel on which the log of a live run has the firings in their order, soon after what they published."""
+"""Log channel of the firings of a live run, in their order, soon after the messages that they published."""
 
 
 class Used(NamedTuple):
     """A message that a stage stepped with.
 
-    ``number``: which one of its channel it is, from 0; -1 for a sampled input before its first message. ``age_s``,
+    ``number``: index of the message in its channel, from 0; -1 for a sampled input before its first message. ``age_s``,
     ``fault``: of a sampled input.
     """
 

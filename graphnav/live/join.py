@@ -1,4 +1,4 @@
-"""Joins: which messages of several senders belong together, and which of them a stage steps next."""
+"""Join the messages of several plain inputs by their stamps."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ MAX_UNMATCHED = 8
 
 @dataclass(frozen=True)
 class Held:
-    """A message that waits; ``birth_s``: the arrival of the input that it was made from, monotonic seconds.
+    """A pending message; ``birth_s``: the arrival of the input that it derives from, monotonic seconds.
 
-    ``number``: which message of its channel it is, from 0.
+    ``number``: index of the message in its channel, from 0.
     """
 
     message: Any
@@ -25,7 +25,7 @@ class Held:
 
 @dataclass(frozen=True)
 class MatchedSet:
-    """A complete set of plain inputs, by port; ``ready_s``: when its last message came."""
+    """A complete set of plain inputs, by port; ``ready_s``: arrival of its last message."""
 
     utime: int
     held: Mapping[str, Held]
@@ -33,16 +33,16 @@ class MatchedSet:
 
     @property
     def birth_s(self) -> float:
-        """The oldest birth in it."""
+        """The oldest birth in the set."""
         return min(held.birth_s for held in self.held.values())
 
 
 class Join:
     """Holds the messages of a stage's plain inputs until they match.
 
-    Branches of a graph differ in latency, so each port holds unmatched stamps, at most ``max_unmatched`` (None: as
-    many as come). Without ``in_order`` the newest complete set is taken and everything older is overtaken; with it
-    every complete set is taken, the oldest first, and only what no set can be made of any more is overtaken.
+    Branches of a graph differ in latency, so each port holds unmatched stamps, at most ``max_unmatched`` (None: no
+    limit). Without ``in_order`` the newest complete set is taken and everything older is overtaken; with it every
+    complete set is taken, oldest first, and only messages that can no longer be matched are overtaken.
     """
 
     def __init__(
@@ -52,10 +52,10 @@ class Join:
         self._max = max_unmatched
         self.in_order = in_order
         self.overtaken: Counter[str] = Counter()
-        """Messages that were dropped, by port."""
+        """Dropped messages by port."""
 
     def put(self, port: str, utime: int, held: Held) -> None:
-        """Take a message."""
+        """Add a message."""
         waiting = self._waiting[port]
         waiting[utime] = held
         if self._max is not None and len(waiting) > self._max:
@@ -63,7 +63,7 @@ class Join:
             self.overtaken[port] += 1
 
     def complete(self) -> list[int]:
-        """Return the stamps of the complete sets, those that come first first."""
+        """Return the stamps of the complete sets in the order in which they are taken."""
         if not self._waiting or not all(self._waiting.values()):
             return []
         stamps = set.intersection(*map(set, self._waiting.values()))
@@ -75,7 +75,7 @@ class Join:
         return MatchedSet(utime, held, max(one.arrived_s for one in held.values()))
 
     def take(self, utime: int) -> MatchedSet:
-        """Return a complete set and drop it with everything older."""
+        """Remove and return a complete set; drop everything older."""
         matched = self.peek(utime)
         for port, waiting in self._waiting.items():
             older = [stamp for stamp in waiting if stamp <= utime]
@@ -85,15 +85,15 @@ class Join:
         return matched
 
     def newest_allowed(self, allowed: Callable[[MatchedSet], bool]) -> MatchedSet | None:
-        """Return, untaken, the set that comes first among the complete ones that ``allowed`` lets through."""
+        """Return, without removing it, the first complete set that ``allowed`` accepts."""
         return next((one for utime in self.complete() if allowed(one := self.peek(utime))), None)
 
     @property
     def n_waiting(self) -> int:
-        """The number of messages that wait."""
+        """Number of pending messages."""
         return sum(map(len, self._waiting.values()))
 
     def clear(self) -> None:
-        """Drop what waits, uncounted: its stamps mean nothing any more."""
+        """Drop pending messages without counting them: their stamps have become meaningless."""
         for waiting in self._waiting.values():
             waiting.clear()

@@ -1,4 +1,4 @@
-"""Live: stages fire when their inputs come, sources and timers by the wall clock."""
+"""Run a graph live: stages fire on the arrival of inputs, sources and timers on the wall clock."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from graphnav.runner.owned_stages import Sink
 from graphnav.stage import Source, Stage
 
 _MAX_UNLOGGED = 32
-"""Firings that wait to be logged where the run is never idle."""
+"""Maximum number of firings pending for the log if the run is never idle."""
 _MAX_WAIT_S = 0.05
-"""So often it is looked whether the run should stop, however long nothing comes."""
+"""Interval of the checks whether the run should stop while no input arrives."""
 
 
 class LiveRunner:
     """Owns the stages of a graph in a live run; one thread fires them all.
 
     At every turn one stage fires: a timer (``every_ms``) that is due, else a stage whose plain inputs are complete,
-    the one nearest to the end of the graph first, else a source that is due. Each kind takes turns with the others, so
-    that a timer or a source that takes longer than its period starves no stage. What a slow stage has missed is
-    overtaken, not queued. ``step_began``: the stage that is at work and since when, for those who watch from another
-    thread; None between two steps.
+    the one nearest to the end of the graph first, else a source that is due. The kinds take turns, so that a timer or a
+    source that takes longer than its period does not starve other stages. Messages that a slow stage misses are
+    overtaken, not queued. ``step_began``: the running stage and the start of its step, for other threads; None between
+    two steps.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class LiveRunner:
         self._firing_log: Sink | None = None
         self._unlogged: list[tuple[int, str, int, float, Sequence[Used]]] = []
         self.outlets: dict[str, Outlet] = {}
-        """By the reference of what is sent."""
+        """By the reference of the channel that is sent."""
         self.intakes = {intake.source.channel.ref: intake for intake in intakes}
         self._wake = wake
         self._bus = Bus("memq://")
@@ -82,35 +82,35 @@ class LiveRunner:
 
     @property
     def units(self) -> Mapping[str, LiveUnit]:
-        """The stages at work, by name."""
+        """The units of the stages, by name."""
         return self._units
 
     @property
     def skipped(self) -> int:
-        """Firings of sources that were left out because they were late by more than a period."""
+        """Firings of sources skipped because they were late by more than a period."""
         return sum(timer.skipped for timer, _ in self._sources)
 
     def overtaken(self) -> Counter[str]:
-        """Return how many messages were overtaken on each edge, ``stage.port``, where any were."""
+        """Return the number of overtaken messages by edge, ``stage.port``, without zeros."""
         counts = (
             (f"{name}.{port}", n) for name, unit in self._units.items() for port, n in unit.join.overtaken.items()
         )
         return Counter({edge: count for edge, count in counts if count})
 
     def log_to(self, sinks: Sequence[Sink], firings: Sink | None) -> None:
-        """Give every message to the ``sinks``, and to ``firings`` what each stage steps with, for replays."""
+        """Write every message to the ``sinks``, and the inputs of every step to ``firings``, for replays."""
         self.sinks = list(sinks)
         self._firing_log = firings
         for unit in self._units.values():
             unit.before_step = None if firings is None else self._note_firing
 
     def reset(self, seed: int) -> None:
-        """Make every stage's state anew from ``seed``.
+        """Reset the state of every stage from ``seed``.
 
         Raises
         ------
         StageError
-            A stage cannot be made ready.
+            A stage cannot be reset.
         """
         reset_stages(self._units, seed)
         now_s = self.clock.now_s()
@@ -127,22 +127,22 @@ class LiveRunner:
         self.is_ready = True
 
     def is_needed(self, ref: str) -> bool:
-        """Whether some stage cannot fire without an input, by reference."""
+        """Whether a stage cannot fire without this input, by reference."""
         return any(unit.needs(port) for unit, port in self._readers[self.intakes[ref].source.channel.name])
 
     def behind_s(self, now_s: float) -> float:
-        """Return by how much the latest source or timer is late, seconds."""
+        """Return the lateness of the latest source or timer in seconds."""
         return max([0.0, *(now_s - timer.due_s for timer, _ in (*self._clocked, *self._sources))])
 
     def run(self, until_s: float | None, keep_going: Callable[[], bool], is_over: Callable[[], bool]) -> str:
-        """Take turns until a source ends the run, ``until_s`` seconds from now are over, or ``keep_going`` says no.
+        """Take turns until a source ends the run, ``until_s`` seconds have passed, or ``keep_going`` returns False.
 
-        ``is_over`` says whether nothing more can come, asked where there is nothing to do.
+        ``is_over`` returns whether no more input can arrive; it is called when idle.
 
         Raises
         ------
         StageError
-            A stage raised, or returned what it may not.
+            A stage raised, or returned something invalid.
         """
         end_s = math.inf if until_s is None else self.clock.now_s() + until_s
         fired = False
@@ -165,19 +165,19 @@ class LiveRunner:
                 self._wake.wait(self._wait_s(end_s))
 
     def close(self) -> None:
-        """Release what the stages hold; each is closed, also if another one fails to.
+        """Close every stage, even if another one fails to close.
 
         Raises
         ------
         StageError
-            The first failure, once every stage was closed.
+            The first failure, after every stage was closed.
         """
         self._log_firings()
         self._bus.close()
         close_stages(self._units, self.clock.run_s())
 
     def _turn(self) -> tuple[str | None, bool]:
-        """Fire one stage; return the outcome where a source ended the run, and whether anything fired."""
+        """Fire one stage; return the outcome if a source ended the run, and whether a stage fired."""
         now_s = self.clock.now_s()
         was_timer, self._timer_was_last = self._timer_was_last, False
         if was_timer:
@@ -212,7 +212,7 @@ class LiveRunner:
         return self._fire(unit, utime, partial(unit.fire_source, now_s=now_s)), True
 
     def _finish(self) -> None:
-        """Step with what the source that ended the run published last."""
+        """Step with the messages that the source published when it ended the run."""
         for unit in reversed(self._order):
             if (matched := unit.ready(math.inf)) is not None:
                 now_s = self.clock.now_s()
@@ -229,7 +229,7 @@ class LiveRunner:
         return outcome
 
     def _wait_s(self, end_s: float) -> float:
-        """Return how long nothing can happen but that an input comes."""
+        """Return the time until the next event other than the arrival of an input."""
         now_s = self.clock.now_s()
         due_s = min((timer.due_s for timer, _ in (*self._clocked, *self._sources)), default=math.inf)
         waking_s = min((unit.wakes_at_s() for unit in self._order), default=math.inf)
@@ -246,9 +246,9 @@ class LiveRunner:
                         unit.join.overtaken[port] += intake.overtaken - before
 
     def _deliver_input(self, intake: Intake, received: Received) -> None:
-        if received.begins_anew:
+        if received.is_restart:
             for unit in self._units.values():
-                unit.begin_anew()
+                unit.restart()
         name = intake.source.channel.name
         now_s = self.clock.now_s()
         number = self._numbers[name]
@@ -260,13 +260,13 @@ class LiveRunner:
             self.record(name, data)
 
     def record(self, name: str, data: bytes) -> None:
-        """Give a message to the log and the tap, stamped now: senders' clocks may differ."""
+        """Write a message to the log and the tap, stamped now: senders' clocks may differ."""
         utime = self.clock.now()
         for sink in self.sinks:
             sink.write(name, utime, data)
 
     def _publish(self, channel: Channel, utime: int, message: Message) -> None:
-        """Send what the stage that is firing returned."""
+        """Publish a message returned by the firing stage."""
         if utime != self._stamp and channel.name in self._plain:
             raise ValueError("it has a stamp of its own, but feeds a plain input: read it as Latest or Since")
         try:
@@ -292,7 +292,7 @@ class LiveRunner:
             unit.deliver(port, utime, message, self._firing.birth_s, now_s, seq)
 
     def _note_firing(self, unit: LiveUnit, utime: int, age_s: float, used: Sequence[Used]) -> None:
-        """Keep a firing for the log until nothing else is to be done: no command waits for the log."""
+        """Keep a firing for the log until the run is idle: no command waits for the log."""
         self._unlogged.append((self.clock.now(), unit.node.name, utime, age_s, used))
         if len(self._unlogged) >= _MAX_UNLOGGED:
             self._log_firings()
@@ -305,7 +305,7 @@ class LiveRunner:
         self._unlogged.clear()
 
     def _own_stamp(self, now_s: float) -> int:
-        """Return a stamp of the run's own clock, later than all before."""
+        """Return a stamp of the run's own clock, later than all earlier ones."""
         self._newest_stamp = max(self._newest_stamp + 1, self.clock.utime_at(now_s))
         return self._newest_stamp
 
@@ -314,7 +314,7 @@ class LiveRunner:
         return intake.monitor.fault(now_s) if intake is not None else ""
 
     def next_seq(self, channel: str) -> int:
-        """Return the number of a channel's next message."""
+        """Return the sequence number of a channel's next message."""
         seq = self._seqs[channel]
         self._seqs[channel] = seq + 1
         return seq

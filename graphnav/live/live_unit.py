@@ -1,4 +1,4 @@
-"""A stage in a live run: it fires on the newest complete set of its plain inputs, and on its timer."""
+"""A stage in a live run: fires on the newest complete set of its plain inputs, and on its timer."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from graphnav.runner.unit import Publish, Unit
 from graphnav.stage import Latest, Since, Stage
 
 MAX_GATHERED = 4096
-"""Messages that a `Since` input holds at most; a sender of 1 kHz fills it in 4 s."""
+"""Maximum number of messages of a `Since` input; a sender of 1 kHz fills it in 4 s."""
 
 
 class LiveUnit(Unit):
-    """Holds what arrived for a stage and says when it may fire.
+    """Holds the messages that arrived for a stage and decides when it may fire.
 
-    ``fault_of``: what is wrong with the stamps of the input that feeds a channel, by reference; empty for nothing.
+    ``fault_of``: returns the fault in the stamps of the input that feeds a channel, by reference; empty if none.
     """
 
     def __init__(
@@ -37,12 +37,12 @@ class LiveUnit(Unit):
         bound = MAX_UNMATCHED if not sizes else None if None in sizes else max(size or 0 for size in sizes)
         self.join = Join(self._plain, max_unmatched=bound, in_order=bool(sizes))
         self.birth_s = self.origin_s = math.nan
-        """What readers of its newest outputs count age from, and what their latency is counted from, monotonic seconds;
-        they differ for a stage with a timer, whose every firing is a new decision; NaN where nothing new came in."""
+        """Times from which the age and the latency of its newest outputs are measured, monotonic seconds; they differ
+        for a stage with a timer, whose every firing is a new decision; NaN if there was no new input."""
         self._fault_of = fault_of
         self._held: MatchedSet | None = None
         self.before_step: Callable[[LiveUnit, int, float, Sequence[Used]], None] | None = None
-        """Called before each step with the stamp, the age of the plain inputs and the messages, if it is set."""
+        """If set, called before each step with the stamp, the age of the plain inputs and the messages."""
         self._newest: dict[str, tuple[Message, float, Used]] = {}
         self._gathered: dict[str, deque[tuple[Message, Used]]] = {p: deque(maxlen=MAX_GATHERED) for p in self._since}
         self._reached: dict[str, int] = {}
@@ -51,16 +51,16 @@ class LiveUnit(Unit):
 
     @property
     def is_clocked(self) -> bool:
-        """Whether a timer fires it too; then it publishes with the run's own clock."""
+        """Whether it also has a timer; then its outputs are stamped by the run's own clock."""
         return self.node.every_ms is not None
 
     @property
     def dropped(self) -> int:
-        """Messages that were overtaken."""
+        """Number of overtaken messages."""
         return self.join.overtaken.total()
 
     def deliver(self, port: str, utime: int, message: Message, birth_s: float, now_s: float, number: int) -> None:
-        """Take a message; ``number``: which one of its channel it is, from 0."""
+        """Add a message; ``number``: its index in the channel, from 0."""
         if port in self._gathered:
             self._gathered[port].append((message, Used(port, number, utime)))
             self._reached[port] = max(utime, self._reached.get(port, utime))
@@ -69,35 +69,35 @@ class LiveUnit(Unit):
         else:
             self.join.put(port, utime, Held(message, birth_s, now_s, number))
 
-    def begin_anew(self) -> None:
-        """Drop everything whose stamps mean nothing any more."""
+    def restart(self) -> None:
+        """Drop everything whose stamps have become meaningless."""
         self.join.clear()
         self._reached.clear()
         for gathered in self._gathered.values():
             gathered.clear()
 
     def ready(self, now_s: float) -> MatchedSet | None:
-        """Return the set that would fire now, None while there is none or its `Since` inputs have not come so far."""
+        """Return the set that would fire now, None if there is none or its `Since` inputs are not that far."""
         return self.join.newest_allowed(lambda one: self.waits_until_s(one) <= now_s)
 
     def waits_until_s(self, matched: MatchedSet) -> float:
-        """Return until when a complete set waits for `Since` inputs, minus infinity if for nothing."""
+        """Return the time until which a complete set waits for `Since` inputs, minus infinity if it does not wait."""
         behind = [p for p in self._since if p in self._channel_of and self._reached.get(p, 0) < matched.utime]
         return matched.ready_s + self.stage.patience_s() if behind else -math.inf
 
     def wakes_at_s(self) -> float:
-        """Return when the first waiting set has waited long enough, infinity where none waits."""
+        """Return the time at which the first waiting set has waited long enough, infinity if none waits."""
         return min((self.waits_until_s(self.join.peek(utime)) for utime in self.join.complete()), default=math.inf)
 
     def fire_set(self, matched: MatchedSet, utime: int, now_s: float) -> str | None:
-        """Step with a set that `ready` returned; ``utime``: the stamp of what is published."""
+        """Step with a set returned by `ready`; ``utime``: the stamp of the outputs."""
         self._held = self.join.take(matched.utime)
         self.origin_s = self._held.birth_s
         self.birth_s = now_s if self.is_clocked else self._held.birth_s
         return self._fire(utime, now_s)
 
     def fire_timer(self, utime: int, now_s: float) -> str | None:
-        """Step with the newest complete set, or without one where every plain input is optional."""
+        """Step with the newest complete set, or without one if every plain input is optional."""
         if (matched := self.ready(now_s)) is not None:
             return self.fire_set(matched, utime, now_s)
         if self._held is None and self._needs:
@@ -111,11 +111,11 @@ class LiveUnit(Unit):
         return self._fire(utime, now_s)
 
     def needs(self, port: str) -> bool:
-        """Whether nothing comes of it without messages on an input."""
+        """Whether the stage never fires without messages on this input."""
         return port in self._plain or port in self._since
 
     def is_plain(self, port: str) -> bool:
-        """Whether messages on an input fire it."""
+        """Whether messages on this input fire the stage."""
         return port in self._plain
 
     def _fire(self, utime: int, now_s: float) -> str | None:

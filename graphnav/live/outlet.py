@@ -1,4 +1,4 @@
-"""One output of a live run: what leaves for other programs, and how old it is by then."""
+"""Send an output of a live run to other programs and measure its latency."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from graphnav.runner.durations import Durations
 
 
 class Send(Protocol):
-    """What takes the bytes of a channel."""
+    """A function that sends encoded messages on a channel."""
 
     def __call__(self, channel: str, data: bytes) -> bool:
-        """Send; return whether they were taken."""
+        """Send a message; return whether it was accepted."""
 
 
 class Outlet:
-    """Encodes the messages of one output for its type on the wire and sends them."""
+    """Encodes the messages of one output in its LCM type and sends them."""
 
     def __init__(self, target: OutputChannel, clock: LiveClock, send: Send) -> None:
         self.target = target
         self.sent = 0
         self.refused = 0
         self.latency = Durations()
-        """From the stamp of the input that a message was made from to its publication."""
+        """Durations from the birth of the input that a message derives from to its publication."""
         self.max_latency_s = 0.0
         self._clock, self._send = clock, send
 
@@ -42,7 +42,7 @@ class Outlet:
         Raises
         ------
         ValueError
-            The adapter cannot turn it into its type.
+            The adapter cannot convert it to its type.
         """
         if self.target.adapter is not None:
             data = adapted(self.target, message, utime)
@@ -57,7 +57,7 @@ class Outlet:
 
 
 def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
-    """Return the bytes of a message in the foreign type of an output."""
+    """Return a message encoded in the LCM type of an output."""
     assert target.adapter is not None
     try:
         return codec_of(target.lcm_class).encode(target.adapter.to_lcm(message, utime))
@@ -66,14 +66,14 @@ def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
 
 
 def motor_channel(target: OutputChannel) -> MotorChannel:
-    """Return what the process that sends a motor channel has to know."""
+    """Return the motor channel of an output, for the sending process."""
     stop = codec_of(target.lcm_class).encode(stop_fields(target, target.stop))
     stamp_at, seq_at = offsets_of(target.lcm_class)
     return MotorChannel(target.name, stop, stamp_at, seq_at, target.max_age_s)
 
 
 def bus_send(bus: Bus, notice: Callable[[str], None]) -> Send:
-    """Return what sends on a bus; a network that refuses is told once and counted, not fatal."""
+    """Return a function that sends on a bus; refused messages are counted, and reported once."""
     told = False
 
     def send(channel: str, data: bytes) -> bool:

@@ -1,4 +1,4 @@
-"""A live run that leaves a run folder: the log, the resolved graph, the summary."""
+"""Run a graph live into a run folder: the log, the resolved graph, the summary."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
 from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
+from graphnav.live.connections import opened, send_stops
 from graphnav.live.health.observer import Observer
 from graphnav.live.health.watchdog import Watchdog
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.playback import Playback
 from graphnav.live.live_runner import LiveRunner
-from graphnav.live.outside import opened, send_stops
 from graphnav.live.url import live_url
 from graphnav.messages import Status
 from graphnav.motors.sender import MotorSender
@@ -50,17 +50,17 @@ def run_live(
     notice: Callable[[str], None] = print_notice,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Summary:
-    """Run ``graph`` live into ``folder``, which must exist, and return what ``summary.json`` there says.
+    """Run ``graph`` live into ``folder``, which must exist, and return the content of its ``summary.json``.
 
     Whatever ends the run, motor channels get a stop first. A failing stage and Ctrl-C end the run, a full disk only the
-    recording. ``url``: see `live_url`. ``keep``: the channels that the log holds, None for what the graph's ``record``
-    says. ``on_time`` gets the seconds since the start now and then, ``notice`` what is late and what is lost;
-    ``should_stop`` ends the run as Ctrl-C does, for runs outside of the main thread.
+    recording. ``url``: see `live_url`. ``keep``: the channels to log, None for the graph's ``record`` option.
+    ``on_time`` gets the seconds since the start now and then, ``notice`` gets warnings of late and lost messages;
+    ``should_stop`` ends the run as Ctrl-C does, for runs outside the main thread.
 
     Raises
     ------
     UserError
-        The folder cannot be written at all, or a log that is to be played does not hold what the graph says.
+        The folder cannot be written, or a log to play does not contain the channels of the graph.
     """
     run = _LiveRun(graph, folder, live_url(graph, url), Failures(on_failure), tap)
     with ExitStack() as cleanup, Interrupt() as interrupt:
@@ -165,7 +165,7 @@ class _LiveRun:
 
 
 def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
-    """Return what takes copies for those who watch: nothing that other programs of the same group write or read."""
+    """Return the sinks for viewers, without channels that other programs of the same group write or read."""
     if tap is None:
         return []
     is_shared = same_group(tap.url, url)
@@ -177,7 +177,7 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
 
 
 def _check_helpers(graph: Graph, url: str, motors: MotorSender | None, playback: Playback) -> None:
-    """Raise GraphnavError where what the run needs beside itself has failed, once the motors were stopped."""
+    """Raise GraphnavError if the motor process or the playback has failed."""
     if motors is not None and not motors.alive:
         send_stops(graph, url)
         raise GraphnavError("the process that sends the motor channels has died: the run cannot go on")
@@ -186,7 +186,7 @@ def _check_helpers(graph: Graph, url: str, motors: MotorSender | None, playback:
 
 
 def _is_over(graph: Graph, playback: Playback) -> bool:
-    """Whether nothing can come any more: every log is played, and there is no other source."""
+    """Whether no more input can arrive: every log has been played, and there is no other source."""
     return bool(graph.inputs) and not graph.sources and playback.is_over and all(i.log for i in graph.inputs.values())
 
 
@@ -204,14 +204,14 @@ def _needs_all(graph: Graph, ref: str) -> bool:
 
 
 def _kept(graph: Graph, writer: Sink, keep: Collection[str] | None) -> Sink:
-    """Return what takes the messages for the log."""
+    """Return the sink of the log."""
     if keep is not None:
         return ChannelsOnly(writer, keep)
     return writer if graph.run.record == "all" else SmallOnly(writer)
 
 
 def _live_part(status: Status, writer: ThreadedLogWriter, url: str) -> dict[str, object]:
-    """Return what the summary of a live run says beside what every summary says."""
+    """Return the part of the summary that only live runs have."""
     return {
         "url": url,
         "inputs": list(status.inputs),

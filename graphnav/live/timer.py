@@ -1,4 +1,4 @@
-"""Wall-clock timers: when a source or a timed stage is due."""
+"""Wall-clock timers of sources and timed stages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 class Timer:
-    """Due at ``start_s`` and every ``period_s`` after it; what is missed is skipped and counted, not made up for."""
+    """Due at ``start_s`` and every ``period_s`` after it; missed firings are counted, not made up for."""
 
     def __init__(self, period_s: float, start_s: float) -> None:
         self.due_s = start_s
@@ -15,11 +15,11 @@ class Timer:
         self._count = 0
 
     def is_due(self, now_s: float) -> bool:
-        """Whether it is time."""
+        """Whether the timer is due."""
         return now_s >= self.due_s
 
     def advance(self, now_s: float) -> None:
-        """Set the next time: the first one of the grid after ``now_s``, or the next one where there is still time."""
+        """Schedule the next firing; skip those that are late by more than a period."""
         following = max(self._count + 1, math.floor((now_s - self._start_s) / self._period_s))
         self.skipped += following - self._count - 1
         self._count = following

@@ -1,4 +1,4 @@
-"""Which LCM URL a live run uses."""
+"""Choose the LCM URL of a live run."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from graphnav.lcm_url import lcm_url
 
 
 def live_url(graph: Graph, given: str | None, option: str = "--url") -> str:
-    """Return the LCM URL of a live run: what was given, the graph's, ``LCM_DEFAULT_URL``, or this machine's group.
+    """Return the LCM URL of a live run: ``given``, the graph's, ``LCM_DEFAULT_URL``, or LCM's default group.
 
-    ``option``: what errors call the one that was given.
+    ``option``: name of the given URL in errors.
 
     Raises
     ------
     UserError
-        No other program can be reached there.
+        The URL does not reach other programs.
     """
     return lcm_url((option, given), ("run.url", graph.run.url))

@@ -9,13 +9,13 @@ INT64_BYTES = 8
 
 @dataclass(frozen=True)
 class MotorChannel:
-    """What the sending process must know of one LCM channel that moves a robot.
+    """An LCM channel that moves a robot, as the sending process needs it.
 
     ``stop`` is an encoded message that stops the robot. ``stamp_at`` and ``seq_at`` are the byte offsets, in the stop
-    and in every command alike, of a big-endian int64 stamp (microseconds) and an int64 sequence number; None where
-    the type has none. Silence longer than ``max_age_s`` (seconds) is answered by stops.
+    and in every command, of a big-endian int64 stamp (microseconds) and an int64 sequence number; None where
+    the type has none. Silence longer than ``max_age_s`` (seconds) causes stops.
 
-    Raises ValueError where ``max_age_s`` is not positive and finite, or an offset lies outside of ``stop``.
+    Raises ValueError if ``max_age_s`` is not positive and finite, or an offset lies outside of ``stop``.
     """
 
     name: str

@@ -1,7 +1,7 @@
-"""The process that sends the motor channels: it forwards commands, and stops the robot when they end.
+"""The process that sends the motor channels: forwards commands, and stops the robot when they end.
 
-It is started by `graphnav.motors.sender`, which writes frames to its standard input. Standard output says once whether
-LCM is open; the only argument is the descriptor of a memory file for the counts.
+Started by `graphnav.motors.sender`, which writes frames to its standard input. It reports on standard output, once,
+whether LCM is open; the only argument is the descriptor of a memory file for the counts.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _COMMANDS, _OUT = 0, 1
 class Child:
     """Sends the motor channels until the pipe ``commands_fd`` closes, an end is ordered or one of ``ending_fds`` wakes.
 
-    Then it sends stops for one second, forwards no more, and `run` returns.
+    Then it sends stops for one second, forwards nothing more, and `run` returns.
     """
 
     def __init__(self, motors: Sequence[Motor], commands_fd: int, ending_fds: Sequence[int]) -> None:
@@ -47,7 +47,7 @@ class Child:
 
     @property
     def counts(self) -> Counts:
-        """What was done so far."""
+        """Counts since the start."""
         return Counts(
             forwarded=sum(motor.forwarded for motor in self._motors),
             stops=sum(motor.stops for motor in self._motors),
@@ -72,7 +72,7 @@ class Child:
             shared.write(self.counts)
 
     def _take(self) -> None:
-        """Do what the pipe says; of several commands of a channel that wait only the newest is forwarded."""
+        """Handle the frames in the pipe; of several pending commands of a channel only the newest is forwarded."""
         try:
             data = os.read(self._commands_fd, _CHUNK_BYTES)
             frames = self._reader.feed(data)
@@ -96,7 +96,7 @@ class Child:
             self._end()
 
     def _end(self) -> None:
-        """Listen to nothing any more and stop."""
+        """Stop reading commands and send the final stops."""
         if self._end_s == math.inf:
             self._fds = []
             self._end_s = time.monotonic() + STOP_FOR_S
@@ -108,7 +108,7 @@ class Child:
 
 
 def main() -> int:
-    """Open LCM, say so, and send until the run ends."""
+    """Open LCM, report it, and send until the run ends."""
     signals_fd = _signals()
     setup = _read_setup()
     if setup is None:
@@ -128,21 +128,21 @@ def main() -> int:
 
 
 def _signals() -> int:
-    """Return a descriptor that wakes when a signal asks for the end."""
+    """Return a descriptor that becomes readable on a signal to end."""
     awake_fd, signal_fd = os.pipe2(os.O_NONBLOCK)
     signal.set_wakeup_fd(signal_fd, warn_on_full_buffer=False)
     for number in _ENDING:
         signal.signal(number, _ignore)
-    signal.pthread_sigmask(signal.SIG_SETMASK, [])  # a thread that blocks signals hands that on
+    signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
     return awake_fd
 
 
 def _ignore(_number: int, _frame: FrameType | None) -> None:
-    """Leave a signal to the descriptor that it wakes."""
+    """Do nothing: the signal is handled through its descriptor."""
 
 
 def _read_setup() -> dict[str, Any] | None:
-    """Return what the first frame says, None if the run ended before it was complete."""
+    """Return the content of the first frame, None if the run ended before it was complete."""
     reader = FrameReader()
     while data := os.read(_COMMANDS, _CHUNK_BYTES):
         for frame in reader.feed(data):
@@ -152,7 +152,7 @@ def _read_setup() -> dict[str, Any] | None:
 
 
 def _say(words: bytes) -> None:
-    """Tell the run, once; from then on standard output leads nowhere, so that nobody waits for its end."""
+    """Report to the run, once, then redirect standard output to nowhere, so that no reader waits for its end."""
     with contextlib.suppress(OSError):
         os.write(_OUT, words)
     nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -161,9 +161,9 @@ def _say(words: bytes) -> None:
 
 
 def _watch(parent: int) -> list[int]:
-    """Return what wakes when the run's process ends: processes that it forked may keep the pipe open.
+    """Return descriptors that wake when the run's process ends: its forked children may keep the pipe open.
 
-    Empty where the kernel has no such descriptor; the end of a run that left such processes is then seen as silence.
+    Empty if the kernel has no pidfd; the end of a run with such children is then noticed as silence.
     """
     try:
         fd = os.pidfd_open(parent)
@@ -173,7 +173,7 @@ def _watch(parent: int) -> list[int]:
 
 
 def _raise_priority() -> None:
-    """Be scheduled before everything of ordinary priority, where that is allowed."""
+    """Raise the scheduling priority above ordinary processes, if permitted."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
     except OSError:

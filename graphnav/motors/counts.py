@@ -12,9 +12,9 @@ _LAYOUT = struct.Struct("=5q")
 
 
 class Counts(NamedTuple):
-    """What the process did since it started, over all channels.
+    """Counts since the start of the process, over all channels.
 
-    ``forwarded`` commands and ``stops`` left; ``failed`` messages the network did not take (they are no part of the
+    ``forwarded`` commands and ``stops`` were sent; ``failed`` messages were refused by the network (not included in the
     two); ``overtaken`` commands were replaced by newer ones before they were forwarded; ``late`` ones had waited for
     longer than ``max_age_s`` and were not forwarded.
     """
@@ -42,16 +42,16 @@ class SharedCounts:
         return fd
 
     def read(self) -> Counts:
-        """Return what was written last, or last before `close`."""
+        """Return the counts written last, or last before `close`."""
         with self._lock:
             return self._last or Counts(*_LAYOUT.unpack_from(self._memory))
 
     def write(self, counts: Counts) -> None:
-        """Let ``counts`` be what is read."""
+        """Publish ``counts`` to the reader."""
         _LAYOUT.pack_into(self._memory, 0, *counts)
 
     def close(self) -> None:
-        """Give the memory back and keep what was written last."""
+        """Unmap the memory and keep the counts written last."""
         with self._lock:
             if self._last is None:
                 self._last = Counts(*_LAYOUT.unpack_from(self._memory))

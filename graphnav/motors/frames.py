@@ -1,4 +1,4 @@
-"""The frames in the pipe from a run to the process that sends its motor channels."""
+"""Frames in the pipe from a run to the process that sends its motor channels."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ MAX_PAYLOAD_BYTES = 1 << 20
 """The largest command; a longer frame is not accepted."""
 
 READY, FAILED = b"+", b"-"
-"""How the process answers, once, that it is set up; the reason of a failure follows."""
+"""Replies of the process after its set-up; the reason of a failure follows."""
 
 _HEADER = struct.Struct("=IBHd")
 
 
 class Kind(IntEnum):
-    """What a frame asks for."""
+    """The kind of a frame."""
 
     SETUP = 0
     """The channels, as JSON; the first frame."""
@@ -38,12 +38,12 @@ class Frame(NamedTuple):
 
 
 def pack(kind: Kind, channel: int, sent_s: float, payload: bytes = b"") -> bytes:
-    """Return the bytes of a frame; up to ``PIPE_BUF`` bytes a pipe takes them at once or not at all."""
+    """Return the bytes of a frame; writing up to ``PIPE_BUF`` bytes to a pipe is atomic."""
     return _HEADER.pack(len(payload), kind, channel, sent_s) + payload
 
 
 class FrameReader:
-    """Cuts what comes out of the pipe into frames; an incomplete one waits for the rest of its bytes."""
+    """Splits the byte stream of the pipe into frames; keeps an incomplete one until the rest arrives."""
 
     def __init__(self) -> None:
         self._bytes = bytearray()

@@ -12,7 +12,7 @@ from graphnav.motors.stop_message import StopMessage
 class Motor:
     """Forwards the commands of a channel and sends its stops; all times are monotonic seconds.
 
-    What the network does not take is counted in ``failed`` and not sent again: the next command or stop follows soon.
+    Messages that the network refuses are counted in ``failed`` and not repeated: the next command or stop follows soon.
     """
 
     def __init__(self, channel: MotorChannel, bus: Bus) -> None:
@@ -24,11 +24,11 @@ class Motor:
 
     @property
     def due_s(self) -> float:
-        """When the next stop is due."""
+        """Time at which the next stop is due."""
         return self._schedule.due_s
 
     def command(self, data: bytes, sent_s: float, now_s: float) -> None:
-        """Forward a command, unless it has waited for longer than the channel may be silent."""
+        """Forward a command, unless it is older than ``max_age_s``."""
         if now_s - sent_s > self._max_age_s:
             self.late += 1
             return
@@ -36,12 +36,12 @@ class Motor:
         self.forwarded += self._publish(self._message.forward(data, sent_s))
 
     def order_stops(self, now_s: float) -> None:
-        """Send a stop, and more of them for a second."""
+        """Send a stop, and repeat it for one second."""
         self._schedule.order(now_s)
         self.stop_if_due(now_s)
 
     def stop_if_due(self, now_s: float) -> None:
-        """Send the stop that is due, if one is."""
+        """Send a stop if one is due."""
         if self._schedule.take(now_s):
             self.stops += self._publish(self._message.stop(now_s))
 

@@ -1,4 +1,4 @@
-"""Where an LCM type keeps its stamp and its sequence number."""
+"""Byte offsets of the stamp and the sequence number of an LCM type."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ _STAMPS = ("utime", "timestamp")
 def offsets_of(lcm_class: type) -> tuple[int | None, int | None]:
     """Return the byte offsets of stamp and sequence number in a message of an lcm-gen class, None where it has none.
 
-    A stamp is a first field ``int64_t utime`` or ``timestamp``, in microseconds as LCM's users have it; a sequence
-    number is ``int64_t seq`` right behind it. Both then stand behind the 8 bytes of the fingerprint.
+    A stamp is a first field ``int64_t utime`` or ``timestamp``, in microseconds by LCM convention; a sequence number is
+    ``int64_t seq`` directly after it. Both follow the 8 bytes of the fingerprint.
     """
     first, second = ([*fields_of(lcm_class), None, None])[:2]
     if first is None or first.name not in _STAMPS or first.primitive != "int64_t" or first.dims:

@@ -1,4 +1,4 @@
-"""Motor channels as the run sends them: through a process that stops the robot however the run ends."""
+"""Send motor channels through a process that stops the robot however the run ends."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ _READY_S = 10.0
 _ENDED_S = 2.0
 _STALLED_S = 0.25
 _MAX_SETUP_BYTES = 60_000
-"""What an empty pipe takes at once."""
+"""Capacity of an empty pipe."""
 
 
 class MotorSender:
-    """A process of its own that sends the motor channels; it forwards commands and answers trouble with stops.
+    """A separate process that sends the motor channels: it forwards commands, and sends stops when something fails.
 
-    A stop is sent at once and repeated at 50 Hz for one second when this process ends, in whatever way; when `stop` or
-    `close` is called; and when a channel that had a command has none for its ``max_age_s`` (then once more every
+    A stop is sent at once and repeated at 50 Hz for one second when this process ends, for whatever reason; when `stop`
+    or `close` is called; and when a channel that had a command gets none for its ``max_age_s`` (then again every
     ``max_age_s`` while it stays silent). A later command is forwarded at once and ends the stops.
 
-    Construction returns when the process is ready (some 0.1 s). Raises BusError, with the reason, where it cannot be
-    started or does not get LCM open within 10 s; ValueError where two channels have one name.
+    The constructor returns when the process is ready (about 0.1 s). Raises BusError, with the reason, if it cannot be
+    started or does not open LCM within 10 s; ValueError if two channels have the same name.
     """
 
     def __init__(self, url: str, channels: Sequence[MotorChannel]) -> None:
         self.refused = 0
         self._indices = {channel.name: index for index, channel in enumerate(channels)}
         if len(self._indices) != len(channels):
-            raise ValueError("two motor channels have one name")
+            raise ValueError("two motor channels have the same name")
         counts_fd = SharedCounts.new_file()
         try:
             self._counts = SharedCounts(counts_fd)
@@ -66,7 +66,7 @@ class MotorSender:
 
     @property
     def alive(self) -> bool:
-        """Whether the process runs; one that was killed from outside sends no stops."""
+        """Whether the process runs; a killed process sends no stops."""
         return self._process.poll() is None
 
     @property
@@ -76,20 +76,20 @@ class MotorSender:
 
     @property
     def counts(self) -> Counts:
-        """What the process did since it started."""
+        """Counts since the start of the process."""
         return self._counts.read()
 
     @property
     def stops(self) -> int:
-        """How many stops were sent, over all channels."""
+        """Number of stops sent, over all channels."""
         return self.counts.stops
 
     def send(self, channel: str, data: bytes) -> bool:
         """Forward an encoded command; never waits.
 
-        Return False, and count it in ``refused``, where the process does not take commands: it ended, or has not read
-        its pipe for a quarter of a second. The newest command of each channel then waits for it, for ``max_age_s``.
-        False too for more than 1 MiB. Raises KeyError for a channel that was not given at construction.
+        Return False, and count it in ``refused``, if the process does not accept commands: it ended, or has not read
+        its pipe for a quarter of a second. The newest command of each channel then stays pending for ``max_age_s``.
+        Also False for more than 1 MiB. Raises KeyError for a channel that the constructor did not get.
         """
         index = self._indices[channel]
         if self._is_closed or len(data) > MAX_PAYLOAD_BYTES:
@@ -105,7 +105,7 @@ class MotorSender:
         return is_sent
 
     def stop(self) -> None:
-        """Stop all channels now and for one second; a command that is sent after it is forwarded and ends its stops.
+        """Stop all channels now and for one second; a later command is forwarded and ends the stops.
 
         Never waits; may be called from any thread and from a signal handler.
         """
@@ -117,32 +117,32 @@ class MotorSender:
     def close(self, wait: bool = True) -> None:  # noqa: FBT001, FBT002
         """Stop all channels for one second and end the process.
 
-        With ``wait`` return when it ended, or after 2 s; what then still runs ends later, by itself.
+        With ``wait`` return when it has ended, or after 2 s; a process that still runs then ends by itself.
         """
         if not self._is_closed:
             self._is_closed = True
             with contextlib.suppress(OSError):
                 self._writer.order(Kind.END, time.monotonic())
             self._writer.close()
-            with contextlib.suppress(RuntimeError):  # while Python shuts down there are no new threads
+            with contextlib.suppress(RuntimeError):  # no threads can be started while Python shuts down
                 threading.Thread(target=self._collect, name="graphnav-motors-end", daemon=True).start()
         if wait:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._collect(_ENDED_S)
 
     def _collect(self, timeout_s: float | None = None) -> None:
-        """Wait for the end of the process and give back what it held; raises subprocess.TimeoutExpired."""
+        """Wait for the end of the process and release its resources; raises subprocess.TimeoutExpired."""
         self._process.wait(timeout_s)
         self._counts.close()
 
     def _is_taken(self, now_s: float) -> bool:
-        """Return whether the process reads: it has now, or a moment ago, read all that was written before."""
+        """Return whether the process reads: it has just read everything that was written before."""
         if not self._writer.unread_bytes:
             self._taken_s = now_s
         return now_s - self._taken_s < _STALLED_S
 
     def _set_up(self, url: str, channels: Sequence[MotorChannel]) -> None:
-        """Tell the process what it sends and wait until it can; raises BusError."""
+        """Send the set-up to the process and wait until it is ready; raises BusError."""
         words = json.dumps(
             {
                 "url": url,
@@ -151,7 +151,7 @@ class MotorSender:
             }
         ).encode()
         if len(words) > _MAX_SETUP_BYTES:
-            raise BusError(f"the stop messages are too long: {len(words)} bytes as text, at most {_MAX_SETUP_BYTES}")
+            raise BusError(f"the stop messages are too long: {len(words)} bytes as JSON, at most {_MAX_SETUP_BYTES}")
         with contextlib.suppress(OSError):
             self._writer.order(Kind.SETUP, time.monotonic(), words)
         answer = self._answer()
@@ -163,7 +163,7 @@ class MotorSender:
         raise BusError(f"the process that sends the motor channels ended with status {status} before LCM was open")
 
     def _answer(self) -> bytes:
-        """Return what the process says, empty if it ended; raises BusError where it says nothing for too long."""
+        """Return the reply of the process, empty if it ended; raises BusError if there is none in time."""
         assert self._process.stdout is not None
         with self._process.stdout as out:
             if select.select([out], [], [], _READY_S)[0]:
@@ -172,9 +172,9 @@ class MotorSender:
 
 
 def _start(counts_fd: int) -> subprocess.Popen[bytes]:
-    """Start the process: in a session of its own, so that no terminal's signal reaches it; raises BusError.
+    """Start the process in its own session, out of reach of the terminal's signals; raises BusError.
 
-    It finds its modules where this process finds them, installed or not.
+    It uses this process's module search path, whether graphnav is installed or not.
     """
     path = os.pathsep.join(os.path.abspath(entry) for entry in sys.path)
     try:
@@ -189,4 +189,4 @@ def _start(counts_fd: int) -> subprocess.Popen[bytes]:
             env=os.environ | {"PYTHONPATH": path},
         )
     except OSError as error:
-        raise BusError(f"the process that sends the motor channels does not start: {error}") from error
+        raise BusError(f"the process that sends the motor channels cannot be started: {error}") from error

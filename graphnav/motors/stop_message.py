@@ -1,4 +1,4 @@
-"""The stops of a motor channel as they follow its commands: stamped and numbered on."""
+"""Stop messages of a motor channel that continue the stamps and sequence numbers of its commands."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ def _wall_us() -> int:
 
 
 class StopMessage:
-    """Makes the stops of one channel, and numbers the commands that pass.
+    """Builds the stops of one channel and renumbers the commands that pass.
 
-    A stop's stamp is the newest command's plus the time since it was sent: now, by the clock that stamps the commands;
-    before the first command it is the wall clock's. The sequence number on the wire counts commands and stops
-    together: commands behind a stop go out with theirs raised by the number of stops before them.
+    A stop's stamp is that of the newest command plus the time since it was sent, in the clock that stamps the commands;
+    before the first command it is wall time. The sequence number on the wire counts commands and stops together:
+    that of a command is raised by the number of stops before it.
     """
 
     def __init__(self, channel: MotorChannel) -> None:
@@ -30,7 +30,7 @@ class StopMessage:
         self._n_stops = 0
 
     def forward(self, data: bytes, sent_s: float) -> bytes:
-        """Return a command as it goes out; it was sent at the monotonic time ``sent_s``, in seconds."""
+        """Return a command, sent at the monotonic time ``sent_s`` (seconds), as it is forwarded."""
         if (at := self._stamp_at) is not None and len(data) >= at + INT64_BYTES:
             self._stamp = _INT64.unpack_from(data, at)[0], sent_s
         if (at := self._seq_at) is not None and len(data) >= at + INT64_BYTES:
@@ -40,7 +40,7 @@ class StopMessage:
         return data
 
     def stop(self, now_s: float) -> bytes:
-        """Return the next stop at the monotonic time ``now_s``, in seconds."""
+        """Return the next stop at the monotonic time ``now_s`` (seconds)."""
         if self._stamp_at is not None:
             stamp, sent_s = self._stamp or (_wall_us(), now_s)
             _INT64.pack_into(self._stop, self._stamp_at, _wrapped(stamp + round((now_s - sent_s) * 1e6)))
@@ -52,5 +52,5 @@ class StopMessage:
 
 
 def _wrapped(value: int) -> int:
-    """Return an integer as 64 bits with a sign hold it."""
+    """Return an integer wrapped to a signed 64-bit value."""
     return (value + 2**63) % 2**64 - 2**63

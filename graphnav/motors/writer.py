@@ -1,4 +1,4 @@
-"""Frames into a pipe, without ever waiting for its reader."""
+"""Write frames to a pipe without blocking."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from graphnav.motors.frames import Kind, pack
 
 
 class FrameWriter:
-    """Writes frames to a pipe, which it makes non-blocking; what does not fit waits until the next call.
+    """Writes frames to a pipe, which it makes non-blocking; frames that do not fit stay pending until the next call.
 
-    At most one command of each channel waits: the newest. An order (stop, end) replaces the commands that wait and is
-    written before those that come after it. A frame that has begun is always completed first.
+    At most one command of each channel is pending: the newest. An order (stop, end) replaces the pending commands and
+    is written before later ones. A partially written frame is always completed first.
 
-    Any thread may call it, a signal handler too: a call that interrupts another one of its thread leaves the writing
-    to that one. To write to a pipe that is closed, or that nothing reads, raises OSError.
+    May be called from any thread and from a signal handler: a call that interrupts another one in its thread leaves
+    the writing to that one. Writing to a pipe that is closed or has no reader raises OSError.
     """
 
     def __init__(self, pipe: IO[bytes]) -> None:
@@ -35,7 +35,7 @@ class FrameWriter:
 
     @property
     def unread_bytes(self) -> int:
-        """How much of what was written nobody has read; 0 of a closed pipe."""
+        """Number of bytes written but not yet read; 0 for a closed pipe."""
         count = array.array("i", [0])
         with self._lock:
             if self._fd >= 0:
@@ -43,7 +43,7 @@ class FrameWriter:
         return count[0]
 
     def command(self, channel: int, sent_s: float, data: bytes) -> bool:
-        """Write a command; return whether it, and all before it, is in the pipe."""
+        """Write a command; return whether it, and everything before it, is in the pipe."""
         with self._lock:
             self._commands[channel] = pack(Kind.COMMAND, channel, sent_s, data)
             return self._flush()
@@ -56,7 +56,7 @@ class FrameWriter:
             return self._flush()
 
     def close(self) -> None:
-        """Close the pipe; what waits is lost."""
+        """Close the pipe; pending frames are lost."""
         with self._lock:
             self._fd = -1
             self._pipe.close()
@@ -66,7 +66,7 @@ class FrameWriter:
         return not (self._rest or self._orders or self._commands)
 
     def _flush(self) -> bool:
-        """Write until nothing waits or the pipe is full; return whether nothing waits."""
+        """Write until no frame is pending or the pipe is full; return whether no frame is pending."""
         while not (self._is_writing or self._is_empty):
             self._is_writing = True
             try:
@@ -79,7 +79,7 @@ class FrameWriter:
         return self._is_empty
 
     def _write_next(self) -> None:
-        """Write one frame, or as much of it as fits; raises BlockingIOError, and keeps it, where nothing fits."""
+        """Write one frame, or as much of it as fits; keeps it and raises BlockingIOError if nothing fits."""
         orders, commands = self._orders, self._commands
         if frame := self._rest:
             self._rest = frame[os.write(self._fd, frame) :]

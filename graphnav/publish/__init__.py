@@ -1,4 +1,4 @@
-"""Publish messages whose fields a person writes as YAML."""
+"""Publish messages whose fields are given as YAML."""
 
 from graphnav.publish.fields import Fields, parse_fields
 from graphnav.publish.publisher import Publisher, repeat

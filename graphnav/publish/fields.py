@@ -1,4 +1,4 @@
-"""The fields of an LCM message as a person writes them: YAML, what is not given zero or empty."""
+"""Parse the fields of an LCM message from YAML; fields that are not given are zero or empty."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from graphnav.publish.scalars import ZEROS, scalar_problem
 from graphnav.spec import Entry, Value, parse_yaml
 
 SOURCE = "FIELDS"
-"""The argument of the command line, as errors name it."""
+"""Name of the command-line argument in errors."""
 _MAX_FILLED = 1_000_000
-"""Elements of an array that is not given, but whose size is."""
+"""Maximum number of elements of an array of which only the size is given."""
 
 
 class Fields(NamedTuple):
@@ -31,13 +31,13 @@ def parse_fields(text: str, lcm_class: type) -> Fields:
     Raises
     ------
     UserError
-        It is not YAML, or does not fit the type: all problems with line and column.
+        It is not YAML, or does not match the type: all problems with line and column.
     """
     value = _parsed(text)
     if value.data is not None and not isinstance(value.data, dict):
         names = ", ".join(field.name for field in fields_of(lcm_class))
         hint = f"write name: value; fields are {names}"
-        raise UserError.of(f"{SOURCE} must be a mapping, but this is {value.kind}", hint)
+        raise UserError.of(f"{SOURCE} must be a mapping, not {value.kind}", hint)
     problems: list[Problem] = []
     values = _struct(value, lcm_class, problems)
     if problems:
@@ -46,12 +46,12 @@ def parse_fields(text: str, lcm_class: type) -> Fields:
     try:
         codec_of(lcm_class).encode(values)
     except EncodeError as error:
-        raise UserError.of(str(error), "give arrays the sizes that the type says", Place(SOURCE)) from error
+        raise UserError.of(str(error), "give arrays the sizes that the type declares", Place(SOURCE)) from error
     return Fields(values, given)
 
 
 def _parsed(text: str) -> Value:
-    """Return the mapping; one line without braces gets them, as in ``v_mps: 0.2, omega_radps: 0``."""
+    """Return the mapping; braces are added to a single line without them, as in ``v_mps: 0.2, omega_radps: 0``."""
     is_bare = not text.lstrip().startswith("{") and "\n" not in text.strip()
     if is_bare and (other := _not_a_mapping(text)) is not None:
         return other
@@ -66,7 +66,7 @@ def _parsed(text: str) -> Value:
 
 
 def _not_a_mapping(text: str) -> Value | None:
-    """Return what a line says that is YAML without braces and not a mapping: a number, a list; None for others."""
+    """Return the value of a line that is YAML without braces but not a mapping: a number, a list; None for others."""
     try:
         value, problems = parse_yaml(text.encode("utf-8", "surrogateescape"), SOURCE)
     except UserError:
@@ -79,7 +79,7 @@ def _moved(problem: Problem, *, is_bare: bool) -> Problem:
 
 
 def _place(place: Place) -> Place:
-    """Return a place of the braced line as one of the line that was written."""
+    """Return the location in the original line of a location in the line with braces."""
     return replace(place, column=max(1, place.column - 1)) if place.line == 1 else Place(SOURCE)
 
 
@@ -93,10 +93,10 @@ def _without_brace(value: Value) -> Value:
 
 
 def _struct(value: Value, lcm_class: type, problems: list[Problem]) -> dict[str, Any]:
-    """Return all fields of a struct; what is wrong is added to ``problems``."""
+    """Return all fields of a struct; errors are appended to ``problems``."""
     fields = {field.name: field for field in fields_of(lcm_class)}
     if value.data is not None and not isinstance(value.data, dict):
-        what = f"{lcm_name(lcm_class)} needs fields, but this is {value.kind}"
+        what = f"{lcm_name(lcm_class)} needs fields, not {value.kind}"
         problems.append(Problem(value.place, what, "write name: value, name: value"))
         return {}
     entries = value.data or {}
@@ -123,15 +123,15 @@ def _struct(value: Value, lcm_class: type, problems: list[Problem]) -> dict[str,
 
 
 def _given(field: Field, dims: tuple[int | str, ...], value: Value, problems: list[Problem]) -> Any:
-    """Return the value of a field, or of what lies below some of its axes."""
+    """Return the value of a field, or of one of its sub-arrays."""
     if dims:
         if not isinstance(value.data, list):
             axes = "".join(f"[{dim}]" for dim in field.dims)
-            what = f"'{field.name}' is an array {field.primitive}{axes}, but this is {value.kind}"
+            what = f"'{field.name}' must be an array {field.primitive}{axes}, not {value.kind}"
             problems.append(Problem(value.place, what, "write [value, value]" if len(dims) == 1 else "write [[value]]"))
             return []
         if isinstance(dims[0], int) and len(value.data) != dims[0]:
-            what = f"'{field.name}' holds {dims[0]} values here, not {len(value.data)}"
+            what = f"'{field.name}' must hold {dims[0]} values here, not {len(value.data)}"
             problems.append(Problem(value.place, what, f"write {dims[0]} values"))
         return [_given(field, dims[1:], item, problems) for item in value.data]
     if field.struct is not None:
@@ -144,7 +144,7 @@ def _given(field: Field, dims: tuple[int | str, ...], value: Value, problems: li
 
 
 def _sizes(fields: dict[str, Field], given: dict[str, Any]) -> dict[str, int]:
-    """Return the sizes of arrays that are not given themselves: what the given arrays have, else 0."""
+    """Return the sizes of arrays that are not given: those of the given arrays, else 0."""
     found: dict[str, int] = {}
     for name, field in fields.items():
         lengths = _lengths(given.get(name), len(field.dims))
@@ -155,7 +155,7 @@ def _sizes(fields: dict[str, Field], given: dict[str, Any]) -> dict[str, int]:
 
 
 def _lengths(value: Any, axes: int) -> list[set[int]]:
-    """Return the lengths of the lists on each axis of nested lists."""
+    """Return the lengths of the lists along each axis of nested lists."""
     lengths: list[set[int]] = []
     level = [value]
     for _ in range(axes):

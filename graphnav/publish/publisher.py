@@ -1,4 +1,4 @@
-"""Publish one message again and again, stamped and numbered."""
+"""Publish one message repeatedly, stamped and numbered."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from graphnav.codec import codec_of, fields_of
 from graphnav.publish.fields import Fields
 
 _SAME_S = 1e-6
-"""Times that are less apart are the same: multiples of a period are not exact."""
+"""Times closer than this are equal: multiples of a period are not exact."""
 
 
 class Publisher:
     """Publishes a message on a channel.
 
-    Where its type has ``utime`` and ``seq`` and they are not given, ``utime`` is the time of day in microseconds and
-    ``seq`` counts from 0. ``count``: messages that were published.
+    If its type has ``utime`` and ``seq`` and they are not given, ``utime`` is the time of day in microseconds and
+    ``seq`` counts from 0. ``count``: number of messages published.
     """
 
     def __init__(
@@ -30,7 +30,7 @@ class Publisher:
         self._filled = ({"utime", "seq"} & stamps) - fields.given
 
     def publish(self) -> None:
-        """Send the next message; raises BusError where the network refuses it."""
+        """Send the next message; raises BusError if the network refuses it."""
         if "utime" in self._filled:
             self._values["utime"] = self._now_ns() // 1000
         if "seq" in self._filled:
@@ -49,7 +49,7 @@ def repeat(
 ) -> None:
     """Call ``publish`` at a rate, ``n`` times, for ``for_s`` seconds, or until something raises.
 
-    A call that comes late moves the next ones: nothing is made up for.
+    A late call delays the following ones: missed calls are not made up for.
     """
     begin_s = due_s = now_s()
     count = 0

@@ -1,4 +1,4 @@
-"""Single values of LCM messages, checked against their primitive type."""
+"""Check single values of LCM messages against their primitive type."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ _INTEGERS: Mapping[str, tuple[int, int]] = {
 _FLOAT_MAX = float(np.finfo(np.float32).max)
 
 ZEROS: Mapping[str, Any] = {**dict.fromkeys(_INTEGERS, 0), "float": 0.0, "double": 0.0, "boolean": False, "string": ""}
-"""What a field holds that is not given."""
+"""Value of a field that is not given."""
 
 
 def scalar_problem(name: str, primitive: str, value: Value) -> Problem | None:
-    """Return what is wrong with the value of a field, None if it fits the type."""
+    """Return the problem with the value of a field, None if it matches the type."""
     data = value.data
     if primitive in _INTEGERS:
         return _integer_problem(name, primitive, value)
@@ -41,21 +41,25 @@ def scalar_problem(name: str, primitive: str, value: Value) -> Problem | None:
             "write a number",
         )
     if not fits:
-        return Problem(value.place, f"'{name}' is {wanted}, but this is {value.kind}", hint)
+        return Problem(value.place, f"'{name}' must be {wanted}, not {value.kind}", hint)
     if primitive in {"float", "double"} and isinstance(data, int | float):
         if not math.isfinite(data):
             return Problem(value.place, f"'{name}' is not finite: {data}", "write a finite number")
         if primitive == "float" and abs(data) > _FLOAT_MAX:
-            return Problem(value.place, f"'{name}' is {data}, but float holds at most {_FLOAT_MAX:.6g}", "write less")
+            return Problem(
+                value.place,
+                f"'{name}' is {data}, but the maximum of float is {_FLOAT_MAX:.6g}",
+                "write a smaller number",
+            )
     return None
 
 
 def _integer_problem(name: str, primitive: str, value: Value) -> Problem | None:
     data, (smallest, largest) = value.data, _INTEGERS[primitive]
     if isinstance(data, bool) or not isinstance(data, int):
-        what = f"'{name}' is an integer ({primitive}), but this is {value.kind}"
+        what = f"'{name}' must be an integer ({primitive}), not {value.kind}"
         return Problem(value.place, what, "write an integer")
     if not smallest <= data <= largest:
-        what = f"'{name}' is {data}, but {primitive} holds {smallest} to {largest}"
-        return Problem(value.place, what, "write a number in this range")
+        what = f"'{name}' is {data}, but the range of {primitive} is {smallest} to {largest}"
+        return Problem(value.place, what, "write an integer in this range")
     return None

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav.errors import UserError
-
-LOG = "run.lcmlog"
-"""The file name of the log in a run folder."""
+from graphnav.run_folder import LOG
 
 
 def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:

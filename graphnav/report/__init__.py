@@ -1,1 +1,1 @@
-"""What a person sees of a run: its folder, its table, its pictures."""
+"""Output of a run: its folder, summary table and pictures."""

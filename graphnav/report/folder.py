@@ -1,4 +1,4 @@
-"""Choose and make the folder of a run."""
+"""Choose and create the folder of a run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def make_run_folder(wanted: Path | None, graph_name: str) -> Path:
     Raises
     ------
     UserError
-        ``wanted`` is not empty, is no folder, or cannot be made.
+        ``wanted`` is not empty, not a folder, or cannot be created.
     """
     folder = wanted or _unused(Path("runs") / f"{graph_name}-{time.strftime('%Y%m%d-%H%M%S')}")
     try:
@@ -26,22 +26,22 @@ def make_run_folder(wanted: Path | None, graph_name: str) -> Path:
         if any(folder.iterdir()):
             raise UserError.of(f"{folder} is not empty", "choose another folder with -o, or remove this one")
     except OSError as error:
-        raise UserError.of(f"cannot make {folder}: {error.strerror}", "choose another folder with -o") from error
+        raise UserError.of(f"cannot create {folder}: {error.strerror}", "choose another folder with -o") from error
     return folder
 
 
 @contextmanager
 def removed_if_empty(folder: Path) -> Iterator[None]:
-    """Remove a folder into which the block has written nothing, as where a run does not start."""
+    """Remove the folder if the block has written nothing into it, as when a run does not start."""
     try:
         yield
     finally:
-        with suppress(OSError):  # it holds something
+        with suppress(OSError):  # it is not empty
             folder.rmdir()
 
 
 def _unused(folder: Path) -> Path:
-    """Return ``folder``, with a number behind it if runs of the same second took it."""
+    """Return ``folder``, with a number appended if a run of the same second has taken it."""
     number, candidate = 1, folder
     while candidate.exists():
         number += 1

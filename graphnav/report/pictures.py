@@ -1,4 +1,4 @@
-"""Pictures of a run, drawn from its log by the plugins that draw."""
+"""Draw the pictures of a run from its log with the drawing plugins."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ PNG = ".png"
 
 
 def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> list[Path]:
-    """Draw everything that the installed drawing plugins make of ``log`` into ``folder``; return the files.
+    """Draw all pictures that the installed drawing plugins make of ``log`` into ``folder``; return the files.
 
     Raises
     ------
     DrawingError
-        A plugin cannot draw what the log holds; what was drawn before is there.
+        A plugin cannot draw the content of the log; pictures drawn before are kept.
     GraphnavError
-        A picture cannot be written; the log has everything to draw it later.
+        A picture cannot be written; it can be drawn later from the log.
     """
     with Recording(log) as recording:
         return draw_all(catalog, recording, folder, PNG, video=video)
 
 
 def draw_all(catalog: Catalog, recording: Recording, folder: Path, suffix: str, *, video: bool) -> list[Path]:
-    """Draw as `draw_pictures` does, in the format that ``suffix`` says: ``.png``, ``.svg`` or ``.pdf``."""
+    """Draw as `draw_pictures` does, in the format of ``suffix``: ``.png``, ``.svg`` or ``.pdf``."""
     with _drawing_into(catalog, recording, folder):
         drawn = catalog.hook.graphnav_draw(recording=recording, folder=folder, video=video, suffix=suffix)
     return [path for paths in drawn for path in paths]
@@ -38,9 +38,9 @@ def draw_all(catalog: Catalog, recording: Recording, folder: Path, suffix: str, 
 def draw_frames(
     catalog: Catalog, recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
 ) -> list[Path]:
-    """Draw the panels of the frames nearest to ``times_s``, seconds since the log begins; raises as `draw_pictures`.
+    """Draw the panels of the frames nearest to ``times_s`` (seconds from the start); raises as `draw_pictures`.
 
-    Raises UserError for a time outside of the log.
+    Raises UserError for a time outside the log.
     """
     with _drawing_into(catalog, recording, folder):
         drawn = catalog.hook.graphnav_draw_frames(recording=recording, times_s=times_s, folder=folder, suffix=suffix)
@@ -50,9 +50,9 @@ def draw_frames(
 def draw_sheet(
     catalog: Catalog, recording: Recording, every_s: float, span_s: tuple[float, float], folder: Path, suffix: str
 ) -> list[Path]:
-    """Draw a contact sheet, a frame every ``every_s`` of ``span_s`` (since the log begins); raises as `draw_pictures`.
+    """Draw a contact sheet, a frame every ``every_s`` of ``span_s`` (from the start); raises as `draw_pictures`.
 
-    Raises UserError for a span without frames, or too many of them.
+    Raises UserError for a span without frames, or with too many.
     """
     from_s, until_s = span_s
     with _drawing_into(catalog, recording, folder):
@@ -73,5 +73,5 @@ def _drawing_into(catalog: Catalog, recording: Recording, folder: Path) -> Itera
         run = log.parent if log.name == LOG else log
         elsewhere = f" -o {folder}" if folder != log.parent else ""
         raise GraphnavError(
-            f"cannot draw into {folder}: {error.strerror}\n  make room, then run: graphnav figure {run}{elsewhere}"
+            f"cannot draw into {folder}: {error.strerror}\n  free space, then run: graphnav figure {run}{elsewhere}"
         ) from error

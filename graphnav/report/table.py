@@ -77,7 +77,7 @@ def _stages(summary: Summary) -> Table:
 
 
 def _outside(live: Mapping[str, Any]) -> Iterator[Table]:
-    """Yield tables of what came in and left in a live run, where anything could."""
+    """Yield tables of the inputs and outputs of a live run, if it has any."""
     if live.get("inputs"):
         table = _right_table(("input", "channel"), ("accepted", "lost", "rejected"))
         for one in live["inputs"]:

@@ -1,4 +1,4 @@
-"""The runner: owns stages and bus, and fires by the firing rule."""
+"""The runner: owns stages and bus, and applies the firing rule."""
 
 from graphnav.runner.lockstep import Outcome, Runner
 from graphnav.runner.seeds import seed_of

@@ -1,16 +1,16 @@
-"""Durations of many steps in fixed memory."""
+"""Quantiles of many durations in constant memory."""
 
 from __future__ import annotations
 
 import math
 
-_LEAST_S = 1e-7
+_MIN_S = 1e-7
 _PER_DECADE = 100
 _BINS = 9 * _PER_DECADE
 
 
 class Durations:
-    """A histogram of durations from 0.1 us to 100 s; quantiles err by at most 1.2 %."""
+    """A histogram of durations from 0.1 us to 100 s; the error of quantiles is at most 1.2 %."""
 
     def __init__(self) -> None:
         self._counts = [0] * _BINS
@@ -19,17 +19,17 @@ class Durations:
 
     def add(self, duration_s: float) -> None:
         """Count one duration."""
-        place = int(_PER_DECADE * math.log10(duration_s / _LEAST_S)) if duration_s > _LEAST_S else 0
+        place = int(_PER_DECADE * math.log10(duration_s / _MIN_S)) if duration_s > _MIN_S else 0
         self._counts[min(place, _BINS - 1)] += 1
         self.count += 1
         self.total_s += duration_s
 
     def quantile_s(self, share: float) -> float:
-        """Return the duration that ``share`` (0 to 1) of those counted do not exceed, 0 if none was counted."""
+        """Return the ``share`` quantile (0 to 1) of the counted durations, 0 if there are none."""
         rank = share * self.count
         seen = 0
         for place, count in enumerate(self._counts):
             seen += count
             if count and seen >= rank:
-                return float(_LEAST_S * 10 ** ((place + 0.5) / _PER_DECADE))
+                return float(_MIN_S * 10 ** ((place + 0.5) / _PER_DECADE))
         return 0.0

@@ -1,4 +1,4 @@
-"""Ctrl-C: ends a run between two ticks, and a step that hangs soon after."""
+"""Handle Ctrl-C: end a run between two ticks, and interrupt a step that hangs."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _PATIENCE_S = 0.5
 
 
 class Interrupt:
-    """While entered, SIGINT, SIGTERM and SIGHUP ask the run to stop.
+    """A context in which SIGINT, SIGTERM and SIGHUP ask the run to stop.
 
-    A tick that does not end within half a second is broken off by `KeyboardInterrupt`, and so is one at the second
-    Ctrl-C. Outside the main thread, where Python delivers no signals, it does nothing.
+    A tick that does not end within half a second is interrupted by `KeyboardInterrupt`, as it is by a second Ctrl-C.
+    Outside the main thread, where Python delivers no signals, it does nothing.
     """
 
     def __init__(self) -> None:
@@ -27,11 +27,11 @@ class Interrupt:
         return self._asked.is_set()
 
     def wait(self, seconds: float) -> None:
-        """Sleep, but no longer than until the user asks to stop."""
+        """Sleep until the time has passed or the user asks to stop."""
         self._asked.wait(seconds)
 
     def settle(self) -> None:
-        """Let what follows take its time: the run itself has ended. A further Ctrl-C still breaks it off."""
+        """Disarm the timeout: the run itself has ended. Another Ctrl-C still interrupts what follows."""
         if self._old:
             signal.setitimer(signal.ITIMER_REAL, 0)
 

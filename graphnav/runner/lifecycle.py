@@ -1,4 +1,4 @@
-"""Begin and end of the stages of a run."""
+"""Reset and close the stages of a run."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from graphnav.runner.unit import Unit
 
 
 def reset_stages(units: Mapping[str, Unit], seed: int) -> None:
-    """Make every stage's state anew from the run's ``seed``.
+    """Reset the state of every stage from the run's ``seed``.
 
     Raises
     ------
     StageError
-        A stage cannot be made ready.
+        A stage cannot be reset.
     """
     for name, unit in units.items():
         try:
@@ -26,18 +26,18 @@ def reset_stages(units: Mapping[str, Unit], seed: int) -> None:
 
 
 def close_stages(units: Mapping[str, Unit], at_s: float) -> None:
-    """Release what the stages hold; each is closed, also if another one fails to.
+    """Close every stage, even if another one fails to close.
 
     Raises
     ------
     StageError
-        The first failure, once every stage was closed.
+        The first failure, after every stage was closed.
     """
     failed = None
     for name, unit in units.items():
         try:
             unit.stage.close()
-        except Exception as error:  # noqa: BLE001 - a plugin's code, and the others must still be closed
+        except Exception as error:  # noqa: BLE001 - plugin code; the others must still be closed
             failed = failed or StageError(name, unit.node.use, at_s, f"close: {error}")
     if failed:
         raise failed

@@ -1,4 +1,4 @@
-"""Lockstep: simulated time, one tick a stamp, as fast as the machine allows or paced."""
+"""Run a graph in lockstep: simulated time, one tick per stamp, as fast as the machine allows or paced."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav.stage import Source, Stage
 
 
 class Outcome(StrEnum):
-    """How a run ended."""
+    """The outcome of a run."""
 
     GOAL = "goal"
     CONTACT = "contact"
@@ -46,12 +46,12 @@ class Runner(WiredStages):
         return self._due[0][0]
 
     def reset(self, seed: int) -> None:
-        """Make every stage's state anew from ``seed`` and set the clock to 0.
+        """Reset the state of every stage from ``seed``, and the clock to 0.
 
         Raises
         ------
         StageError
-            A stage cannot be made ready.
+            A stage cannot be reset.
         """
         super().reset(seed)
         self._rates = [source.rate() for unit in self._sources if isinstance(source := unit.stage, Source)]
@@ -59,12 +59,12 @@ class Runner(WiredStages):
         heapq.heapify(self._due)
 
     def tick(self) -> str | None:
-        """Run everything that belongs to the next stamp; return the outcome where a source ended the run.
+        """Fire everything that is due at the next stamp; return the outcome if a source ended the run.
 
         Raises
         ------
         StageError
-            A stage raised, or returned what it may not.
+            A stage raised, or returned something invalid.
         """
         self.utime = stamp = self._due[0][0]
         outcome = None
@@ -78,9 +78,9 @@ class Runner(WiredStages):
         return outcome
 
     def run(self, until_s: float | None = None, before_tick: Callable[[int], bool] = lambda _: True) -> str:
-        """Tick until a source ends the run, ``until_s`` of simulated time are over, or ``before_tick`` says no.
+        """Tick until a source ends the run, ``until_s`` has passed, or ``before_tick`` returns False.
 
-        ``before_tick`` gets the stamp of the tick to come: progress, pace and Ctrl-C hang on it.
+        ``before_tick`` gets the stamp of the next tick; it implements progress, pace and Ctrl-C.
         """
         until = None if until_s is None else round(until_s * 1e6)
         while True:

@@ -1,4 +1,4 @@
-"""The health of a lockstep run for those who watch it: `graphnav.status`, once a second of wall time."""
+"""Publish the status of a lockstep run for viewers: `graphnav.status`, once a second of wall time."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from graphnav.runner.owned_stages import Sink
 from graphnav.runner.stage_health import Rates, memory_mb, stage_statuses
 
 STATUS = "graphnav.status"
-"""The channel on which a run publishes its health once a second."""
+"""The channel on which a run publishes its status once a second."""
 _PERIOD_S = 1.0
 
 
 class LockstepStatus:
-    """Writes a status to the tap once a second; never to the log, which holds nothing that a wall clock measured."""
+    """Writes a status to the tap once a second; never to the log, which contains no wall-clock measurements."""
 
     def __init__(self, runner: Runner, tap: Sink, run_id: str, dropped: Callable[[], int]) -> None:
         self._runner, self._tap, self._run_id, self._dropped = runner, tap, run_id, dropped
@@ -26,7 +26,7 @@ class LockstepStatus:
         self._count = 0
 
     def before_tick(self, utime: int, behind_s: float) -> None:
-        """Publish, if the last status is a second old."""
+        """Publish a status if the last one is a second old."""
         now_s = time.monotonic()
         elapsed_s = now_s - self._last_s
         if elapsed_s < _PERIOD_S:

@@ -1,4 +1,4 @@
-"""A stage in lockstep: it fires once its plain inputs hold messages of the tick."""
+"""A stage in lockstep: fires when its plain inputs hold messages of the tick."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav.stage import Latest, Since, Stage
 
 
 class LockstepUnit(Unit):
-    """Holds what arrived for a stage and fires it when its plain inputs are complete."""
+    """Holds the messages that arrived for a stage and fires it when its plain inputs are complete."""
 
     def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
         super().__init__(node, stage, publish)
@@ -23,7 +23,7 @@ class LockstepUnit(Unit):
         self._unconnected = {i.port.name for i in node.inputs if i.channel is None}
 
     def deliver(self, port: str, utime: int, message: Message) -> None:
-        """Put a message into the inbox; what comes on a plain port is of the tick's stamp."""
+        """Put a message into the inbox; messages on plain ports have the stamp of the tick."""
         if port in self._latest:
             self._newest[port] = (utime, message)
         elif port in self._since:
@@ -33,7 +33,7 @@ class LockstepUnit(Unit):
 
     @property
     def dropped(self) -> int:
-        """Sets of inputs that stayed incomplete."""
+        """Number of sets of inputs that stayed incomplete."""
         return self._n_dropped
 
     @property
@@ -42,18 +42,18 @@ class LockstepUnit(Unit):
         return len(self._inbox) == len(self._plain)
 
     def discard(self) -> None:
-        """Drop what stayed incomplete, and count it."""
+        """Drop and count an incomplete set."""
         if self._inbox:
             self._inbox.clear()
             self._n_dropped += 1
 
     def fire(self, utime: int) -> str | None:
-        """Step once and publish; return the outcome where a source ended the run.
+        """Step once and publish; return the outcome if a source ended the run.
 
         Raises
         ------
         StageError
-            The step raised, or returned what it may not.
+            The step raised, or returned something invalid.
         """
         inputs: dict[str, Any] = dict(self._inbox)
         self._inbox.clear()

@@ -1,4 +1,4 @@
-"""The stages of a run or of a replay: made ready, closed, and what they publish numbered and encoded."""
+"""Own the stages of a run or a replay: reset and close them, number and encode their messages."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ U = TypeVar("U", bound=Unit)
 
 
 class Sink(Protocol):
-    """What takes every message of a run: the log, the tap."""
+    """A receiver of every message of a run: the log, the tap."""
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Take one message as it was published."""
+        """Write one message as it was published."""
 
 
 class OwnedStages(Generic[U]):
-    """Owns stages; a subclass makes their units and says when which one fires.
+    """Owns stages; a subclass creates their units and decides when each one fires.
 
-    ``begin_us``: the clock at the beginning, 0 in simulated time.
+    ``begin_us``: the clock at the start, 0 in simulated time.
     """
 
     def __init__(self, sinks: Sequence[Sink], begin_us: int = 0) -> None:
         self.ticks = 0
-        """Ticks, or firings where there are no ticks."""
+        """Number of ticks, or of firings if there are no ticks."""
         self.utime = begin_us
         """The clock, microseconds."""
         self.is_ready = False
@@ -41,16 +41,16 @@ class OwnedStages(Generic[U]):
 
     @property
     def units(self) -> Mapping[str, U]:
-        """The stages at work, by name."""
+        """The units of the stages, by name."""
         return self._units
 
     def reset(self, seed: int) -> None:
-        """Make every stage's state anew from ``seed`` and set the clock to the beginning.
+        """Reset the state of every stage from ``seed``, and the clock to the start.
 
         Raises
         ------
         StageError
-            A stage cannot be made ready.
+            A stage cannot be reset.
         """
         self._seqs.clear()
         self.is_ready = False
@@ -59,12 +59,12 @@ class OwnedStages(Generic[U]):
         self.is_ready = True
 
     def close(self) -> None:
-        """Release what the stages hold; each is closed, also if another one fails to.
+        """Close every stage, even if another one fails to close.
 
         Raises
         ------
         StageError
-            The first failure, once every stage was closed.
+            The first failure, after every stage was closed.
         """
         close_stages(self._units, (self.utime - self._begin_us) / 1e6)
 
@@ -73,7 +73,7 @@ class OwnedStages(Generic[U]):
         return seq
 
     def _give(self, channel: Channel, utime: int, seq: int, message: Message) -> bytes:
-        """Encode a message, give it to every sink and return its bytes; raises ValueError where it cannot be."""
+        """Encode a message, write it to every sink and return its bytes; raises ValueError if it cannot be encoded."""
         try:
             data = encode(message, utime, seq)
         except EncodeError as error:

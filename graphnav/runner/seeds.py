@@ -1,4 +1,4 @@
-"""Randomness: every stage has its own, so that a swap elsewhere changes none of it."""
+"""Derive a seed for every stage, so that swapping another stage does not change it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a status says of the stages of a run, live or in lockstep, and of the process."""
+"""The stages and the process in the status of a run, live or in lockstep."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ _PAGE_MB = os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 class Rates:
-    """How much counts have grown since they were last asked for, by name."""
+    """Increments of counts since the last call, by name."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
 
     def since(self, name: str, count: int) -> int:
-        """Return how much a count has grown since the last call."""
+        """Return the increment of a count since the last call."""
         grown = count - self._counts[name]
         self._counts[name] = count
         return grown
 
 
 def stage_statuses(units: Mapping[str, Unit], rates: Rates, elapsed_s: float) -> tuple[dict[str, Any], ...]:
-    """Return the fields of ``stage_status_t`` for every stage; rates are those of the last ``elapsed_s``."""
+    """Return the fields of ``stage_status_t`` for every stage; rates are averages over ``elapsed_s``."""
     return tuple(
         {
             "name": name,
@@ -45,7 +45,7 @@ def stage_statuses(units: Mapping[str, Unit], rates: Rates, elapsed_s: float) ->
 
 
 def memory_mb() -> float:
-    """Return the resident memory of this process, megabytes; 0 where the kernel does not tell."""
+    """Return the resident memory of this process in megabytes; 0 if the kernel does not report it."""
     try:
         return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * _PAGE_MB
     except (OSError, ValueError, IndexError):

@@ -1,4 +1,4 @@
-"""One stage at work: it steps, publishes what it returns, and counts what that costs."""
+"""Run one stage: step, publish the outputs, measure the time."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ Publish = Callable[[Channel, int, Message], None]
 
 
 class Unit:
-    """A stage and its counters; subclasses hold what arrives for it and decide when it fires."""
+    """A stage and its counters; subclasses hold its pending inputs and decide when it fires."""
 
     def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
         self.node, self.stage = node, stage
         self.durations = Durations()
         self.missed = 0
-        """Steps that ended after the stage's deadline."""
+        """Number of steps that ended after the stage's deadline."""
         self.last_utime = 0
         self.start_utime = 0
-        """When the run began, by the clock of its stamps."""
+        """Start of the run, by the clock of its stamps."""
         self._publish = publish
         self._step: Callable[..., Any] = getattr(stage, "step")  # noqa: B009 - a Stage has no step of its own
         ports = ports_of(node.stage_class)
@@ -39,21 +39,21 @@ class Unit:
 
     @property
     def dropped(self) -> int:
-        """Inputs that came and were never stepped with."""
+        """Number of inputs that arrived but were never used in a step."""
         return 0
 
     def judge_deadline(self, ready_s: float, done_s: float) -> None:
-        """Count a step that ended later than the graph allows after its newest input was ready, seconds."""
+        """Count a step that missed the stage's deadline; times in seconds."""
         if self.node.deadline_ms is not None and done_s - ready_s > self.node.deadline_ms / 1e3:
             self.missed += 1
 
     def step(self, utime: int, inputs: Mapping[str, Any], age_s: float = 0.0) -> str | None:
-        """Step once with ``inputs`` by port and publish; return the outcome where a source ended the run.
+        """Step once with ``inputs`` by port and publish; return the outcome if a source ended the run.
 
         Raises
         ------
         StageError
-            The step raised, or returned what it may not.
+            The step raised, or returned something invalid.
         """
         self.last_utime = utime
         arguments: dict[str, Any] = {**dict.fromkeys(self._open), **inputs}

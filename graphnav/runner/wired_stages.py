@@ -1,4 +1,4 @@
-"""The stages of a graph on a bus in simulated time: what one publishes reaches the others and every sink."""
+"""Connect the stages of a graph by a bus in simulated time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from graphnav.stage import Stage
 
 
 class WiredStages(OwnedStages[LockstepUnit]):
-    """Owns the stages of a graph and the bus; a subclass says when which one fires."""
+    """Owns the stages of a graph and the bus; a subclass decides when each stage fires."""
 
     def __init__(self, graph: Graph, stages: Mapping[str, Stage], bus: Bus, sinks: Sequence[Sink]) -> None:
         """Wire ``stages`` (by name) of ``graph`` over ``bus``; every message also goes to the ``sinks``."""
@@ -34,7 +34,7 @@ class WiredStages(OwnedStages[LockstepUnit]):
         return outcome
 
     def _fire_complete(self, unit: LockstepUnit, stamp: int) -> None:
-        """Fire a stage whose plain inputs are complete; drop those of another one."""
+        """Fire a stage if its plain inputs are complete, else drop them."""
         if unit.is_complete:
             self._fire(unit, stamp)
         else:
@@ -52,7 +52,7 @@ class WiredStages(OwnedStages[LockstepUnit]):
             self._bus.publish(channel.name, data)
 
     def _subscribe(self) -> set[str]:
-        """Subscribe once to each channel that some stage consumes; return their names."""
+        """Subscribe once to each channel that a stage consumes; return the names."""
         consumers: dict[str, list[Callable[[int, Any], None]]] = defaultdict(list)
         messages: dict[str, type[Message]] = {}
         for node in self.graph.nodes:

@@ -1,4 +1,4 @@
-"""Stages: what people write to plug into a graph."""
+"""The authoring API of stages: parameters, ports and `step`."""
 
 from graphnav.stage.describe import describe, plain_data, summary_of, unit_of
 from graphnav.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_of

@@ -1,4 +1,4 @@
-"""Tell all about a stage: what a graph may say of it, derived from its declaration."""
+"""Describe a stage as plain data, derived from its declaration."""
 
 from __future__ import annotations
 
@@ -25,18 +25,20 @@ UNITS: Mapping[str, str] = {
     "radps": "radians per second",
     "radps2": "radians per second squared",
     "ratio": "a ratio",
+    "gray": "gray levels, 0 to 255",
+    "gray2": "squared gray levels per pixel",
 }
-"""What the suffixes of names mean."""
+"""Units by the suffix of a name."""
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that a parameter's suffix names, empty for none."""
+    """Return the unit named by a parameter's suffix, empty if there is none."""
     stem, _, suffix = name.rpartition("_")
     return UNITS.get(suffix, "") if stem else ""
 
 
 def describe(use: str, cls: type[Stage], origin: str) -> dict[str, Any]:
-    """Return everything that a graph may say of a stage, as JSON can hold it."""
+    """Return the ports, parameters and documentation of a stage as JSON data."""
     ports = ports_of(cls)
     return {
         "name": use,
@@ -56,7 +58,7 @@ def summary_of(cls: type[Stage]) -> str:
 
 
 def plain_data(value: Any) -> Any:
-    """Return a parameter's value as YAML and JSON hold it."""
+    """Return a parameter's value as YAML and JSON data."""
     if isinstance(value, tuple):
         return [plain_data(item) for item in value]
     return str(value) if isinstance(value, Path) else value

@@ -13,13 +13,6 @@ from graphnav.errors import Hint, Suggestion, did_you_mean
 METRICS: Mapping[str, str] = {"least_clearance_m": "min_clearance_m"}
 """Of stages' metrics, without the stage's name."""
 
-PARAMETERS: Mapping[str, Mapping[str, str]] = {
-    "score.agreement": {"least_turn_deg": "min_turn_deg"},
-    "score.plane": {"least_motion_px": "min_motion_px"},
-    "score.steering": {"least_times": "min_side_ratio", "least_difference_ratio": "min_difference_ratio"},
-}
-"""Of stages' parameters, by the ``use`` of the stage."""
-
 ROLES: Mapping[str, str] = {"control": "baseline"}
 STAGE_ATTRIBUTES: Mapping[str, str] = {"less_is_better": "metrics"}
 STUDY_KEYS: Mapping[str, str] = {"figures": "metrics"}

@@ -19,12 +19,12 @@ from graphnav.errors import DeclarationError, Hint, ParamError, did_you_mean
 REQUIRED = dataclasses.MISSING
 _SCALARS = (bool, int, float, str, Path)
 _YES_AND_NO = {"yes": True, "on": True, "no": False, "off": False}
-_WORDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", Path: "a path"}
+_TYPE_NAMES = {bool: "true or false", int: "an integer", float: "a number", str: "a string", Path: "a path"}
 
 
 @dataclass(frozen=True)
 class Param:
-    """What the declaration of a parameter says."""
+    """The declaration of a parameter."""
 
     name: str
     type: Any
@@ -34,20 +34,22 @@ class Param:
     gt: float | None = None
     le: float | None = None
     lt: float | None = None
+    renamed_from: str | None = None
+    """The name in older versions: refused in graphs that users write, accepted in records."""
 
     @property
     def required(self) -> bool:
-        """Whether a graph has to give the parameter."""
+        """Whether a graph must give the parameter."""
         return self.default is REQUIRED
 
     @property
     def type_text(self) -> str:
-        """The type as people say it."""
+        """The type in words."""
         return type_text(self.type)
 
     @property
     def bounds_text(self) -> str:
-        """The bounds as people write them, empty without any."""
+        """The bounds as in ``>= 0 and < 1``, empty if there are none."""
         signs = ((">=", self.ge), (">", self.gt), ("<=", self.le), ("<", self.lt))
         return " and ".join(f"{sign} {_number(bound)}" for sign, bound in signs if bound is not None)
 
@@ -57,7 +59,7 @@ class Param:
         Raises
         ------
         ParamError
-            Another type, not finite, or out of bounds.
+            It has another type, is not finite or is out of bounds.
         """
         parsed = _convert(self.name, self.type, value)
         for number in parsed if isinstance(parsed, tuple) else (parsed,):
@@ -84,20 +86,25 @@ def param(
     gt: float | None = None,
     le: float | None = None,
     lt: float | None = None,
+    renamed_from: str | None = None,
 ) -> Any:
     """Declare a parameter of a stage.
 
     Parameters
     ----------
     default
-        Its value where a graph says nothing; without one the graph has to give it.
+        Value if a graph does not give one; without a default the graph must.
     doc
-        What it means, and what more and less of it does. The unit stands in the name (``_px``, ``_s``, …).
+        Meaning, and the effect of larger and smaller values. The unit is the suffix of the name (``_px``, ``_s``, ...);
+        a float without a unit is documented as "dimensionless".
     ge, gt, le, lt
-        Bounds: at least, above, at most, below. For tuples they hold for every number.
+        Bounds: minimum, exclusive minimum, maximum, exclusive maximum. For tuples they apply to every number.
+    renamed_from
+        Former name. A graph that uses it is refused with the new name as the suggestion; the graph of a log or a run
+        folder is read as if it used the new name.
     """
-    bounds = {"ge": ge, "gt": gt, "le": le, "lt": lt}
-    return dataclasses.field(default=default, kw_only=True, metadata={"doc": doc, "bounds": bounds})
+    declared = {"doc": doc, "ge": ge, "gt": gt, "le": le, "lt": lt, "renamed_from": renamed_from}
+    return dataclasses.field(default=default, kw_only=True, metadata={"param": declared})
 
 
 def params_of(cls: type) -> Mapping[str, Param]:
@@ -106,7 +113,7 @@ def params_of(cls: type) -> Mapping[str, Param]:
     Raises
     ------
     DeclarationError
-        A field without `param`, or of a type that a graph cannot give.
+        A field is declared without `param`, or has an unsupported type.
     """
     return _params_of(cls)
 
@@ -116,22 +123,23 @@ def _params_of(cls: Any) -> Mapping[str, Param]:
     hints = get_type_hints(cls)
     found = {}
     for f in dataclasses.fields(cls):
-        if "doc" not in f.metadata:
+        if "param" not in f.metadata:
             raise DeclarationError(
-                f"field '{f.name}' of {cls.__qualname__} is no parameter: write {f.name}: ... = param(..., doc=...), "
-                f"or make it in reset() if it is state"
+                f"field '{f.name}' of {cls.__qualname__} is not a parameter: "
+                f"write {f.name}: ... = param(..., doc=...), "
+                "or assign it in reset() if it is state"
             )
         if not _is_supported(hints[f.name]):
             raise DeclarationError(
                 f"parameter '{f.name}' of {cls.__qualname__} has type {hints[f.name]}: "
                 "use bool, int, float, str, Path, Literal, a tuple of them, or one of these | None"
             )
-        found[f.name] = Param(f.name, hints[f.name], f.default, f.metadata["doc"], **f.metadata["bounds"])
+        found[f.name] = Param(f.name, hints[f.name], f.default, **f.metadata["param"])
     return MappingProxyType(found)
 
 
 def type_text(kind: Any) -> str:
-    """Return a parameter's type as people say it: ``"mad" or "otsu"``, ``a number``."""
+    """Return a parameter's type in words: ``"mad" or "otsu"``, ``a number``."""
     origin, args = get_origin(kind), get_args(kind)
     if origin is Literal:
         return _any_of([f'"{a}"' if isinstance(a, str) else str(a) for a in args])
@@ -141,7 +149,7 @@ def type_text(kind: Any) -> str:
         return "[" + ", ".join(type_text(a) for a in args) + "]"
     if origin in (Union, types.UnionType):
         return _any_of([type_text(a) for a in args if a is not type(None)] + ["null"])
-    return _WORDS.get(kind, str(kind))
+    return _TYPE_NAMES.get(kind, str(kind))
 
 
 def _any_of(words: list[str]) -> str:
@@ -178,7 +186,7 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
         if isinstance(value, str | Path) and str(value):
             return Path(value)
         if type(value) is int and value >= 0:
-            return Path(str(value))  # a camera's number, or a folder that is called like one
+            return Path(str(value))  # a camera's number, or a folder named like one
     elif type(value) is kind:
         return value
     raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}", _hint(kind, value))
@@ -196,7 +204,7 @@ def _convert_union(name: str, kind: Any, value: Any) -> Any:
     if value is None and type(None) in get_args(kind):
         return None
     if isinstance(value, str) and "://" in value and str in get_args(kind):
-        return value  # a Path would lose one of the slashes
+        return value  # Path would drop one of the slashes
     for member in get_args(kind):
         if member is type(None):
             continue
@@ -215,7 +223,7 @@ def _hint(kind: Any, value: Any) -> Hint:
     members = get_args(kind) if get_origin(kind) in (Union, types.UnionType) else (kind,)
     choices = [a for m in members if get_origin(m) is Literal for a in get_args(m) if isinstance(a, str)]
     if not choices and float in members and re.fullmatch(r"[-+.0-9eE]+", value):
-        return "leave the quotes out"
+        return "remove the quotes"
     return did_you_mean(value, choices)
 
 
@@ -229,7 +237,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return f"the text '{value}'" if len(value) <= 60 else f"a text of {len(value)} characters"
+        return f"the string '{value}'" if len(value) <= 60 else f"a string of {len(value)} characters"
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list | tuple):

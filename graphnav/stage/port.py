@@ -1,4 +1,4 @@
-"""Ports, read off the signature of ``step``: the signature is the schema."""
+"""Derive ports from the signature of ``step``."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from graphnav.errors import DeclarationError
 from graphnav.messages.message import Message, snake_case
 
 Stamp = NewType("Stamp", int)
-"""Annotates a parameter of ``step`` that receives the firing's time, microseconds."""
+"""Annotates a parameter of ``step`` that receives the time of the firing in microseconds."""
 
 Age = NewType("Age", float)
-"""Annotates a parameter of ``step`` that receives how old the plain inputs are, seconds.
+"""Annotates a parameter of ``step`` that receives the age of the plain inputs in seconds.
 
-In lockstep 0. Live it is counted from the arrival of the input that they were made from, and it grows from one timer
-firing (``every_ms``) to the next; infinite before the first complete set.
+0 in lockstep. In a live run it is measured from the arrival of the input that they derive from, and grows from one
+timer firing (``every_ms``) to the next; infinite before the first complete set.
 """
 
 M = TypeVar("M")
@@ -29,11 +29,11 @@ M = TypeVar("M")
 
 @dataclass(frozen=True)
 class Latest(Generic[M]):
-    """A sampled input: it never triggers, and is the one legal way to close a loop.
+    """A sampled input: it never triggers, and is the only way to close a loop.
 
     ``value`` is the newest message, None before the first; ``age_s`` is how old it is, infinite before the first.
-    ``fault``: live, what is wrong with the stamps of the input that feeds it, empty if nothing is. ``is_connected``:
-    whether the graph wires it.
+    ``fault``: in a live run, the fault in the stamps of the input that feeds it, empty if there is none.
+    ``is_connected``: whether the graph wires it.
     """
 
     value: M | None = None
@@ -44,10 +44,10 @@ class Latest(Generic[M]):
 
 @dataclass(frozen=True)
 class Since(Generic[M]):
-    """An input that holds everything that came since the last firing, for senders of another rate; it never triggers.
+    """An input that holds all messages since the last firing, for senders of another rate; it never triggers.
 
-    ``messages``: pairs of the sender's stamp (microseconds) and the message, oldest first. Live, a firing waits, for
-    at most `Stage.patience_s`, until a message has come that is as new as the firing's stamp.
+    ``messages``: pairs of the sender's stamp (microseconds) and the message, oldest first. In a live run a firing
+    waits, for at most `Stage.patience_s`, for a message as new as the firing's stamp.
     """
 
     messages: tuple[tuple[int, M], ...] = ()
@@ -55,7 +55,7 @@ class Since(Generic[M]):
 
 @dataclass(frozen=True)
 class Stamped(Generic[M]):
-    """An output with a stamp of its own, as of a sensor that keeps another time than the stage's firings.
+    """An output with its own stamp, as of a sensor that does not sample at the stage's firings.
 
     The field of the NamedTuple that ``step`` returns is annotated ``Stamped[T]``, or ``Stamped[T] | None``. Its channel
     may feed `Latest` and `Since` inputs, inputs of other programs and logs, but no plain input.
@@ -67,11 +67,11 @@ class Stamped(Generic[M]):
 
 @dataclass(frozen=True)
 class Port:
-    """One input or output: its name, its message type, how it is read.
+    """An input or output: its name, message type and how it is read.
 
-    ``latest``: sampled (`Latest`). ``since``: holds everything since the last firing (`Since`). ``optional``: a plain
-    input annotated ``T | None``: a timer may fire the stage before there is a message; an output that a step may leave
-    out. ``defaulted``: a plain input declared ``T | None = None``. ``stamped``: an output with stamps of its own
+    ``latest``: sampled (`Latest`). ``since``: holds all messages since the last firing (`Since`). ``optional``: a
+    plain input annotated ``T | None``, which a timer may fire before there is a message, or an output that a step may
+    omit. ``defaulted``: a plain input declared ``T | None = None``. ``stamped``: an output with its own stamps
     (`Stamped`).
     """
 
@@ -90,18 +90,18 @@ class Port:
 
     @property
     def may_be_open(self) -> bool:
-        """Whether a graph need not connect it."""
+        """Whether a graph may leave it unwired."""
         return self.defaulted or not self.is_plain
 
     @property
     def reading(self) -> str:
-        """How it is read, in a word: "latest", "since", or nothing for a plain one."""
+        """How it is read: "latest", "since", or empty for a plain input."""
         return "latest" if self.latest else "since" if self.since else ""
 
 
 @dataclass(frozen=True)
 class Ports:
-    """What ``step`` of a stage class takes and gives."""
+    """The inputs and outputs of ``step`` of a stage class."""
 
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
@@ -119,7 +119,7 @@ def ports_of(cls: type) -> Ports:
     Raises
     ------
     DeclarationError
-        ``step`` is missing or its annotations do not say what comes and goes.
+        ``step`` is missing, or its annotations do not name the ports.
     """
     return _ports_of(cls)
 
@@ -128,7 +128,7 @@ def ports_of(cls: type) -> Ports:
 def _ports_of(cls: Any) -> Ports:
     step = getattr(cls, "step", None)
     if not callable(step):
-        raise DeclarationError(f"stage {cls.__qualname__} has no step(): write one whose annotations name its ports")
+        raise DeclarationError(f"stage {cls.__qualname__} has no step(): add one whose annotations name its ports")
     hints = _hints(cls, step)
     inputs: list[Port] = []
     stamps: list[str] = []

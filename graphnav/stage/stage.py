@@ -11,7 +11,7 @@ from graphnav.stage.metric import Metric
 from graphnav.stage.param import param, params_of
 
 Ending = Literal["goal", "contact", "end"]
-"""The outcomes that a source can give a run."""
+"""The outcomes with which a source ends a run."""
 
 Role = Literal["method", "baseline", "oracle"]
 """What a stage is in a comparison: a method, a baseline that a method has to beat, an oracle that sees the truth."""
@@ -19,11 +19,11 @@ Role = Literal["method", "baseline", "oracle"]
 
 @dataclass_transform(kw_only_default=True, eq_default=False)
 class Stage:
-    """A part of a graph that turns messages into messages.
+    """A processing step of a graph: messages in, messages out.
 
     Parameters are class fields declared with `param`; ports are the annotations of ``step``, which a subclass
-    defines; state lives in ``_underscored`` attributes made in `reset`. A stage knows no bus, clock or network: a test
-    calls it directly::
+    defines; state lives in ``_underscored`` attributes assigned in `reset`. A stage knows no bus, clock or network, so
+    that tests call it directly::
 
         smooth = Smooth(alpha=0.3)
         smooth.reset(seed=0)
@@ -35,7 +35,7 @@ class Stage:
     metrics: ClassVar[tuple[Metric, ...]] = ()
     """The metrics that `summary` returns."""
     is_guard: ClassVar[bool] = False
-    """Whether it stops the robot when its inputs are late, lost or blind: only a guard may write a motor channel."""
+    """Whether it stops the robot on late, lost or blind inputs: only a guard may write a motor channel."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Make the annotated fields of ``cls`` parameters of its constructor."""
@@ -48,7 +48,7 @@ class Stage:
         Raises
         ------
         ParamError
-            A value of the wrong type or out of bounds.
+            A value has the wrong type or is out of bounds.
         """
         for name, declared in params_of(type(self)).items():
             value = getattr(self, name)
@@ -59,19 +59,19 @@ class Stage:
                     raise
 
     def reset(self, seed: int) -> None:
-        """Make the state anew; all randomness derives from ``seed``."""
+        """Initialise the state; all randomness derives from ``seed``."""
 
     def check(self) -> None:
-        """Look at what the parameters name (files, devices) before anything runs.
+        """Check the files and devices that the parameters name, before the run starts.
 
         Raises
         ------
         ParamError
-            It cannot be used; shown at the parameter's place in the graph.
+            One of them cannot be used; shown at the parameter's location in the graph.
         """
 
     def patience_s(self) -> float:
-        """Return how long a live firing waits for `Since` inputs to come as far as its stamp; asked after `reset`."""
+        """Return how long a live firing waits for `Since` inputs to reach its stamp; called after `reset`."""
         return 0.1
 
     def summary(self) -> Mapping[str, float]:
@@ -83,7 +83,7 @@ class Stage:
 
 
 class Source(Stage):
-    """A stage that the clock fires, not a message: a world, a video, a camera.
+    """A stage fired by the clock instead of a message: a world, a video, a camera.
 
     Its ``step`` may take `Latest` inputs and a `Stamp`, nothing else. It ends the run with `Finished`.
     """
@@ -91,19 +91,19 @@ class Source(Stage):
     rate_hz: float = param(10.0, gt=0.0, le=10_000.0, doc="firings per second")
 
     def rate(self) -> float:
-        """Return firings per second; asked once, after `reset`."""
+        """Return firings per second; called once, after `reset`."""
         return self.rate_hz
 
 
-class Finished(Exception):  # noqa: N818 - it is no error
+class Finished(Exception):  # noqa: N818 - it is not an error
     """Raised by a source's ``step`` to end the run; ``outputs`` are published first.
 
-    ``outcome``: "goal", "contact" or "end" (there is nothing more to give). Raises ValueError for another.
+    ``outcome``: "goal", "contact" or "end" (the data is exhausted). Raises ValueError for any other.
     """
 
     def __init__(self, outcome: Ending, outputs: Any = None) -> None:
         super().__init__(outcome)
         if outcome not in get_args(Ending):
-            raise ValueError(f"no source ends a run with '{outcome}': use {', '.join(get_args(Ending))}")
+            raise ValueError(f"a source cannot end a run with '{outcome}': use {', '.join(get_args(Ending))}")
         self.outcome = outcome
         self.outputs = outputs

@@ -1,4 +1,4 @@
-"""Drive by keys: a terminal's keys in, twists and stops out."""
+"""Keyboard driving: keys of a terminal in, twists and stops out."""
 
 from graphnav.teleop.drive import Drive
 from graphnav.teleop.keys import Key, Keys

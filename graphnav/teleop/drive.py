@@ -1,4 +1,4 @@
-"""Keys to a twist, with a dead man's timeout: a terminal tells when a key is pressed, never when it is let go."""
+"""Keys to a twist, with a dead man's timeout: a terminal reports key presses, but not releases."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from graphnav.messages import Twist
 from graphnav.teleop.keys import Key
 
 ZERO_S = 0.3
-"""How long zero is published once the keys are let go; then there is silence, and an override goes stale."""
+"""How long zero is published after the keys are released; then nothing is sent, and an override goes stale."""
 _STEP_RATIO = 1.1
 _V = {Key.FORWARD: 1.0, Key.BACK: -1.0}
 _OMEGA = {Key.LEFT: 1.0, Key.RIGHT: -1.0}
 
 
 class Drive:
-    """The command that the keys of the last ``timeout_s`` ask for; forward and turn each have a timeout of their own.
+    """The command of the keys pressed in the last ``timeout_s``; forward and turn have separate timeouts.
 
-    ``speed_mps``, ``turn_radps``: of a pressed key; Key.FASTER and Key.SLOWER change both by a tenth.
+    ``speed_mps``, ``turn_radps``: speeds while a key is pressed; Key.FASTER and Key.SLOWER change both by a tenth.
     """
 
     def __init__(self, speed_mps: float, turn_radps: float, timeout_s: float) -> None:
@@ -27,7 +27,7 @@ class Drive:
         self._zero_until_s = -math.inf
 
     def press(self, key: Key, now_s: float) -> None:
-        """Take a key that was pressed, or repeated, now."""
+        """Handle a key pressed, or repeated, at ``now_s``."""
         if key in _V:
             self._v = _V[key], now_s
         elif key in _OMEGA:
@@ -43,7 +43,7 @@ class Drive:
             self._zero_until_s = now_s + self._timeout_s + ZERO_S
 
     def command(self, now_s: float) -> Twist | None:
-        """Return what to publish now; None for silence."""
+        """Return the command to publish now, None for none."""
         v, omega = (sign if now_s - at_s <= self._timeout_s else 0.0 for sign, at_s in (self._v, self._omega))
         if v or omega:
             return Twist(v_mps=v * self.speed_mps, omega_radps=omega * self.turn_radps)

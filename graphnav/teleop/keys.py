@@ -1,4 +1,4 @@
-"""What the keys of teleop ask for."""
+"""Keys of teleop and their meaning."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from graphnav.keyboard import KeyDecoder
 
 
 class Key(Enum):
-    """What a key asks for."""
+    """The meaning of a key."""
 
     FORWARD = auto()
     BACK = auto()
@@ -23,8 +23,8 @@ class Key(Enum):
 
 
 HELP = """\
-  w or i or up     forward        x  stop the robot until it is armed again
-  s or k or down   back           r  arm it again
+  w or i or up     forward        x  stop the robot until it is re-armed
+  s or k or down   back           r  re-arm it
   a or j or left   turn left      +  faster
   d or l or right  turn right     -  slower
   space            halt           q  quit
@@ -45,7 +45,7 @@ _KEYS = {
 
 
 class Keys:
-    """Turns the bytes of a terminal into what they ask for. What means nothing is left out."""
+    """Decodes the bytes of a terminal; keys without a meaning are ignored."""
 
     def __init__(self) -> None:
         self._decoder = KeyDecoder()

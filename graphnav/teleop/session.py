@@ -1,4 +1,4 @@
-"""Publish what the keys ask for until the user quits."""
+"""Publish the commands of the keys until the user quits."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from graphnav.teleop.keys import Key, Keys
 
 _LAST_ZEROS = 3
 _STALLED_S = 0.3
-"""Keys that are read later than this, because the process was halted, no longer say what the user wants..."""
+"""Keys read later than this, because the process was suspended, are ignored..."""
 _ALWAYS = {Key.HALT, Key.STOP, Key.QUIT}
-"""... but for these."""
+"""... except these."""
 
 
 class Keyboard(Protocol):
-    """Where keys come from."""
+    """A source of key bytes."""
 
     def read(self, timeout_s: float) -> bytes | None:
-        """Return what was typed, empty if nothing was within the time, None at the end."""
+        """Return the bytes typed, empty after the timeout, None at the end."""
 
 
 class Session:
-    """One drive by keys.
+    """A keyboard driving session.
 
-    ``show`` gets a line whenever what is published changes; it begins with the newest order, stop or arm. ``now_s``
-    is a monotonic clock, ``now_ns`` the time of day.
+    ``show`` gets a line whenever the published command changes; it begins with the newest order, stop or arm.
+    ``now_s`` is a monotonic clock, ``now_ns`` the time of day.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Session:
         self._order = self._shown = ""
 
     def run(self, keyboard: Keyboard) -> None:
-        """Publish until the user quits or the keyboard ends; then zero, if it was driving.
+        """Publish until the user quits or the keyboard ends; then publish zero if the robot was driving.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Pictures of libbot: ``bot_core.image_t``, which most LCM camera drivers publish."""
+"""Adapter of libbot images: ``bot_core.image_t``, which most LCM camera drivers publish."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _CHANNELS = {GRAY: 1, RGB: 3, BGR: 3}
 class BotCoreImage(Adapter):
     """``bot_core.image_t`` to `Image` and back.
 
-    Reads 8-bit gray, RGB, BGR and MJPEG (one JPEG a message, gray or colour as it is stored); rows may be padded
-    (``row_stride``, bytes). Writes gray or RGB, uncompressed, without padding; of a thinned picture the pixels that it
-    has. Metadata are not read and not written. ``utime`` is the sender's.
+    Reads 8-bit gray, RGB, BGR and MJPEG (one JPEG per message, gray or colour as stored); rows may be padded
+    (``row_stride``, bytes). Writes gray or RGB, uncompressed, without padding; a thinned image is written at its
+    thinned size. Metadata are neither read nor written. ``utime`` is the sender's.
     """
 
     type_name = "bot_core.image_t"
@@ -37,8 +37,8 @@ class BotCoreImage(Adapter):
         Raises
         ------
         ValueError
-            Width, height, row_stride and size contradict each other or the JPEG, the picture has more than 64 million
-            pixels, the JPEG is truncated or damaged, or the pixel format is another one.
+            Width, height, row_stride and size contradict each other or the JPEG, the image has more than 64 million
+            pixels, the JPEG is truncated or damaged, or the pixel format is not supported.
         """
         rows, cols, pixelformat = fields["height"], fields["width"], fields["pixelformat"]
         check_size(rows, cols)
@@ -80,7 +80,7 @@ def _decompressed(data: Bytes, rows: int, cols: int) -> Bytes:
 
     pixels = decode_jpeg(data.tobytes())
     if pixels.shape[:2] != (rows, cols):
-        raise ValueError(f"it announces {cols}x{rows} pixels, its JPEG has {pixels.shape[1]}x{pixels.shape[0]}")
+        raise ValueError(f"it declares {cols}x{rows} pixels, but its JPEG has {pixels.shape[1]}x{pixels.shape[0]}")
     return pixels
 
 

@@ -1,4 +1,4 @@
-"""One JPEG picture, as it came over a network: its header is read before anything is decoded."""
+"""Decode a JPEG from the network; its header is checked before anything is decoded."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from graphnav_adapters.max_pixels import check_size
 _START, _END = b"\xff\xd8", b"\xff\xd9"
 _SCAN = 0xDA
 _FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
-"""Markers of frame headers, SOF0 to SOF15; the three left out mean something else."""
+"""Markers of frame headers, SOF0 to SOF15, without the three with another meaning."""
 _BARE = frozenset((0x01, *range(0xD0, 0xD8)))
 """Markers without a segment."""
 _MIN_FRAME_BYTES = 8
-"""Of a frame header's segment: length (2 bytes), bits, rows (2), columns (2), channels."""
+"""Layout of a frame header's segment: length (2 bytes), bits, rows (2), columns (2), channels."""
 _AS_STORED = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
 
 
 class JpegHeader(NamedTuple):
-    """What a JPEG says of itself before its first scan, which begins at the offset ``scan_at``."""
+    """The header of a JPEG; its first scan begins at the offset ``scan_at``."""
 
     rows: int
     cols: int
@@ -31,7 +31,7 @@ class JpegHeader(NamedTuple):
 
 
 def read_header(data: bytes) -> JpegHeader:
-    """Return the size of a JPEG; only its header is read.
+    """Return the header of a JPEG without decoding the image.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def read_header(data: bytes) -> JpegHeader:
 
 
 def decode_jpeg(data: bytes) -> Bytes:
-    """Return a JPEG's pixels: uint8, (rows, cols) or (rows, cols, 3) red-green-blue, as it is stored.
+    """Return a JPEG's pixels: uint8, (rows, cols) or (rows, cols, 3) red-green-blue, as stored.
 
     Raises
     ------

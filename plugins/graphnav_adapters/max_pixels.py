@@ -1,9 +1,9 @@
-"""How large a received picture may be."""
+"""Limit the size of received images."""
 
 from __future__ import annotations
 
 MAX_PIXELS = 64_000_000
-"""More than any camera on a robot has; a picture that announces more is refused before memory is taken."""
+"""More than any robot camera has; a larger declared size is refused before memory is allocated."""
 
 
 def check_size(rows: int, cols: int) -> None:

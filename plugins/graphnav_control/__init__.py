@@ -1,4 +1,4 @@
-"""From a direction to the robot's speeds; the family ``control``."""
+"""Stages of the family ``control``: from a direction to the robot's speeds."""
 
 from graphnav import Stage, hookimpl
 

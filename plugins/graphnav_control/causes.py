@@ -1,4 +1,4 @@
-"""What may forbid the robot to move: inputs that are missing, old or faulty, and views that show too little."""
+"""Causes that forbid the robot to move: missing, old or faulty inputs, and blind views."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 from graphnav import Image, Latest, Plane
 
 _BLOCKS = (16, 12)
-"""Columns and rows of the blocks over which an image is averaged, which leaves next to nothing of pixel noise."""
+"""Columns and rows of the blocks over which an image is averaged, to suppress pixel noise."""
 
 
 class Cause(NamedTuple):
-    """An entry of `graphnav.GuardState`: the cause, the guard's input port, what was found, what is allowed."""
+    """An entry of `graphnav.GuardState`: the cause, the guard's input port, the value and its limit."""
 
     name: str
     port: str
@@ -24,9 +24,9 @@ class Cause(NamedTuple):
 
 
 def lost(port: str, input: Latest[Any], max_age_s: float, waited_s: float) -> list[Cause]:  # noqa: A002
-    """Return why this input cannot be relied on: "waiting", "stale", "fault"; nothing where it is not wired.
+    """Return the causes of an unreliable input: "waiting", "stale", "fault"; none if it is not wired.
 
-    ``waited_s``: how long the guard has been at work, which is the value of "waiting".
+    ``waited_s``: time since the guard started, which is the value of "waiting".
     """
     if not input.is_connected:
         return []
@@ -48,7 +48,7 @@ def judged_ratio(plane: Plane) -> float:
 def contrast(image: Image) -> float:
     """Return the standard deviation of the image's gray levels, averaged over 16 x 12 blocks.
 
-    Blocks, because a covered lens shows noise: it has contrast from pixel to pixel, and hardly any from block to block.
+    Blocks, because the noise of a covered lens has contrast between pixels, but hardly any between blocks.
     """
     blocks = cv2.resize(image.pixels, _BLOCKS, interpolation=cv2.INTER_AREA)
     gray = blocks if blocks.ndim == 2 else blocks.mean(axis=-1)

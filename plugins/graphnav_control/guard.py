@@ -1,4 +1,4 @@
-"""The last stage before the motors: it stops when something is stale, blind or late, and says why."""
+"""The last stage before the motors: stops the robot on stale, blind or late inputs, and reports the cause."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from graphnav_control.limits import limited
 
 STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
 REST_MPS = 1e-9
-"""No more than this is not forward: the cosine of a right angle is not quite 0."""
+"""Speeds up to this are not forward: the cosine of a right angle is not exactly 0."""
 
 
 class GuardOutputs(NamedTuple):
-    """What `Guard` publishes at every firing."""
+    """Outputs of `Guard`, published at every firing."""
 
     twist: Twist
     state: GuardState
@@ -25,20 +25,20 @@ class GuardOutputs(NamedTuple):
 class Guard(Stage):
     """Lets a command through to the motors while the robot sees, and stops it otherwise.
 
-    The robot stands while a wired input among ``command``, ``plane`` and ``image`` has not come yet ("waiting"), is
+    The robot stands while a wired input among ``command``, ``plane`` and ``image`` has not arrived yet ("waiting"), is
     older than ``max_age_s`` ("stale"), or has implausible stamps or values that are not finite ("fault"). It also
-    stands while too little of the plane could be judged or the image shows nothing ("blind"): unknown is not free.
-    While nearly all that was judged is obstacle ("obstacle") it may turn and drive backward, but not forward.
+    stands while too little of the plane could be judged or the image is blank ("blind"): unknown is not free.
+    While nearly all judged cells are obstacle ("obstacle") it may turn and drive backward, but not forward.
 
     A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
     published. When it ends, the command drives again. An override with implausible stamps stops the robot.
 
-    A ``stop`` message that is engaged stops the robot, whatever else comes, until a fresh message that is not engaged
-    arms the guard again. An engaged message is obeyed however old it is.
+    An engaged ``stop`` message stops the robot, regardless of other inputs, until a fresh message that is not engaged
+    re-arms the guard. An engaged message is obeyed at any age.
 
-    To stop is to publish ``Twist(0, 0)`` at once: limits of acceleration hold where the robot speeds up, never where it
-    slows down. Without limits a command that may pass leaves as it came, bit for bit. In a live graph give the stage a
-    timer (``every_ms``), or it does not notice that commands cease.
+    To stop is to publish ``Twist(0, 0)`` at once: limits of acceleration apply when the robot speeds up, never when it
+    slows down. Without limits a command that passes is unchanged, bit for bit. In a live graph give the stage a timer
+    (``every_ms``), otherwise it does not notice that commands cease.
     """
 
     is_guard: ClassVar[bool] = True
@@ -50,29 +50,28 @@ class Guard(Stage):
         0.5,
         ge=0.0,
         le=1.0,
-        doc="share of the plane's cells that must have been judged for the robot to move; flow is never valid at the "
-        "border of the picture, which leaves 0.77 and more in the drives of the shipped graphs; 0 moves blind",
+        doc="minimum share of judged cells of the plane for the robot to move; flow is never valid at the border of "
+        "the picture, which leaves 0.77 and more in the drives of the shipped graphs; 0 moves blind",
     )
     max_obstacle_ratio: float = param(
         0.9,
         ge=0.0,
         le=1.0,
         doc="share of obstacle among the judged cells above which the robot may not go forward: from 0.9 on steer.pca "
-        "too takes no direction for free and does not drive forward; 1 is no limit",
+        "finds no free direction either and does not drive forward; 1 sets no limit",
     )
-    min_contrast: float = param(
+    min_contrast_gray: float = param(
         3.0,
         ge=0.0,
-        doc="standard deviation of the image's gray levels, averaged over blocks, below which it shows nothing (a "
-        "covered lens, a white picture), whatever a detector judges; worlds that ship have 14 and more; 0 is no limit",
+        doc="standard deviation of the image, averaged over blocks, below which it counts as blank (a covered lens, a "
+        "white picture), whatever a detector judges; the shipped worlds have 14 and more; 0 sets no limit",
+        renamed_from="min_contrast",
     )
-    override_max_age_s: float = param(0.3, gt=0.0, le=5.0, doc="age beyond which an override has ended")
-    max_speed_mps: float | None = param(None, ge=0.0, doc="greatest speed, forward and backward; null for none")
-    max_turn_radps: float | None = param(None, ge=0.0, doc="greatest turning rate; null for none")
-    max_accel_mps2: float | None = param(None, gt=0.0, doc="how fast the speed may grow; null for at once")
-    max_turn_accel_radps2: float | None = param(
-        None, gt=0.0, doc="how fast the turning rate may grow; null for at once"
-    )
+    override_max_age_s: float = param(0.3, gt=0.0, le=5.0, doc="age beyond which an override ends")
+    max_speed_mps: float | None = param(None, ge=0.0, doc="maximum speed, forward and backward; null for no limit")
+    max_turn_radps: float | None = param(None, ge=0.0, doc="maximum turning rate; null for no limit")
+    max_accel_mps2: float | None = param(None, gt=0.0, doc="maximum acceleration; null for no limit")
+    max_turn_accel_radps2: float | None = param(None, gt=0.0, doc="maximum angular acceleration; null for no limit")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, armed."""
@@ -91,7 +90,7 @@ class Guard(Stage):
         utime: Stamp,
         command_age_s: Age,
     ) -> GuardOutputs:
-        """Return what may leave for the motors, and why no more may."""
+        """Return the command for the motors, and the causes that restrict it."""
         if self._begin is None:
             self._begin = self._before = utime
         waited_s = (utime - self._begin) * 1e-6
@@ -143,10 +142,10 @@ class Guard(Stage):
         if causes or image.value is None:
             return causes
         seen = contrast(image.value)
-        return [Cause("blind", "image", seen, self.min_contrast)] if seen < self.min_contrast else []
+        return [Cause("blind", "image", seen, self.min_contrast_gray)] if seen < self.min_contrast_gray else []
 
     def _of_stop(self, stop: Latest[Stop]) -> list[Cause]:
-        """Hear what was asked for last; return the cause while it holds."""
+        """Handle the newest stop message; return the cause while it is engaged."""
         if stop.value is not None:
             if stop.value.engaged:
                 self._is_stopped = True
@@ -155,7 +154,7 @@ class Guard(Stage):
         return [Cause("stop", "stop")] if self._is_stopped else []
 
     def _driver(self, override: Latest[Twist]) -> tuple[Twist | None, list[Cause]]:
-        """Return the override that drives now, if one does, and why a fresh one may not."""
+        """Return the active override, if any, and the cause that forbids a fresh one."""
         if override.value is None or override.age_s > self.override_max_age_s:
             return None, []
         if override.fault or override.value.not_finite():

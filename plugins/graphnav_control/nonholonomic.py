@@ -11,8 +11,8 @@ class Nonholonomic(Stage):
     """Speeds of a unicycle from the direction of the control force.
 
     T = T_m cos(theta) and R = R_m sin(theta) [OI, section 3], T the forward speed and R the turning rate. Beyond a
-    right angle the law as printed would drive backwards, blind, and turn the slower the more there is to turn: there T
-    is 0 and R keeps its full value, so that the robot turns on the spot.
+    right angle the law as published would drive backwards, blind, and turn more slowly the larger the angle: there T is
+    0 and R keeps its full value, so that the robot turns on the spot.
 
     ``floor_ratio`` and ``smoothing_s`` are departures from [OI], off by default.
 
@@ -25,10 +25,10 @@ class Nonholonomic(Stage):
     max_speed_mps: float = param(0.3, gt=0.0, doc="T_m, speed straight ahead")
     max_turn_radps: float = param(1.2, gt=0.0, doc="R_m, turning rate at a right angle and beyond")
     floor_ratio: float = param(
-        0.0, ge=0.0, le=1.0, doc="least speed as a share of max_speed_mps; above 0 the robot never stands to turn"
+        0.0, ge=0.0, le=1.0, doc="minimum speed as a share of max_speed_mps; above 0 the robot never stops to turn"
     )
     smoothing_s: float = param(
-        0.0, ge=0.0, doc="time constant of a low-pass on the command; more is smoother and later, 0 is none"
+        0.0, ge=0.0, doc="time constant of a low-pass of the command; more is smoother and later, 0 is none"
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
@@ -37,7 +37,7 @@ class Nonholonomic(Stage):
         self._continuity = Continuity()
 
     def step(self, steering: Steering, stamp: Stamp) -> Twist:
-        """Return the command; the low-pass begins anew after a gap of more than 3 periods."""
+        """Return the command; the low-pass restarts after a gap of more than 3 periods."""
         if self._continuity.breaks(stamp):
             self._last = None
         theta_rad = steering.theta_rad

@@ -1,4 +1,4 @@
-"""Drive straight to look, stop to turn: for planar flow that is right only while the robot drives straight on."""
+"""Drive straight to look, stop to turn: for planar flow that is valid only while the robot drives straight."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from graphnav import Continuity, Stage, Stamp, Steering, Twist, param
 
 
 class StopAndLook(Stage):
-    """Straight drives, in which the robot looks where to go, and turns on the spot between them.
+    """Alternate straight drives, during which the robot chooses a direction, with turns on the spot.
 
-    The mean planar flow of [OI, eq. 1] is that of driving straight on at the taught speed; in a turn the whole floor
+    The mean planar flow of [OI, eq. 1] is that of driving straight on at the taught speed; in a turn the entire floor
     differs from it and looks like an obstacle. So this robot never does both. It drives straight on at
-    ``max_speed_mps``, which must be the speed that was taught, and judges ``look_frames`` frames by their median
-    direction theta. If that is straight ahead within ``least_turn_deg`` it drives on and looks again. Otherwise, or as
-    soon as a frame says that the way is blocked (theta beyond a right angle), it stops, turns by ``turn_ratio`` times
+    ``max_speed_mps``, which must be the taught speed, and judges ``look_frames`` frames by their median direction
+    theta. If that is straight ahead within ``min_turn_deg`` it drives on and looks again. Otherwise, or as
+    soon as a frame shows that the way is blocked (theta beyond a right angle), it stops, turns by ``turn_ratio`` times
     theta, and looks again.
 
     Flow covers the time since the last frame, and the drive needs time to reach its speed. So frames count only if the
-    one before was taken at least ``settle_s`` after the start; what steering says in the meantime, and during turns, is
-    not heard. After a gap of more than 3 periods it looks anew: how far a turn came meanwhile is not known. The law of
+    one before was taken at least ``settle_s`` after the start; steering in the meantime, and during turns, is ignored.
+    After a gap of more than 3 periods it looks again: the progress of a turn during the gap is unknown. The law of
     [OI] is T = T_m cos(theta), R = R_m sin(theta) at every frame; here a cycle of frames follows theta as the law
     would, at constant speed.
 
@@ -31,20 +31,26 @@ class StopAndLook(Stage):
     """
 
     max_speed_mps: float = param(0.3, gt=0.0, doc="speed straight ahead: the one at which the mean was taught")
-    max_turn_radps: float = param(1.2, gt=0.0, doc="greatest turning rate; less turns for longer")
+    max_turn_radps: float = param(1.2, gt=0.0, doc="maximum turning rate; less turns for longer")
     settle_s: float = param(
         0.2,
         ge=0.0,
-        doc="time after a turn in which nothing is judged; less than the drive needs shows turns as obstacles",
+        doc="time after a turn in which frames are ignored; less than the drive needs shows turns as obstacles",
     )
-    look_frames: int = param(2, ge=1, le=1000, doc="frames judged together; more is surer and drives farther blindly")
-    turn_ratio: float = param(
-        0.5, gt=0.0, le=1.0, doc="share of theta that a turn turns; more may swing from side to side"
+    look_frames: int = param(
+        2, ge=1, le=1000, doc="frames judged together; more is more reliable and drives farther blindly"
     )
-    least_turn_deg: float = param(5.0, ge=0.0, lt=90.0, doc="a direction nearer to straight ahead is not worth a stop")
+    turn_ratio: float = param(0.5, gt=0.0, le=1.0, doc="share of theta to turn by; more may oscillate")
+    min_turn_deg: float = param(
+        5.0,
+        ge=0.0,
+        lt=90.0,
+        doc="a direction nearer to straight ahead is not worth a stop",
+        renamed_from="least_turn_deg",
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
-        """Stand, about to look."""
+        """Stand still, before the first look."""
         self._before: int | None = None
         self._continuity = Continuity()
         self._thetas_rad: list[float] = []
@@ -77,11 +83,11 @@ class StopAndLook(Stage):
                 return
             theta_rad = statistics.median(self._thetas_rad)
         self._thetas_rad = []
-        if abs(theta_rad) > math.radians(self.least_turn_deg):
+        if abs(theta_rad) > math.radians(self.min_turn_deg):
             self._begin_turn(self.turn_ratio * theta_rad, now, interval_us)
 
     def _begin_turn(self, angle_rad: float, now: int, interval_us: int) -> None:
-        """Turn by this angle, for a whole number of frames, because only at a frame the command can change."""
+        """Turn by this angle, for an integer number of frames, because the command can change only at a frame."""
         frames = math.ceil(abs(angle_rad) / (self.max_turn_radps * interval_us * 1e-6))
         duration_us = frames * interval_us
         self._turn_until_us = now + duration_us

@@ -1,4 +1,4 @@
-"""Drive at random, to see many motions."""
+"""Drive at random, to cover many motions."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ class Wander(Stage):
     """Smooth random driving over free ground, for teaching.
 
     Draws a new speed and a new turning rate, uniformly and independently, at random times, and approaches them
-    exponentially; some of the legs drive straight on. Sees nothing: it needs room without obstacles.
+    exponentially; some of the legs drive straight on. Ignores the image: it needs a world without obstacles.
     """
 
-    max_speed_mps: float = param(0.4, gt=0.0, doc="greatest forward speed; the least is 0")
-    max_turn_radps: float = param(1.6, gt=0.0, doc="greatest turning rate, to either side")
+    max_speed_mps: float = param(0.4, gt=0.0, doc="maximum forward speed; the minimum is 0")
+    max_turn_radps: float = param(1.6, gt=0.0, doc="maximum turning rate, to either side")
     leg_s: float = param(1.0, gt=0.0, doc="mean time between two draws; more covers fewer motions in the same time")
     response_s: float = param(0.3, ge=0.0, doc="time constant of approaching a draw; 0 jumps")
     straight_ratio: float = param(0.25, ge=0.0, le=1.0, doc="share of the legs that drive straight on")

@@ -9,7 +9,7 @@ import cv2
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
 from graphnav_flow.frames import Frames
-from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -17,8 +17,8 @@ _PRESETS = {
     "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
 }
 
-_LEAST_SIDE_PX = 32
-"""Below this OpenCV refuses some images, returns NaN for some and crashes on some, by their proportions."""
+_MIN_SIDE_PX = 32
+"""Smaller images make OpenCV raise, return NaN or crash, depending on their proportions."""
 
 
 class Dis(Stage):
@@ -32,10 +32,10 @@ class Dis(Stage):
     """
 
     preset: Literal["ultrafast", "fast", "medium"] = param(
-        "medium", doc="ultrafast and fast leave out the finest layers; medium refines on half the resolution"
+        "medium", doc="ultrafast and fast skip the finest layers; medium refines at half the resolution"
     )
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    least_texture: float = param(LEAST_TEXTURE, ge=0.0, doc=LEAST_TEXTURE_DOC)
+    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
@@ -52,12 +52,12 @@ class Dis(Stage):
             The size of the images changes or is too small.
         """
         gray, interval_us = self._frames.next(image, stamp)
-        if min(gray.shape) < _LEAST_SIDE_PX:
+        if min(gray.shape) < _MIN_SIDE_PX:
             rows, cols = gray.shape
-            raise ValueError(f"the image is {cols}x{rows}, but each side must have at least {_LEAST_SIDE_PX} pixels")
+            raise ValueError(f"the image is {cols}x{rows}, but each side must have at least {_MIN_SIDE_PX} pixels")
         last, self._last = self._last, gray
         if last is None or not interval_us:
             return None
         uv_px = -self._search.calc(gray, last, None)
-        valid = trusted(uv_px, gray, self.margin_px, self.least_texture)
+        valid = trusted(uv_px, gray, self.margin_px, self.min_texture_gray2)
         return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)

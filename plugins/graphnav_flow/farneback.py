@@ -7,7 +7,7 @@ import cv2
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
 from graphnav_flow.frames import Frames
-from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
 
 
 class Farneback(Stage):
@@ -24,15 +24,15 @@ class Farneback(Stage):
         3,
         ge=0,
         le=8,
-        doc="layers above the base: each doubles the displacement that can be followed; OpenCV makes none "
+        doc="layers above the base: each doubles the displacement that can be followed; OpenCV creates none "
         "with a side below 32 pixels",
     )
     window_px: int = param(15, ge=3, le=63, doc="side of the averaging window: more is smoother and blurs edges")
     iterations: int = param(3, ge=1, le=20, doc="iterations on each layer")
     expansion_px: int = param(5, ge=3, le=9, doc="side of the neighbourhood of the polynomial expansion")
-    expansion_sigma_px: float = param(1.2, gt=0.0, le=3.0, doc="its Gaussian weight; 1.1 to 1.5 go with 5 to 7 px")
+    expansion_sigma_px: float = param(1.2, gt=0.0, le=3.0, doc="its Gaussian weight; 1.1 to 1.5 suit 5 to 7 px")
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    least_texture: float = param(LEAST_TEXTURE, ge=0.0, doc=LEAST_TEXTURE_DOC)
+    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
@@ -58,5 +58,5 @@ class Farneback(Stage):
             flags=0,
         )
         uv_px = -back_px
-        valid = trusted(uv_px, gray, self.margin_px, self.least_texture)
+        valid = trusted(uv_px, gray, self.margin_px, self.min_texture_gray2)
         return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)

@@ -1,4 +1,4 @@
-"""The images that an estimator sees, one after the other: gray, of one size, with the time between them."""
+"""Prepare the images of an estimator: gray, of equal size, with the intervals between them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from graphnav.arrays import Bytes
 
 
 class Frames:
-    """Turns a sequence of images into gray ones and measures the intervals.
+    """Converts a sequence of images to gray and measures the intervals.
 
     The first image fixes the size of all others.
     """
@@ -22,8 +22,8 @@ class Frames:
     def next(self, image: Image, stamp: Stamp) -> tuple[Bytes, int]:
         """Return ``image`` as uint8 (rows, cols) and the microseconds since the one before.
 
-        These are 0 where there is none to compare it with: for the first image, and for the first after a gap of more
-        than 3 of the usual periods, across which no estimator follows.
+        The interval is 0 if there is no image to compare with: for the first image, and for the first after a gap of
+        more than 3 typical periods, across which no estimator can match.
 
         Raises
         ------
@@ -44,7 +44,7 @@ class Frames:
 
 
 def to_gray(image: Image) -> Bytes:
-    """Return the brightness of ``image``, uint8 (rows, cols), which is its pixels themselves if it is gray."""
+    """Return ``image`` in gray, uint8 (rows, cols); the pixels themselves if it is gray already."""
     if image.pixels.ndim == 2:
         return image.pixels
     gray: Bytes = cv2.cvtColor(image.pixels, cv2.COLOR_RGB2GRAY)

@@ -10,10 +10,10 @@ from graphnav.arrays import Floats
 from graphnav_flow.frames import Frames
 from graphnav_flow.pyramid import Pyramid, build_pyramid
 from graphnav_flow.refinement import Refinement
-from graphnav_flow.validity import LEAST_TEXTURE, LEAST_TEXTURE_DOC, MARGIN_DOC, MARGIN_PX, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
 
 _ITERATIONS = 2
-"""On the layers above the base, which come near the solution; on the base one is enough."""
+"""Number on the layers above the base, which approach the solution; on the base one is enough."""
 
 _MEDIAN_PX = 3
 
@@ -21,12 +21,12 @@ _MEDIAN_PX = 3
 class LucasKanade(Stage):
     """Dense optical flow by pyramidal Lucas-Kanade.
 
-    From the coarsest layer down: warp the last image by the flow found so far, solve, upsample [OI, Algorithm 1]. A
+    From the coarsest layer down: warp the last image by the current flow, solve, upsample [OI, Algorithm 1]. Gives a
     vector for every pixel. Each iteration corrects the smoothed flow, with the mean of both images' gradients, and
-    continues it where the last image does not reach (`Refinement`); each layer ends with a median against outliers.
+    extrapolates it beyond the last image (`Refinement`); each layer ends with a median filter against outliers.
 
     The first image gives no flow, nor does the first after a gap of more than 3 periods. Where neither image has
-    texture the flow is finite, small and not valid.
+    texture, the flow is finite, small and not valid.
 
     References
     ----------
@@ -44,12 +44,14 @@ class LucasKanade(Stage):
         "them gets fewer",
     )
     window_radius_px: int = param(
-        4, ge=1, le=30, doc="the window reaches so far to each side: more is smoother and blurs obstacles' edges"
+        4, ge=1, le=30, doc="extent of the window to each side: more is smoother and blurs the edges of obstacles"
     )
-    regularization: float = param(
+    regularization_gray2: float = param(
         1.0,
         gt=0.0,
-        doc="squared gray per pixel: texture that it takes to move the flow off the layer above's",
+        doc="added to the diagonal of the structure tensor; where the texture is weaker, the flow stays near that of "
+        "the layer above",
+        renamed_from="regularization",
     )
     smooth_px: int = param(
         11,
@@ -58,7 +60,7 @@ class LucasKanade(Stage):
         doc="side of the box that averages the flow before each iteration and at the end; less is noisier and sharper",
     )
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    least_texture: float = param(LEAST_TEXTURE, ge=0.0, doc=LEAST_TEXTURE_DOC)
+    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
@@ -75,7 +77,7 @@ class LucasKanade(Stage):
         if last is None or not interval_us:
             return None
         uv_px = self._solve(self._last, last)
-        valid = trusted(uv_px, gray, self.margin_px, self.least_texture)
+        valid = trusted(uv_px, gray, self.margin_px, self.min_texture_gray2)
         return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
 
     def _buffers(self, pyramid: Pyramid) -> list[Refinement]:
@@ -86,7 +88,7 @@ class LucasKanade(Stage):
                 cols,
                 window_px=window_px,
                 smooth_px=self.smooth_px,
-                regularization=self.regularization,
+                regularization_gray2=self.regularization_gray2,
                 zoom=1 if layer else 2,
             )
             for layer, (rows, cols) in enumerate(plane.shape for plane in pyramid.layers)

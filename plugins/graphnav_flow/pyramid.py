@@ -1,4 +1,4 @@
-"""Image pyramids: what Lucas-Kanade compares between two frames."""
+"""Image pyramids for Lucas-Kanade."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 
 from graphnav.arrays import Bytes, Floats
 
-LEAST_SIDE_PX = 8
-"""A layer is not halved where its shorter side would fall below this: no window fits."""
+MIN_SIDE_PX = 8
+"""A layer is not halved if its shorter side would fall below this: no window fits."""
 
 
 _HALFWAY = np.array([3, -25, 150, 150, -25, 3], np.float32) / np.float32(256)
@@ -33,7 +33,7 @@ class Pyramid(NamedTuple):
 def build_pyramid(gray: Bytes, layers: int) -> Pyramid:
     """Return ``gray`` with up to ``layers`` smaller copies above it."""
     built: list[Floats] = [gray.astype(np.float32)]
-    while len(built) <= layers and min(built[-1].shape) >= 2 * LEAST_SIDE_PX:
+    while len(built) <= layers and min(built[-1].shape) >= 2 * MIN_SIDE_PX:
         built.append(cv2.pyrDown(built[-1]))
     return Pyramid(tuple(built), _double(built[0]))
 

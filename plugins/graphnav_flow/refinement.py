@@ -1,4 +1,4 @@
-"""One Lucas-Kanade iteration on one pyramid layer: smooth, warp, solve for a correction."""
+"""A Lucas-Kanade iteration on one pyramid layer: smooth, warp, solve for a correction."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ _DERIVATIVE = np.array([[1, -8, 0, 8, -1]], np.float32) / np.float32(24)
 
 
 class Refinement:
-    """Improves a displacement field between two images of one size; keeps its buffers from call to call.
+    """Improves a displacement field between two images of one size; reuses its buffers.
 
     With f0 the smoothed field so far, J the source image, I the target image, Jw(x) = J(x + f0(x)) and g the mean
     gradient of I and Jw, it solves in a window around each pixel for the correction d::
 
         (sum g g' + e) d = sum g (I - Jw)        f = f0 + d
 
-    Without smoothing first, every correction adds noise that none removes. Smoothing f0 and not d makes a field that
-    varies linearly, as a plane's does nearly, a fixed point; a larger window would draw it to where the texture is.
+    Without smoothing first, every correction adds noise that later ones do not remove. Smoothing f0 instead of d makes
+    a linearly varying field, as that of a plane nearly is, a fixed point; a larger window would bias it toward texture.
     Where x + f0 leaves the source image, I - Jw is 0: the field is continued.
 
     Parameters
@@ -31,17 +31,17 @@ class Refinement:
         Side of the square window, odd.
     smooth_px
         Side of the box that smooths the field.
-    regularization
-        e, in (gray / px)^2: draws the correction to 0 where there is little texture.
+    regularization_gray2
+        e, in (gray / px)^2: pulls the correction to 0 where there is little texture.
     zoom
         Source pixels per target pixel (1 or 2); pixel i of the target lies on pixel ``zoom`` * i of the source.
     """
 
     def __init__(
-        self, rows: int, cols: int, *, window_px: int, smooth_px: int, regularization: float, zoom: int
+        self, rows: int, cols: int, *, window_px: int, smooth_px: int, regularization_gray2: float, zoom: int
     ) -> None:
         self._window, self._box = (window_px, window_px), (smooth_px, smooth_px)
-        self._regularization, self._zoom = regularization, zoom
+        self._regularization_gray2, self._zoom = regularization_gray2, zoom
         down, right = np.mgrid[:rows, :cols].astype(np.float32)
         self._right, self._down = zoom * right, zoom * down
         (
@@ -83,8 +83,8 @@ class Refinement:
         for one, other, out in products:
             cv2.multiply(one, other, dst=self._term)
             cv2.blur(self._term, self._window, dst=out, borderType=cv2.BORDER_CONSTANT)
-        self._uu += self._regularization
-        self._vv += self._regularization
+        self._uu += self._regularization_gray2
+        self._vv += self._regularization_gray2
 
     def _correct(self, u: Floats, v: Floats) -> None:
         """Add the solution of [[uu, uv], [uv, vv]] d = (ud, vd), by Cramer's rule."""

@@ -1,4 +1,4 @@
-"""The simulator's true flow, as if it had been estimated."""
+"""The simulator's true flow in place of an estimate."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, came_from_inside
 
 
 class Truth(Stage):
-    """The simulator's true flow, valid by the estimators' own rule; it isolates the error of the flow.
+    """The simulator's true flow, valid by the estimators' rule; isolates the error of the flow.
 
-    Texture plays no part, because the truth needs none. Above the horizon there is no surface that could have any:
-    nothing is valid there.
+    The texture is not checked, because the truth does not depend on it. Nothing is valid above the horizon.
     """
 
     role: ClassVar[Role] = "oracle"

@@ -1,9 +1,9 @@
-"""Which flow vectors can be trusted: the one rule of all estimators.
+"""Validity of flow vectors: the common rule of all estimators.
 
 A vector is valid where
 
-- the pixel and the place that it came from lie inside the image by a margin: nearer to the border windows reach out
-  of the picture, and what entered the picture since the last frame is extrapolated;
+- the pixel and its source lie inside the image by a margin: nearer to the border windows extend
+  beyond the picture, and new parts of the picture are extrapolated;
 - the image has texture there in two directions: the smaller eigenvalue of the windowed mean of the gradient's outer
   product [Shi, Tomasi: Good Features to Track, CVPR 1994] reaches a threshold. Image noise of standard deviation s
   alone gives about s^2 / 2.
@@ -19,8 +19,8 @@ from graphnav.arrays import Bytes, Floats
 BLOCK_PX = 4
 MARGIN_PX = 6.0
 MARGIN_DOC = "vectors from or at places nearer to the border than this are not valid"
-LEAST_TEXTURE = 4.0
-LEAST_TEXTURE_DOC = "squared gray per pixel: least eigenvalue of the structure tensor where a vector is valid"
+MIN_TEXTURE_GRAY2 = 4.0
+MIN_TEXTURE_DOC = "minimum of the smaller eigenvalue of the structure tensor for a vector to be valid"
 
 
 def came_from_inside(uv_px: Floats, margin_px: float) -> Bytes:
@@ -40,10 +40,10 @@ def came_from_inside(uv_px: Floats, margin_px: float) -> Bytes:
     return valid
 
 
-def least_eigenvalue(uu: Floats, uv: Floats, vv: Floats) -> Floats:
+def min_eigenvalue(uu: Floats, uv: Floats, vv: Floats) -> Floats:
     """Return the smaller eigenvalue of the symmetric matrices [[uu, uv], [uv, vv]], float32 (rows, cols)."""
-    least: Floats = (uu + vv - cv2.magnitude(uu - vv, 2 * uv)) / 2
-    return least
+    smaller: Floats = (uu + vv - cv2.magnitude(uu - vv, 2 * uv)) / 2
+    return smaller
 
 
 def texture(gray: Bytes) -> Floats:
@@ -57,12 +57,12 @@ def texture(gray: Bytes) -> Floats:
     blocks = (max(1, cols // BLOCK_PX), max(1, rows // BLOCK_PX))
     products = (cv2.multiply(one, other, scale=0.25, dtype=cv2.CV_32F) for one, other in ((gu, gu), (gu, gv), (gv, gv)))
     uu, uv, vv = (cv2.blur(cv2.resize(p, blocks, interpolation=cv2.INTER_AREA), (3, 3)) for p in products)
-    fine: Floats = cv2.resize(least_eigenvalue(uu, uv, vv), (cols, rows))
+    fine: Floats = cv2.resize(min_eigenvalue(uu, uv, vv), (cols, rows))
     return fine
 
 
-def trusted(uv_px: Floats, gray: Bytes, margin_px: float, least_texture: float) -> Bytes:
+def trusted(uv_px: Floats, gray: Bytes, margin_px: float, min_texture_gray2: float) -> Bytes:
     """Return 1 where a vector on the image ``gray`` is valid by both parts of the rule, uint8 (rows, cols)."""
     inside = came_from_inside(uv_px, margin_px)
-    inside &= texture(gray) >= least_texture
+    inside &= texture(gray) >= min_texture_gray2
     return inside

@@ -1,4 +1,4 @@
-"""Frames from a video file, a camera or a stream, through OpenCV."""
+"""Read frames from a video file, a camera or a stream through OpenCV."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from graphnav.arrays import Bytes
 from graphnav_io.quiet import quiet
 
 FASTEST_HZ = 1000.0
-"""Streams without a frame rate tell nonsense beyond this."""
+"""Streams without a frame rate report meaningless values above this."""
 
 ANSI_ART = cv2.VideoWriter.fourcc(*"ansi")
-"""FFmpeg plays text files as pictures of the text."""
+"""FFmpeg renders text files as video."""
 
 LACKING_FRAMES = 3
 LACKING_RATIO = 0.02
-"""So much less than the file announces may be a rounded duration; beyond, the file was cut off."""
+"""A smaller deficit of frames may come from a rounded duration; a larger one means that the file is truncated."""
 
 _URL = re.compile(r"^([a-z][a-z0-9+.-]*):/+")
 
@@ -31,9 +31,9 @@ def open_capture(path: Path) -> CaptureFrames:
     Raises
     ------
     ParamError
-        There is no such thing, or OpenCV cannot read it.
+        It does not exist, or OpenCV cannot read it.
     """
-    text = _URL.sub(r"\1://", str(path))  # a Path keeps one slash of two
+    text = _URL.sub(r"\1://", str(path))  # Path keeps one of two slashes
     if _URL.match(text):
         return _opened(text, f"the stream '{text}'", live=True)
     if text.isdecimal() and not path.exists():
@@ -54,13 +54,13 @@ def _opened(source: str | int, name: str, *, live: bool) -> CaptureFrames:
         opened = capture.isOpened() and not is_text and (live or capture.grab())
     if not opened:
         capture.release()
-        what = f"{name} cannot be opened" if live else f"{name} is no whole video that OpenCV can read"
+        what = f"{name} cannot be opened" if live else f"{name} is not a complete video that OpenCV can read"
         raise ParamError("path", what)
     return CaptureFrames(capture, name, live=live)
 
 
 class CaptureFrames:
-    """Frames of an open capture. A file is grabbed one frame ahead, so that its end is known; a live one never."""
+    """Frames of an open capture. Files, but not live sources, are read one frame ahead to detect the end."""
 
     def __init__(self, capture: cv2.VideoCapture, name: str, *, live: bool) -> None:
         self._capture, self._name, self._live = capture, name, live
@@ -71,8 +71,8 @@ class CaptureFrames:
 
     @property
     def at_end(self) -> bool:
-        """Whether a whole file has no frame left; a live source may always have one more."""
-        return not (self._live or self._is_grabbed or self._is_cut_off)
+        """Whether a complete file has no frame left; a live source may always have another one."""
+        return not (self._live or self._is_grabbed or self._is_truncated)
 
     def read(self) -> Bytes | None:
         """Return the next frame, red-green-blue, None after the last.
@@ -80,13 +80,13 @@ class CaptureFrames:
         Raises
         ------
         ValueError
-            A frame cannot be decoded, or the file ends before the last frame that it announces.
+            A frame cannot be decoded, or the file ends before the last frame that it declares.
         """
         with quiet():
             if self._live:
                 self._is_grabbed = self._capture.grab()
             if not self._is_grabbed:
-                self._check_whole()
+                self._check_complete()
                 return None
             decoded, pixels = self._capture.retrieve()
             if not self._live:
@@ -102,14 +102,14 @@ class CaptureFrames:
         self._capture.release()
 
     @property
-    def _announced(self) -> float:
+    def _declared(self) -> float:
         return float(self._capture.get(cv2.CAP_PROP_FRAME_COUNT))
 
     @property
-    def _is_cut_off(self) -> bool:
-        lacking = self._announced - self._count
-        return lacking > max(LACKING_FRAMES, LACKING_RATIO * self._announced)
+    def _is_truncated(self) -> bool:
+        lacking = self._declared - self._count
+        return lacking > max(LACKING_FRAMES, LACKING_RATIO * self._declared)
 
-    def _check_whole(self) -> None:
-        if not self._live and self._is_cut_off:
-            raise ValueError(f"{self._name} ends after {self._count} of {self._announced:.0f} frames: it is cut off")
+    def _check_complete(self) -> None:
+        if not self._live and self._is_truncated:
+            raise ValueError(f"{self._name} ends after {self._count} of {self._declared:.0f} frames: it is truncated")

@@ -1,4 +1,4 @@
-"""What sources read frames from."""
+"""Interface of frame readers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from graphnav.arrays import Bytes
 
 
 class Frames(Protocol):
-    """Frames one after the other; ``rate_hz`` is their own rate, 0 where they have none."""
+    """A sequence of frames; ``rate_hz`` is its own rate, 0 if it has none."""
 
     rate_hz: float
 
@@ -23,7 +23,7 @@ class Frames(Protocol):
 
     @property
     def at_end(self) -> bool:
-        """Whether no frame is left, as far as can be told without waiting for one."""
+        """Whether no frame is left, as far as known without waiting for one."""
 
     def close(self) -> None:
-        """Release files and devices."""
+        """Close files and devices."""

@@ -1,4 +1,4 @@
-"""A source of images: pictures in files."""
+"""A source of images: picture files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav_io.shape import GRAY_DOC, SCALE_DOC, SIZE_DOC, Shape, check_shape
 
 
 class Images(Source):
-    """Pictures in files, one a firing, in natural order (frame_2 before frame_10); the last one ends the run.
+    """Pictures in files, one per firing, in natural order (frame_2 before frame_10); the last one ends the run.
 
     A picture that cannot be decoded, or has another size than the first, stops the run.
     """
@@ -22,7 +22,7 @@ class Images(Source):
     gray: bool = param(False, doc=GRAY_DOC)
 
     def check(self) -> None:
-        """Look for the pictures and at the first one."""
+        """Check that there are pictures and that the first one can be decoded."""
         check_shape(self.size, self.scale)
         check_pictures(self.path)
 

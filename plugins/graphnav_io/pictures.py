@@ -1,4 +1,4 @@
-"""Pictures in files, read one after the other."""
+"""Read pictures from files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SUFFIXES = frozenset((".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp",
 
 
 def is_pictures(path: Path) -> bool:
-    """Return whether ``path`` is a folder or a pattern and no single file."""
+    """Return whether ``path`` is a folder or a pattern, not a single file."""
     return path.is_dir() or (glob.has_magic(str(path)) and not path.exists())
 
 
@@ -28,7 +28,7 @@ def find_pictures(path: Path) -> list[Path]:
     Raises
     ------
     ParamError
-        There is no such folder, or no picture in it.
+        The folder does not exist, or contains no picture.
     """
     if path.is_dir():
         try:
@@ -51,12 +51,12 @@ def find_pictures(path: Path) -> list[Path]:
 
 
 def read_picture(file: Path) -> Bytes:
-    """Return a picture as it is: uint8, (rows, cols) or (rows, cols, 3) red-green-blue.
+    """Return a picture: uint8, (rows, cols) or (rows, cols, 3) red-green-blue.
 
     Raises
     ------
     ValueError
-        It cannot be read or decoded, or was cut off.
+        The file cannot be read or decoded, or is truncated.
     """
     try:
         data = file.read_bytes()
@@ -64,22 +64,22 @@ def read_picture(file: Path) -> Bytes:
         raise ValueError(f"'{file}' cannot be read: {error.strerror}") from error
     if not data:
         raise ValueError(f"'{file}' is empty")
-    if not _is_whole(data):
-        raise ValueError(f"'{file}' is cut off")
+    if not _is_complete(data):
+        raise ValueError(f"'{file}' is truncated")
     with quiet():
         pixels: Bytes | None = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
     if pixels is None:
-        raise ValueError(f"'{file}' is no picture that OpenCV can read")
+        raise ValueError(f"'{file}' is not a picture that OpenCV can read")
     return pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
 
 
 def check_pictures(path: Path) -> None:
-    """Look for pictures and at the first one.
+    """Check that there are pictures and that the first one can be decoded.
 
     Raises
     ------
     ParamError
-        There is none, or the first cannot be decoded.
+        There is no picture, or the first one cannot be decoded.
     """
     try:
         read_picture(find_pictures(path)[0])
@@ -105,7 +105,7 @@ class PictureFrames:
         return read_picture(self._left.pop()) if self._left else None
 
     def close(self) -> None:
-        """Release nothing: no file stays open."""
+        """Do nothing: no file stays open."""
 
 
 def _natural(file: Path) -> list[tuple[int, str]]:
@@ -114,8 +114,8 @@ def _natural(file: Path) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts] + [(-1, str(file))]
 
 
-def _is_whole(data: bytes) -> bool:
-    """Return whether a JPEG or PNG has its end; decoders fill what lacks with gray and only grumble."""
+def _is_complete(data: bytes) -> bool:
+    """Return whether a JPEG or PNG is complete; decoders fill missing parts with gray and only warn."""
     if data.startswith(b"\xff\xd8"):
         return data.rfind(b"\xff\xd9") > data.rfind(b"\xff\xda")
     if data.startswith(b"\x89PNG"):

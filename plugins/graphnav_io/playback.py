@@ -1,4 +1,4 @@
-"""Plays frames, one a firing, and ends the run with the last one."""
+"""Play frames, one per firing, and end the run with the last one."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ def next_image(frames: Frames, shape: Shape) -> Image:
     Raises
     ------
     Finished
-        It is the last one, which comes with it, or there is none left.
+        It is the last frame, which the exception carries, or there is none left.
     ValueError
-        It cannot be decoded or has another size.
+        The frame cannot be decoded or has another size.
     """
     pixels = frames.read()
     if pixels is None:

@@ -1,4 +1,4 @@
-"""Keeps OpenCV and its codecs from writing to standard error; what is wrong is said once, by an exception."""
+"""Silence OpenCV and its codecs on standard error; exceptions report their errors."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ STDERR = 2
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Discard what is written to file descriptor 2 meanwhile, also by C code.
+    """Discard output to file descriptor 2 in the block, including that of C code.
 
-    FFmpeg's threads write at any time, so its log level is lowered for good unless the environment sets it.
+    FFmpeg's threads write at any time, so its log level is lowered permanently unless the environment sets it.
     """
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     kept = os.dup(STDERR)

@@ -1,4 +1,4 @@
-"""Brings frames to the size and the colours that a graph asks for."""
+"""Convert frames to the size and colours of the graph."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import cv2
 from graphnav import ParamError
 from graphnav.arrays import Bytes
 
-SIZE_DOC = "columns and rows to resize to; null leaves the size as it is"
-SCALE_DOC = "factor to resize by, where no size is given"
-GRAY_DOC = "reduce colours to brightness: a third of the bytes"
+SIZE_DOC = "columns and rows to resize to; null keeps the size"
+SCALE_DOC = "dimensionless: factor to resize by if no size is given"
+GRAY_DOC = "convert colours to gray: a third of the bytes"
 
 
 class Shape:
@@ -20,7 +20,7 @@ class Shape:
         self._first: tuple[int, ...] | None = None
 
     def apply(self, pixels: Bytes) -> Bytes:
-        """Return ``pixels`` in this shape.
+        """Return ``pixels`` converted to this shape.
 
         Raises
         ------
@@ -48,7 +48,7 @@ class Shape:
 
 
 def check_shape(size: tuple[int, int] | None, scale: float) -> None:
-    """Refuse a size beside a scale.
+    """Refuse a size in combination with a scale.
 
     Raises
     ------

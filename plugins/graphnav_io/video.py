@@ -15,10 +15,10 @@ PICTURES_HZ = 10.0
 
 
 class Video(Source):
-    """A video file, a camera or a stream, one frame a firing, in red-green-blue; the last one ends the run.
+    """A video file, a camera or a stream, one frame per firing, in red-green-blue; the last one ends the run.
 
-    A folder or pattern of pictures is read as `Images` reads it. A frame that cannot be decoded, and a file that ends
-    before the last frame that it announces, stop the run.
+    A folder or pattern of pictures is read as by `Images`. A frame that cannot be decoded, and a file that ends before
+    the last frame that it declares, stop the run.
     """
 
     path: Path = param(doc="a video file, a camera's number, a URL, or a folder or pattern of pictures")
@@ -26,14 +26,14 @@ class Video(Source):
         0.0,
         ge=0.0,
         le=10_000.0,
-        doc="firings per second, one frame each; 0: what the video says, 10 for pictures",
+        doc="firings per second, one frame each; 0: the rate of the video, 10 for pictures",
     )
     size: tuple[int, int] | None = param(None, ge=1, le=16384, doc=SIZE_DOC)
     scale: float = param(1.0, gt=0.0, le=16.0, doc=SCALE_DOC)
     gray: bool = param(False, doc=GRAY_DOC)
 
     def check(self) -> None:
-        """Open the video and look at its first frame."""
+        """Check that the video opens and that its first frame can be decoded."""
         check_shape(self.size, self.scale)
         if is_pictures(self.path):
             check_pictures(self.path)
@@ -41,7 +41,7 @@ class Video(Source):
         frames = open_capture(self.path)
         frames.close()
         if not (self.rate_hz or frames.rate_hz):
-            raise ParamError("path", f"'{self.path}' tells no frame rate", "set 'rate_hz'")
+            raise ParamError("path", f"'{self.path}' does not declare a frame rate", "set 'rate_hz'")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Open the video at its first frame."""
@@ -50,7 +50,7 @@ class Video(Source):
         self._shape = Shape(self.size, self.scale, gray=self.gray)
 
     def rate(self) -> float:
-        """Return the given rate, else the video's own."""
+        """Return the given rate, else that of the video."""
         assert self._frames is not None
         return self.rate_hz or self._frames.rate_hz or PICTURES_HZ
 
@@ -60,7 +60,7 @@ class Video(Source):
         return next_image(self._frames, self._shape)
 
     def close(self) -> None:
-        """Release the file or device."""
+        """Close the file or device."""
         frames: Frames | None = getattr(self, "_frames", None)
         if frames is not None:
             frames.close()

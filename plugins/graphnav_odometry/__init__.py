@@ -1,4 +1,4 @@
-"""From a robot's odometry to the motion of a frame; the family ``odometry``."""
+"""Stages of the family ``odometry``: from a robot's odometry to the motion of a frame."""
 
 from graphnav import Stage, hookimpl
 

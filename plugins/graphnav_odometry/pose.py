@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Pose(NamedTuple):
-    """Place in metres and heading in radians, counterclockwise, not wrapped."""
+    """Position in metres and heading in radians, counterclockwise, not wrapped."""
 
     x_m: float
     y_m: float
@@ -20,7 +20,7 @@ class Pose(NamedTuple):
         return Pose(c * x + s * y, c * y - s * x, self.yaw_rad - other.yaw_rad)
 
     def then(self, step: Pose) -> Pose:
-        """Return where ``step``, a pose in the frame of this one, lies."""
+        """Return ``step``, a pose in the frame of this one, in the parent frame."""
         c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         return Pose(
             self.x_m + c * step.x_m - s * step.y_m,
@@ -30,10 +30,9 @@ class Pose(NamedTuple):
 
 
 def arc(forward_m: float, left_m: float, turn_rad: float) -> Pose:
-    """Return the end of a motion of constant twist that begins at the origin, heading along x.
+    """Return the end pose of a motion of constant twist from the origin, heading along x.
 
-    ``forward_m``, ``left_m``: how far it drives along the robot's own axes; ``turn_rad``: by how much it turns
-    meanwhile.
+    ``forward_m``, ``left_m``: displacement along the robot's own axes; ``turn_rad``: the turn during it.
     """
     a, b = _chord(turn_rad)
     return Pose(a * forward_m - b * left_m, b * forward_m + a * left_m, turn_rad)

@@ -1,4 +1,4 @@
-"""The last stretch of a robot's odometry: samples in order, and the pose at any time between them."""
+"""Recent odometry of a robot: ordered samples, and the pose at any time between them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from graphnav import Odometry
 from graphnav_odometry.pose import Pose, arc, part_of_arc
 
 MAX_PERIODS = 3.0
-"""A gap of more than so many usual periods is not bridged."""
+"""Longest gap, in typical periods, that is interpolated."""
 KEPT_US = 1_000_000
-"""Samples so far before the last frame tell the usual period; older ones are dropped."""
+"""Samples of this time before the last frame determine the typical period; older ones are dropped."""
 MAX_SAMPLES = 4096
-"""Held at most, whatever the sender's rate."""
+"""Maximum number of samples, at any rate of the sender."""
 
 
 class Track:
@@ -24,7 +24,7 @@ class Track:
     Parameters
     ----------
     max_speed_mps, max_turn_radps
-        Two samples that lie farther apart are not of one motion: the odometry was reset.
+        Faster changes between two samples are not motion: the odometry was reset.
     """
 
     def __init__(self, max_speed_mps: float, max_turn_radps: float) -> None:
@@ -34,10 +34,9 @@ class Track:
         self._poses: list[Pose] = []
 
     def add(self, utime: int, sample: Odometry) -> None:
-        """Take the next sample; one that is not newer than the last is dropped.
+        """Add the next sample; one that is not newer than the last is dropped.
 
-        One that is older than the last by more than a second tells that the sender's clock was set back: the track
-        begins anew.
+        If it is older than the last by more than a second, the sender's clock was set back and the track restarts.
         """
         if self._stamps and utime <= self._stamps[-1]:
             if self._stamps[-1] - utime <= KEPT_US:
@@ -54,13 +53,13 @@ class Track:
             self._drop(len(self._stamps) - MAX_SAMPLES // 2)
 
     def forget_before(self, utime: int) -> None:
-        """Drop what is older than ``utime`` by more than a second, but for the newest of it."""
+        """Drop samples older than ``utime`` by more than a second, except the newest of these."""
         self._drop(bisect_right(self._stamps, utime - KEPT_US) - 1)
 
     def moved(self, begin: int, end: int, max_extrapolation_us: float) -> Pose | None:
-        """Return the pose at stamp ``end`` in the frame of the pose at ``begin``, None where the samples do not tell.
+        """Return the pose at stamp ``end`` in the frame of the pose at ``begin``, None if unknown.
 
-        ``max_extrapolation_us``: how far beyond the last sample its speeds are trusted.
+        ``max_extrapolation_us``: maximum extrapolation beyond the last sample.
         """
         if len(self._stamps) < 2 or begin < self._stamps[0] or end > self._stamps[-1] + max_extrapolation_us:
             return None
@@ -70,13 +69,13 @@ class Track:
         return self._at(end).seen_from(self._at(begin))
 
     def _is_one_motion(self, first: int, last: int) -> bool:
-        """Whether no gap and no jump lies between two samples, by their place."""
+        """Whether there is no gap and no jump between two samples, given by index."""
         usual_us = median(after - before for before, after in pairwise(self._stamps))
         for k in range(first, last):
             elapsed_us = self._stamps[k + 1] - self._stamps[k]
             if elapsed_us > MAX_PERIODS * usual_us:
                 return False
-            # Stamps that jitter must not make a jump of a small step.
+            # Jitter of stamps must not turn a small step into a jump.
             elapsed_s = max(elapsed_us, usual_us / 2) * 1e-6
             step = self._poses[k + 1].seen_from(self._poses[k])
             if math.hypot(step.x_m, step.y_m) > self._max_speed_mps * elapsed_s:
@@ -86,7 +85,7 @@ class Track:
         return True
 
     def _at(self, utime: int) -> Pose:
-        """Return the pose at a stamp: on the arc between two samples, or beyond the last one at its speeds."""
+        """Return the pose at a stamp: on the arc between two samples, or extrapolated beyond the last one."""
         after = bisect_left(self._stamps, utime)
         if after == len(self._stamps):
             sample, elapsed_s = self._samples[-1], (utime - self._stamps[-1]) * 1e-6

@@ -1,4 +1,4 @@
-"""Planar flow: what an obstacle-free ground would flow like, taught beforehand; the family ``planar``."""
+"""Stages of the family ``planar``: the taught flow of an obstacle-free ground."""
 
 from graphnav import Stage, hookimpl
 

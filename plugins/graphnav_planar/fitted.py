@@ -1,4 +1,4 @@
-"""Planar flow that is fitted to the flow of the frame."""
+"""Fit planar flow to the flow of the frame."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from graphnav import Flow, Planar, PlanarModel, coarsen
 from graphnav.arrays import Doubles
 from graphnav_planar.taught import check_size, planar, stacked
 
-LEAST_VECTORS = 6
-"""Fewer valid vectors tell nothing of the ground."""
+MIN_VECTORS = 6
+"""Minimum number of valid vectors for a fit."""
 
 Fit = Callable[[npt.NDArray[np.intp], Doubles], npt.NDArray[np.floating]]
-"""From where the valid vectors are and these themselves, as `stacked` lays them out, to a field (rows, cols, 2)."""
+"""Maps the positions and values of the valid vectors, as laid out by `stacked`, to a field (rows, cols, 2)."""
 
 
 def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
-    """Return what ``fit`` makes of the valid vectors; where they are too few, a planar flow without a valid cell.
+    """Return the result of ``fit`` for the valid vectors; if they are too few, planar flow without a valid cell.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
     """
     check_size(model, flow)
     both, uv_px = stacked(coarsen(flow, model.step_px), model)
-    if both.size < 2 * LEAST_VECTORS:
+    if both.size < 2 * MIN_VECTORS:
         nothing = planar(model, np.zeros((*model.valid.shape, 2)), flow.interval_us)
         return replace(nothing, planar_valid=np.zeros_like(model.valid))
     return planar(model, fit(both, uv_px), flow.interval_us)

@@ -1,4 +1,4 @@
-"""Planar flow as the taught mean times one number."""
+"""Planar flow as the taught mean times a fitted gain."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from graphnav_planar.fitted import fitted
 from graphnav_planar.mean import Mean
 
 _ITERATIONS = 10
-_LEAST_PX2 = 1e-12
+_MIN_PX2 = 1e-12
 
 
 class Gain(Mean):
-    """Planar flow as the taught mean times one gain, fitted to the flow of the frame.
+    """Planar flow as the taught mean times a gain, fitted to the flow of the frame.
 
-    The control for `planar.subspace` and `planar.motion`: it knows the speed and nothing of turns. Without it nobody
-    believes that the motion must be modelled. The gain starts from the median over the vectors (of how much of the mean
+    The baseline of `planar.subspace` and `planar.motion`: it adapts to the speed, but not to turns, and so shows
+    whether the motion must be modelled. The gain starts from the median over the vectors (of how much of the mean
     each holds), then least squares are reweighted so that obstacles do not count. Where less than 6 vectors are valid
     there is nothing to fit, and no cell of the planar flow is.
     """
@@ -44,8 +44,8 @@ class Gain(Mean):
         """Return the mean times the gain, (rows, cols, 2)."""
         mean_px = self._mean_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
         products, squares = (field.reshape(2, -1).sum(axis=0) for field in (mean_px * uv_px, mean_px * mean_px))
-        gain = float(np.median(products / np.maximum(squares, _LEAST_PX2)))
+        gain = float(np.median(products / np.maximum(squares, _MIN_PX2)))
         for _ in range(_ITERATIONS):
             weights = agreement(uv_px - gain * mean_px, self.noise_px) ** 2
-            gain = float(weights @ products) / max(float(weights @ squares), _LEAST_PX2)
+            gain = float(weights @ products) / max(float(weights @ squares), _MIN_PX2)
         return np.asarray(gain * self._mean_px)

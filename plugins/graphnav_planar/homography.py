@@ -1,4 +1,4 @@
-"""How the pixels of one plane move between two frames, and how deep they lie."""
+"""Motion and depth of the pixels of a plane: homography and nearness."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ import numpy.typing as npt
 
 from graphnav.arrays import Doubles
 
-LEAST_PIXELS = 4
-"""Pixels that determine a homography."""
+MIN_PIXELS = 4
+"""Number of pixels that determine a homography."""
 
 
 def homography(points: Doubles, before: Doubles) -> Doubles | None:
     """Return the homography (3, 3), float64, that takes ``points`` to ``before``, both (n, 2).
 
-    Linear least squares with the last element 1 [HZ, section 4.1]: exact where the points are, and as good as they are
-    where these are near the origin and of size about one. None where they do not determine it: fewer than four, or
+    Linear least squares with the last element 1 [HZ, section 4.1]: exact for exact points, and as accurate as the
+    points if they are near the origin and of size about one. None if they do not determine it: fewer than four, or
     (nearly) on a line.
 
     References
     ----------
     .. [HZ] R. Hartley, A. Zisserman, Multiple View Geometry in Computer Vision, 2nd edition, 2004.
     """
-    if len(points) < LEAST_PIXELS:
+    if len(points) < MIN_PIXELS:
         return None
     x, y = points.T
     one, none = np.ones_like(x), np.zeros_like(x)
@@ -36,7 +36,7 @@ def homography(points: Doubles, before: Doubles) -> Doubles | None:
 
 
 def moved(matrix: Doubles, points: Doubles) -> tuple[Doubles, Doubles]:
-    """Return where a homography takes points (..., 2), and what it divides them by, (...).
+    """Return the images of points (..., 2) under a homography, and their divisors (...).
 
     A divisor that is not positive means that the point of the plane lies behind the other camera.
     """

@@ -10,8 +10,8 @@ from graphnav_planar.terms import MEAN
 class Mean(Taught):
     """Planar flow of [OI, eq. 1]: the mean flow of driving straight over free ground, the same in every frame.
 
-    Right only while the robot drives straight on at about the speed that was taught: in a turn the whole floor
-    differs from it. It is scaled by the ratio of the flow's interval to the taught one.
+    Valid only while the robot drives straight on at about the taught speed: in a turn the entire floor differs from it.
+    It is scaled by the ratio of the flow's interval to the taught one.
 
     References
     ----------

@@ -15,7 +15,7 @@ def read_model(path: Path) -> PlanarModel:
     Raises
     ------
     ParamError
-        There is no such file, it is no log, or it holds no planar model; of the parameter 'model'.
+        The file does not exist, is not a log, or does not contain a planar model; names the parameter 'model'.
     """
     try:
         with Recording(path) as log:

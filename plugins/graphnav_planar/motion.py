@@ -1,4 +1,4 @@
-"""Planar flow for the motion of the frame."""
+"""Planar flow for the motion of the frame, from odometry."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from graphnav_planar.terms import driving_terms, factors, orders
 class Motion(Taught):
     """Planar flow for the current motion, from the basis that `planar.teach` fitted.
 
-    Extends [OI, eq. 1], whose mean holds for one constant motion, to a robot that turns. Beyond the motions that were
-    taught the basis errs, and what it errs by looks like an obstacle: teach more than the controller may command.
+    Extends [OI, eq. 1], whose mean holds for one constant motion, to a robot that turns. Outside the taught
+    motions the basis is inaccurate, and the error looks like an obstacle: teach more than the controller may command.
 
-    Odometry that errs by two per cent moves the planar flow by a tenth of a pixel in a turn, as much as a low obstacle
-    does. So the motion is corrected, within ``odometry_error_ratio``, to what most of the flow shows.
+    An odometry error of two per cent shifts the planar flow by a tenth of a pixel in a turn, as much as a low obstacle
+    does. So the motion is corrected, within ``odometry_error_ratio``, to agree with most of the flow.
     """
 
     odometry_error_ratio: float = param(
         0.1,
         ge=0.0,
         lt=1.0,
-        doc="share by which the motion may be corrected to fit the flow: what odometry may err by, when teaching and "
-        "now; 0 takes it as it is",
+        doc="maximum relative correction of the motion to fit the flow: the error of odometry, when teaching and now; "
+        "0 does not correct it",
     )
 
     def step(self, flow: Flow, motion: graphnav.Motion) -> Planar:
@@ -48,7 +48,7 @@ class Motion(Taught):
         return planar(self._model, uv_px.transpose(1, 2, 0), flow.interval_us)
 
     def _correction(self, by_term: Doubles, cells: Flow) -> Doubles:
-        """Return what the corrected motion adds to the factors of the terms, to the first order."""
+        """Return the correction of the factors of the terms, to first order."""
         both, uv_px = stacked(cells, self._model)
         basis = self._basis[:, both]
         rates = self._orders * by_term

@@ -1,4 +1,4 @@
-"""Least squares over a stream: one small linear fit per cell of a grid, kept as its normal equations."""
+"""Streaming least squares: a small linear fit per cell of a grid, stored as normal equations."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ _WORST_CONDITION = 1e8
 
 
 class Solution(NamedTuple):
-    """``fields``: (k, rows, cols, 2). ``residual``: (rows, cols), the root mean square length of what they leave."""
+    """``fields``: (k, rows, cols, 2). ``residual``: (rows, cols), the root mean square length of the residual."""
 
     fields: Doubles
     residual: Doubles
 
 
 class NormalEquations:
-    """Fits ``y = sum_k factor_k * field_k`` for every cell of a grid, from one (factors, y) a frame.
+    """Fits ``y = sum_k factor_k * field_k`` for every cell of a grid, from one (factors, y) per frame.
 
-    All state is a sum over the frames: any number of them takes the same memory.
+    All state is a sum over the frames, so memory does not depend on their number.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class NormalEquations:
         self.count[valid] += 1
 
     def solve(self, cells: Bools) -> Solution | None:
-        """Return the fit, 0 outside ``cells``; None if what was added does not determine it for each of these cells."""
+        """Return the fit, 0 outside ``cells``; None if the frames do not determine it for each of these cells."""
         rows, cols, terms, _ = self._moments.shape
         fields, left = np.zeros((terms, rows, cols, 2)), np.zeros((rows, cols))
         products = self._products[cells]

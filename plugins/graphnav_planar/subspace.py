@@ -1,4 +1,4 @@
-"""Planar flow for the motion that the flow itself shows: no odometry."""
+"""Planar flow for the motion estimated from the flow itself, without odometry."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from graphnav_planar.terms import driving_terms, orders
 
 
 class Subspace(Taught):
-    """Planar flow for the current motion, which is estimated from the flow.
+    """Planar flow for the current motion, estimated from the flow.
 
     The flows of an obstacle-free ground form a subspace of all flows, spanned by the basis that `planar.teach` fitted;
-    the one with which most of the picture agrees is the ground's. The factors of the basis are not free: forward
-    displacement and turn determine all of them. So two numbers are fitted, by least squares that are reweighted so that
+    the one with which most of the picture agrees is that of the ground. The factors of the basis are not free: forward
+    displacement and turn determine all of them. So two numbers are fitted, by reweighted least squares in which
     obstacles do not count (Geman and McClure's estimator).
 
     That fit ends near where it starts. It starts from the best of these: the last frame's motion (standing still after
     a gap of more than 3 periods), the same without its turn, and the motions that explain random pairs of vectors [FB].
-    So the ground need only be the largest part of the picture that moves as one plane does. Where less than 6 vectors
-    are valid there is nothing to fit, and no cell of the planar flow is.
+    So the ground need only be the largest part of the picture that moves as one plane. With fewer than 6 valid vectors
+    there is nothing to fit, and no cell of the planar flow is valid.
 
     References
     ----------

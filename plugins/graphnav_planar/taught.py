@@ -1,4 +1,4 @@
-"""What the stages that use a taught planar model share."""
+"""Base of the stages that use a taught planar model."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from graphnav_planar.model_file import TEACH, read_model
 class Taught(Stage):
     """A stage with a taught planar model."""
 
-    model: Path = param(doc="planar model, as graphnav teach saves it")
+    model: Path = param(doc="planar model, as saved by graphnav teach")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Read the model."""
         self._use(read_model(self.model))
 
     def check(self) -> None:
-        """See that the model can be read and was taught what this stage needs."""
+        """Check that the model can be read and has the terms that this stage needs."""
         self.reset(0)
 
     def _use(self, model: PlanarModel) -> None:
-        """Keep what `step` needs of the model.
+        """Store the parts of the model that `step` needs.
 
         Raises
         ------
         ParamError
-            It was not taught that.
+            The model does not have them.
         """
         raise NotImplementedError
 
@@ -40,12 +40,12 @@ class Taught(Stage):
 
 
 def check_size(model: PlanarModel, flow: Flow) -> None:
-    """See that the flow is of the image size that was taught.
+    """Check that the flow has the taught image size.
 
     Raises
     ------
     ValueError
-        It is not.
+        It has not.
     """
     rows, cols = model.valid.shape
     flow_rows, flow_cols = flow.valid.shape
@@ -68,7 +68,7 @@ def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], interval_us: int
 
 
 def stacked(cells: Flow, model: PlanarModel) -> tuple[npt.NDArray[np.intp], Doubles]:
-    """Return where in a flattened field (2, rows, cols) the valid vectors are, (2n,), and these themselves, (2n,).
+    """Return the indices of the valid vectors in a flattened field (2, rows, cols), (2n,), and their values, (2n,).
 
     Horizontal parts first, then the vertical ones. ``cells``: a flow on the model's grid.
     """

@@ -19,15 +19,15 @@ class Teach(Stage):
 
     For every cell the flow is fitted by a sum of basis fields, each multiplied by a term of the frame's motion:
     ``u = v B_v + w B_w + v w B_vw + w^2 B_ww``, v the forward displacement, w the turn of the frame. It is the series
-    of what a plane does to a camera that drives and turns; neither the camera nor the plane need be known.
+    expansion of the flow of a plane seen by a driving and turning camera; neither camera nor plane need be known.
 
-    The term "mean" is [OI, eq. 1] itself: the mean flow of the frames that drive straight on, at a displacement
-    within ``straight_forward_m``. It stands in the model beside the other terms and has no part in their sum, so that
-    one model serves every planar stage. Without ``motion`` (a video) every frame counts as straight, and "mean" is
-    all that can be taught.
+    The term "mean" is [OI, eq. 1] itself: the mean flow of the frames that drive straight on, at a displacement within
+    ``straight_forward_m``. It is stored in the model beside the other terms but is not part of their sum, so that one
+    model serves every planar stage. Without ``motion`` (a video) every frame counts as straight, and only "mean" can be
+    taught.
 
-    Publishes the model as taught so far every ``every_frames`` frames, from when the motion seen determines every
-    basis field. A cell is valid that was valid in at least half of the frames.
+    Publishes the current model every ``every_frames`` frames, once the motions seen determine every basis field. A cell
+    is valid if it was valid in at least half of the frames.
 
     References
     ----------
@@ -56,7 +56,7 @@ class Teach(Stage):
     every_frames: int = param(25, ge=1, doc="frames between two published models")
     straight_turn_rad: float = param(0.01, ge=0.0, doc="a frame that turns by at most this drives straight on")
     straight_forward_m: tuple[float, float] = param(
-        (0.02, 0.04), ge=0.0, doc="least and greatest displacement per frame that count for the term mean"
+        (0.02, 0.04), ge=0.0, doc="minimum and maximum displacement per frame that count for the term mean"
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
@@ -74,8 +74,8 @@ class Teach(Stage):
         Raises
         ------
         ValueError
-            There are terms to teach that need the motion of this frame, and it is not there or covers another interval
-            than the flow; or the flow changes size.
+            A term needs the motion of this frame, which is missing or covers another interval than the flow; or the
+            flow changes its size.
         """
         if motion is None and self._driving:
             wanted = ", ".join(self._driving)
@@ -115,11 +115,11 @@ class Teach(Stage):
             self._turn_rad = _widened(self._turn_rad, moved.turn_rad)
 
     def _is_straight(self, moved: Motion) -> bool:
-        least_m, greatest_m = self.straight_forward_m
-        return abs(moved.turn_rad) <= self.straight_turn_rad and least_m <= moved.forward_m <= greatest_m
+        min_m, max_m = self.straight_forward_m
+        return abs(moved.turn_rad) <= self.straight_turn_rad and min_m <= moved.forward_m <= max_m
 
     def _solve(self, interval_us: int) -> PlanarModel | None:
-        """Return the model as taught so far, None while the frames do not determine all of its fields."""
+        """Return the current model, None while the frames do not determine all of its fields."""
         valid = np.ones(self._straight.count.shape, np.bool_)
         for fit, wanted in ((self._straight, MEAN in self.terms), (self._driven, bool(self._driving))):
             if wanted:

@@ -1,4 +1,4 @@
-"""The terms of the planar model's basis: what multiplies each field, given the motion of a frame."""
+"""Terms of the planar model's basis: the factor of each field, given the motion of a frame."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MEAN = "mean"
 
 
 def driving_terms(terms: Sequence[str]) -> list[str]:
-    """Return the terms that the motion of a frame multiplies."""
+    """Return the terms that depend on the motion of a frame."""
     return [term for term in terms if term != MEAN]
 
 
@@ -27,6 +27,6 @@ def orders(terms: Sequence[str]) -> Doubles:
 
 
 def factors(terms: Sequence[str], motion: Motion) -> Doubles:
-    """Return what multiplies each of these driving terms for this motion, (terms,)."""
+    """Return the factor of each of these driving terms for this motion, (terms,)."""
     v, w = orders(terms)
     return np.asarray(motion.forward_m**v * motion.turn_rad**w)

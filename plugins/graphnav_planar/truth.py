@@ -11,21 +11,25 @@ from graphnav import Planar, Role, Stage, block_sum, param
 from graphnav.arrays import Bools, Doubles
 from graphnav_planar.homography import homography, moved, nearness
 
-_MOST_PIXELS = 2000
+_MAX_PIXELS = 2000
 
 
 class Truth(Stage):
-    """Oracle: the flow that the ground would give at every place, also behind obstacles; it isolates the planar model.
+    """Oracle: the flow of the ground at every pixel, also behind obstacles; isolates the planar model.
 
-    Between two frames a plane moves by a homography. The one that the visible ground's true flow determines gives the
-    flow of the rest. Where too little ground is visible for that, and above its horizon, no cell is valid.
+    Between two frames a plane moves by a homography. The true flow of the visible ground determines it, and it gives
+    the flow of the rest. If too little ground is visible, and above its horizon, no cell is valid.
     """
 
     role: ClassVar[Role] = "oracle"
 
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
-    least_ground_ratio: float = param(
-        0.01, gt=0.0, le=1.0, doc="least share of the picture that must be ground; too little tells nothing of the rest"
+    min_ground_ratio: float = param(
+        0.01,
+        gt=0.0,
+        le=1.0,
+        doc="minimum share of the picture that must be ground; less does not determine the motion of the plane",
+        renamed_from="least_ground_ratio",
     )
 
     def step(self, truth: graphnav.Truth) -> Planar:
@@ -51,9 +55,9 @@ class Truth(Stage):
         points = np.stack([col - (cols - 1) / 2, row - (rows - 1) / 2], axis=-1) * (truth.step_px / unit_px)
         ground = np.flatnonzero((truth.obstacle == 0) & np.isfinite(truth.depth_m))
         none = np.zeros(points.shape), np.zeros((rows, cols), np.bool_)
-        if ground.size < self.least_ground_ratio * truth.obstacle.size:
+        if ground.size < self.min_ground_ratio * truth.obstacle.size:
             return none
-        used = ground[:: 1 + ground.size // _MOST_PIXELS]
+        used = ground[:: 1 + ground.size // _MAX_PIXELS]
         seen = points.reshape(-1, 2)[used]
         matrix = homography(seen, seen - truth.flow_px.reshape(-1, 2)[used] / unit_px)
         if matrix is None:

@@ -1,4 +1,4 @@
-"""Dominant plane: what is ground and what is not; the family ``plane``."""
+"""Stages of the family ``plane``: detectors of the dominant plane."""
 
 from graphnav import Stage, hookimpl
 

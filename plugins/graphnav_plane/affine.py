@@ -1,4 +1,4 @@
-"""Dominant plane as what one affine motion of the picture explains."""
+"""Dominant plane by an affine motion of the picture."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ import numpy as np
 from graphnav import Flow, Plane, Stamp, coarsen, param
 from graphnav.arrays import Bools, Doubles
 from graphnav_plane.agreement import agrees, length, median
-from graphnav_plane.detector import LEAST_VECTORS, Detector
+from graphnav_plane.detector import MIN_VECTORS, Detector
 
 _SAMPLE = 200
-_LEAST_AREA = 1e-3
+_MIN_AREA = 1e-3
 
 
 class Affine(Detector):
     """Dominant plane by a robust affine fit of the flow.
 
-    A plane seen by a moving camera flows as ``u = (A - I) x + b`` where the displacement is small and the plane is far
-    from tilted. Fits (A, b) by least median of squares over seeded three-point draws, then by least squares to all
-    that agrees; the score is what the fit leaves. Needs no planar flow; takes the largest plane for the ground.
+    A plane seen by a moving camera flows as ``u = (A - I) x + b`` if the displacement and the tilt of the plane are
+    small. Fits (A, b) by least median of squares over seeded three-point draws, then by least squares to all inliers;
+    the score is the residual. Needs no planar flow; assumes that the largest plane is the ground.
 
     References
     ----------
@@ -30,17 +30,17 @@ class Affine(Detector):
     mad_ratio: float = param(
         3.5,
         gt=0.0,
-        doc="rule mad: more calls fewer cells obstacle; less than of plane.ica, because what perspective leaves of an "
-        "affine fit raises the median",
+        doc="rule mad: more marks fewer cells as obstacle; lower than that of plane.ica, because perspective raises "
+        "the median of the residual of an affine fit",
     )
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
     draws: int = param(
         100, ge=1, le=10_000, doc="three-point draws: 35 miss the plane once in 100 frames at half obstacle"
     )
-    refits: int = param(2, ge=1, le=100, doc="least-squares fits to what agrees with the one before")
+    refits: int = param(2, ge=1, le=100, doc="least-squares fits to the inliers of the previous fit")
 
     def reset(self, seed: int) -> None:
-        """Begin the draws anew and forget the last frames."""
+        """Restart the draws and forget the last frames."""
         super().reset(seed)
         self._rng = np.random.default_rng(seed)
 
@@ -49,7 +49,7 @@ class Affine(Detector):
         self._begin(stamp)
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
-        if np.count_nonzero(valid) < LEAST_VECTORS:
+        if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         places = _places(valid)
         uv = cells.uv_px[valid].astype(np.float64)
@@ -60,12 +60,12 @@ class Affine(Detector):
         return self._plane(score, valid, cells.step_px)
 
     def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:
-        """Return the fit (3, 2) to the three vectors that leave the least median, over a sample of all vectors."""
+        """Return the fit (3, 2) to the three vectors with the minimum median residual, over a sample of all vectors."""
         n = len(places)
         drawn = self._rng.integers(0, n, (3, self.draws))
         (x0, x1, x2), (y0, y1, y2) = places[drawn, 0], places[drawn, 1]
         area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-        proper = np.abs(area) > _LEAST_AREA
+        proper = np.abs(area) > _MIN_AREA
         if not proper.any():
             return _least_squares(places, uv)
         area = np.where(proper, area, np.inf)
@@ -94,12 +94,12 @@ def _places(valid: Bools) -> Doubles:
 
 
 def _refitted(fit: Doubles, places: Doubles, uv: Doubles, noise_px: float) -> Doubles:
-    """Return the least-squares fit to the vectors that agree with ``fit``."""
+    """Fit the inliers of ``fit`` by least squares."""
     near = agrees(length(uv - places @ fit), noise_px)
     return _least_squares(places[near], uv[near])
 
 
 def _least_squares(places: Doubles, uv: Doubles) -> Doubles:
-    """Return the fit (3, 2); a little ridge keeps it finite where all places lie on one line."""
+    """Return the fit (3, 2); a small ridge keeps it finite if all positions are collinear."""
     products = places.T @ places
     return np.asarray(np.linalg.solve(products + 1e-9 * len(places) * np.eye(3), places.T @ uv))

@@ -1,4 +1,4 @@
-"""Ground everywhere: the control that says nothing."""
+"""Ground everywhere: the baseline without information."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from graphnav import Flow, Plane, Role, Stage, coarsen, param
 
 
 class AllGround(Stage):
-    """Control: every cell with a vector is ground, and all of them score alike.
+    """Baseline: every cell with a vector is ground, and all score alike.
 
-    Its AUROC is 0.5 and its balanced accuracy 0.5, whatever the world: what a figure owes to the detector is what it
-    gains over this one.
+    Its AUROC and its balanced accuracy are 0.5 in every world: a detector contributes what it gains over this baseline.
     """
 
     role: ClassVar[Role] = "baseline"

@@ -1,4 +1,4 @@
-"""What all detectors of the dominant plane share: from what the ground leaves unexplained to a map."""
+"""Base of the detectors of the dominant plane: from residuals of the ground to a map."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav_plane.rule import Rule, threshold
 Scores = npt.NDArray[np.floating]
 Vectors = npt.NDArray[np.floating]
 
-LEAST_VECTORS = 6
+MIN_VECTORS = 6
 MAX_INTERVAL_ERROR_RATIO = 0.01
 _NEXT = np.ones((3, 3), np.uint8)
 
@@ -25,32 +25,32 @@ class Detector(Stage):
     rule: Rule = param(
         "mad", doc="mad: mad_ratio times the median score; otsu: split the histogram; fixed: threshold_px"
     )
-    mad_ratio: float = param(4.0, gt=0.0, doc="rule mad: more calls fewer cells obstacle")
+    mad_ratio: float = param(4.0, gt=0.0, doc="rule mad: more marks fewer cells as obstacle")
     threshold_px: float = param(
         0.08,
         ge=0.0,
-        doc="rule fixed: the threshold. Else the threshold never falls below it: it should be what flow noise reaches "
-        "on a free floor, where every relative rule finds obstacles in the noise",
+        doc="rule fixed: the threshold. Other rules: its minimum, which should be the flow noise on a free floor, "
+        "where every relative rule finds obstacles in the noise",
     )
     median_cells: int = param(
         1,
         ge=1,
         le=15,
-        doc="side of the median that removes specks from the map (odd); 1 leaves it as it is, as [OI] does",
+        doc="side of the median filter that removes specks from the map (odd); 1 does not filter, as in [OI]",
     )
     edge_ratio: float = param(
         0.3,
         ge=0.0,
         lt=1.0,
-        doc="a cell is ground if it scores less than this share of a cell next to it: flow is found in windows, so "
-        "that ground beside an obstacle moves a little like it; 0 leaves it obstacle",
+        doc="a cell is ground if it scores less than this share of a neighbouring cell: flow is estimated in windows, "
+        "so that ground beside an obstacle moves a little like it; 0 keeps it obstacle",
     )
     memory_ratio: float = param(
         0.5,
         ge=0.0,
         lt=1.0,
-        doc="share that the last frames have in what a cell moves off the ground by, followed along the flow; more is "
-        "steadier and later, 0 judges every frame by itself",
+        doc="weight of the last frames, moved along with the flow, in the residual of a cell; more is steadier and "
+        "later, 0 judges every frame separately",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
@@ -64,12 +64,12 @@ class Detector(Stage):
             self._memory.forget()
 
     def _unjudged(self, cells: Flow) -> Plane:
-        """Return a plane in which nothing was judged, and forget the last frames."""
+        """Return a plane without judged cells, and forget the last frames."""
         self._memory.forget()
         return all_ground(cells.valid.shape, cells.step_px)
 
     def _remembered(self, left_px: Vectors, valid: Bools, cells: Flow) -> Scores:
-        """Return the lengths (rows, cols) of what ``left_px`` (n, 2) and the last frames leave of the valid cells."""
+        """Return the residual lengths (rows, cols) of valid cells, from ``left_px`` (n, 2) and the last frames."""
         field = np.zeros((*valid.shape, 2), np.float32)
         field[valid] = left_px
         mean = self._memory.mean(field, valid, cells.uv_px / np.float32(cells.step_px))
@@ -96,7 +96,7 @@ class Detector(Stage):
 
 
 def all_ground(shape: tuple[int, ...], step_px: int) -> Plane:
-    """Return a plane without an obstacle in which nothing was judged: there was too little to judge by."""
+    """Return a plane without obstacles in which nothing was judged."""
     empty = np.zeros(shape, np.uint8)
     return Plane(obstacle=empty, score=empty.astype(np.float32), valid=empty, step_px=step_px, obstacle_ratio=0.0)
 
@@ -107,12 +107,12 @@ def compared(flow: Flow, planar: Planar) -> tuple[Flow, Bools]:
     Raises
     ------
     ValueError
-        They are of different image sizes, or the times that they cover differ by more than 1 %.
+        Their image sizes differ, or their intervals differ by more than 1 %.
     """
     if abs(flow.interval_us - planar.interval_us) > MAX_INTERVAL_ERROR_RATIO * flow.interval_us:
         raise ValueError(
             f"the planar flow covers {planar.interval_us} us, but the flow {flow.interval_us} us: "
-            "wire the flow from which the planar flow is made"
+            "wire the flow from which the planar flow is derived"
         )
     cells = coarsen(flow, planar.step_px)
     if cells.valid.shape != planar.planar_valid.shape:

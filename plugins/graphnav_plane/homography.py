@@ -10,7 +10,7 @@ import numpy as np
 from graphnav import Flow, Plane, Stamp, coarsen, param
 from graphnav.arrays import Bools, Doubles
 from graphnav_plane.agreement import agrees, length
-from graphnav_plane.detector import LEAST_VECTORS, Detector
+from graphnav_plane.detector import MIN_VECTORS, Detector
 
 _METHODS = {
     "usac_magsac": cv2.USAC_MAGSAC,
@@ -19,12 +19,12 @@ _METHODS = {
     "lmeds": cv2.LMEDS,
 }
 _CONFIDENCE_RATIO = 0.99
-_LEAST_DEPTH_RATIO = 1e-6
+_MIN_DEPTH_RATIO = 1e-6
 _RIDGE = 1e-12
 
 _UNIT_PX = 0.01
-"""The unit in which OpenCV is asked. Its MAGSAC takes noise to be anything up to ten units: in whole pixels, which is
-more than obstacles move by, it fits the plane and the obstacles alike, and what it leaves tells nothing."""
+"""Unit of the coordinates passed to OpenCV. Its MAGSAC assumes noise of up to ten units: ten pixels are more than
+obstacles move, so that it would fit plane and obstacles alike and leave no residual."""
 
 
 class Homography(Detector):
@@ -34,9 +34,9 @@ class Homography(Detector):
     affine map only nearly does. Needs no planar flow; takes the largest plane for the ground. The score is what the
     flow leaves of the homography's own flow.
 
-    OpenCV draws a first homography, which is then fitted by least squares to all that agrees with it, again and again,
+    OpenCV draws a first homography, which is then fitted by least squares to its inliers, repeatedly,
     as `plane.affine` is. Where noise is as large as on real flow it then hardly matters what drew the first. OpenCV
-    draws from generators that begin anew with every call: nothing here depends on a seed or on what ran before.
+    draws from generators that restart with every call: nothing here depends on a seed or on earlier runs.
 
     References
     ----------
@@ -53,14 +53,14 @@ class Homography(Detector):
         0.1, gt=0.0, doc="what the first homography may leave of a vector that agrees with it; lmeds needs none"
     )
     draws: int = param(200, ge=1, le=100_000, doc="four-point draws, at most")
-    refits: int = param(2, ge=0, le=100, doc="least-squares fits to what agrees with the one before")
+    refits: int = param(2, ge=0, le=100, doc="least-squares fits to the inliers of the previous fit")
 
     def step(self, flow: Flow, stamp: Stamp) -> Plane:
         """Return the plane on cells of ``cell_px``; nothing is judged where fewer than 6 vectors are valid."""
         self._begin(stamp)
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
         valid = cells.valid != 0
-        if np.count_nonzero(valid) < LEAST_VECTORS:
+        if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         places = _places(valid, cells.step_px)
         targets = places + cells.uv_px[valid]
@@ -94,7 +94,7 @@ class Homography(Detector):
 def least_squares(places: Doubles, targets: Doubles) -> Doubles:
     """Return the homography (3, 3) that takes ``places`` (n, 2) nearest to ``targets``, by the linear equations.
 
-    Solved for what it adds to standing still, with a little ridge: finite also where all places lie on one line. The
+    Solved for the difference from the identity, with a small ridge: finite even if all positions are collinear. The
     equations weigh a vector by its depth, which is nearly 1 where the motion between frames is small.
     """
     scale = max(1.0, float(np.abs(places).max()))
@@ -125,9 +125,9 @@ def _places(valid: Bools, step_px: int) -> Doubles:
 
 
 def _moved(matrix: Doubles, places: Doubles) -> Doubles:
-    """Return where ``matrix`` takes ``places``, (n, 2).
+    """Return the images of ``places`` under ``matrix``, (n, 2).
 
-    What it takes to the horizon or beyond is held just before it: huge but finite.
+    Points at the horizon or beyond are clamped just before it: huge but finite.
     """
     moved = places @ matrix[:, :2].T + matrix[:, 2]
-    return np.asarray(moved[:, :2] / np.maximum(moved[:, 2:], _LEAST_DEPTH_RATIO))
+    return np.asarray(moved[:, :2] / np.maximum(moved[:, 2:], _MIN_DEPTH_RATIO))

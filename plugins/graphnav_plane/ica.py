@@ -8,7 +8,7 @@ import numpy as np
 
 from graphnav import Flow, Planar, Plane, Stamp, param
 from graphnav.arrays import Doubles
-from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
+from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
 from graphnav_plane.separation.whitening import Whitened, whiten
@@ -30,7 +30,7 @@ class Ica(Detector):
     component is divided by its greater unmixing coefficient, which makes it u - αû itself. Only so can a threshold
     tell an obstacle from the noise that is all that the component holds on an empty floor.
 
-    Where one mixture says nothing beside the other (at rest û = 0, on a floor without noise u is a multiple of it)
+    If one mixture adds nothing to the other (at rest û = 0, on a floor without noise u is a multiple of it)
     nothing can be separated: α is what fits best.
 
     References
@@ -41,32 +41,35 @@ class Ica(Detector):
 
     component: Literal["kurtosis", "high_variance", "low_variance"] = param(
         "kurtosis",
-        doc="which component is the obstacle's: the one of higher kurtosis (few large values among many small ones), "
-        "or, as [OI] orders them, of high or low variance of its length",
+        doc="selection of the obstacle's component: the one of higher kurtosis (few large values among many small "
+        "ones), or, as [OI] orders them, of high or low variance of its length",
     )
     nonlinearity: Nonlinearity = param(
-        "gauss", doc="FastICA's: gauss is sure of sparse components; cubic, as [OI], heeds the largest samples most"
+        "gauss",
+        doc="of FastICA: gauss is reliable for sparse components; cubic, as in [OI], is dominated by the largest "
+        "samples",
     )
     centred: bool = param(
         False,
-        doc="take the mixtures about their means, as [OI]; false: about zero, where the ground alone would be",
+        doc="centre the mixtures at their means, as in [OI]; false: at zero, where the ground alone would be",
     )
     about: Literal["zero", "median"] = param(
-        "zero", doc="what |v| must deviate from to count as obstacle; median: as [OI]"
+        "zero", doc="reference from which |v| of an obstacle deviates; median: as in [OI]"
     )
     solver: Literal["direct", "sklearn"] = param(
         "direct",
-        doc="direct: the greatest contrast, without a start; sklearn: its iteration, started from the last frame",
+        doc="direct: the maximum contrast, without a start; sklearn: iteration, started from the last frame",
     )
-    least_eigenvalue_ratio: float = param(
+    min_eigenvalue_ratio: float = param(
         1e-9,
         ge=0.0,
         lt=1.0,
-        doc="lesser by greater eigenvalue of the mixtures' covariance up to which they count as one",
+        doc="smaller divided by larger eigenvalue of the mixtures' covariance up to which they count as one",
+        renamed_from="least_eigenvalue_ratio",
     )
 
     def reset(self, seed: int) -> None:
-        """Draw where the iteration starts in the first frame; forget the last frames."""
+        """Draw the start of the iteration in the first frame; forget the last frames."""
         super().reset(seed)
         self._unmixing: Doubles = np.random.default_rng(seed).standard_normal((2, 2))
 
@@ -80,7 +83,7 @@ class Ica(Detector):
         """
         self._begin(stamp)
         cells, valid = compared(flow, planar)
-        if np.count_nonzero(valid) < LEAST_VECTORS:
+        if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         fields = np.stack([cells.uv_px[valid], planar.planar_uv_px[valid]]).astype(np.float64)
         mixtures = fields.transpose(0, 2, 1).reshape(2, -1)
@@ -91,8 +94,8 @@ class Ica(Detector):
         return self._plane(score, valid, cells.step_px, converged=converged)
 
     def _separated(self, mixtures: Doubles) -> tuple[Doubles, bool]:
-        """Return what an obstacle adds to the flow, px, (2n,), and whether the iteration converged."""
-        white = whiten(mixtures, self.least_eigenvalue_ratio, centred=self.centred)
+        """Return the contribution of obstacles to the flow, px, (2n,), and whether the iteration converged."""
+        white = whiten(mixtures, self.min_eigenvalue_ratio, centred=self.centred)
         if white is None:
             return _fitted(mixtures), True
         rotation, converged = self._rotation(white)
@@ -109,7 +112,7 @@ class Ica(Detector):
         return direct.rotation(white.samples), True
 
     def _which(self, centred: Doubles, components: Doubles) -> int:
-        """Return the place of the obstacle's component of two, (2, 2n); ``centred``: as they were separated."""
+        """Return the index of the obstacle's component of two, (2, 2n); ``centred``: as they were separated."""
         if self.component == "kurtosis":
             squares = centred * centred
             return int(np.argmax((squares * squares).sum(axis=1)))
@@ -118,7 +121,7 @@ class Ica(Detector):
 
 
 def _fitted(mixtures: Doubles) -> Doubles:
-    """Return what the multiple of the planar flow that fits best leaves of the flow, (2n,)."""
+    """Return the residual of the flow after subtracting the best multiple of the planar flow, (2n,)."""
     flow, planar = mixtures
     square = planar @ planar
     gain = float(flow @ planar / square) if square else 0.0

@@ -1,4 +1,4 @@
-"""What the last frames left unexplained, carried along with the picture."""
+"""Running mean of the residuals of recent frames, moved along with the flow."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from graphnav.arrays import Bools, Floats
 
 
 class Memory:
-    """A running mean of vectors over the frames, each cell's taken from where the flow says that it was.
+    """A running mean of vectors over the frames; each cell follows the flow.
 
-    What an obstacle adds to the flow is alike from frame to frame; what flow errs by is not, and being vectors cancels.
+    The contribution of an obstacle is similar from frame to frame; errors of the flow are not, and cancel as vectors.
     """
 
     def __init__(self, share: float) -> None:
@@ -19,15 +19,15 @@ class Memory:
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew: the next frame stands for itself."""
+        """Start over: the next frame is used alone."""
         self._left_px: Floats = np.zeros((0, 0, 2), np.float32)
         self._valid: Floats = np.zeros((0, 0), np.float32)
 
     def mean(self, left_px: Floats, valid: Bools, moved_cells: Floats) -> Floats:
         """Return the running mean with this frame's ``left_px``, float32 (rows, cols, 2), zero where not ``valid``.
 
-        ``moved_cells``: (rows, cols, 2), the flow in cells. Where the last frame knows nothing, or the grid is another,
-        this frame stands for itself.
+        ``moved_cells``: (rows, cols, 2), the flow in cells. Where the last frame has no value, or if the grid changed,
+        this frame is used alone.
         """
         now = np.where(valid[..., None], left_px, np.float32(0.0))
         if self._share and self._left_px.shape == now.shape:
@@ -45,7 +45,7 @@ _WHOLLY = 0.99
 
 
 def _came_from(moved_cells: Floats) -> tuple[Floats, Floats]:
-    """Return the columns and the rows at which the cells were in the last frame, both float32 (rows, cols)."""
+    """Return the columns and rows of the cells in the last frame, both float32 (rows, cols)."""
     rows, cols = moved_cells.shape[:2]
     columns = np.arange(cols, dtype=np.float32) - moved_cells[..., 0]
     return columns, np.arange(rows, dtype=np.float32)[:, None] - moved_cells[..., 1]

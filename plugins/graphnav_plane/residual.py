@@ -1,4 +1,4 @@
-"""Dominant plane as what the planar flow explains."""
+"""Dominant plane by the difference between flow and planar flow."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import ClassVar
 import numpy as np
 
 from graphnav import Flow, Planar, Plane, Role, Stamp
-from graphnav_plane.detector import LEAST_VECTORS, Detector, compared
+from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 
 
 class Residual(Detector):
     """Obstacle is where the flow differs from the planar flow: ``|u - û|``.
 
-    The control for `plane.ica`: the same inputs without the separation. An ablation of ICA is believed only beside it.
+    The baseline of `plane.ica`: the same inputs without the separation. An ablation of ICA needs it for comparison.
     """
 
     role: ClassVar[Role] = "baseline"
@@ -28,7 +28,7 @@ class Residual(Detector):
         """
         self._begin(stamp)
         cells, valid = compared(flow, planar)
-        if np.count_nonzero(valid) < LEAST_VECTORS:
+        if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         left_px = cells.uv_px[valid] - planar.planar_uv_px[valid]
         return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)

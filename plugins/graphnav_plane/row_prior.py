@@ -1,4 +1,4 @@
-"""Obstacle is what is high in the picture: the control that does not look."""
+"""Obstacle by height in the picture: the baseline that ignores the flow."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from graphnav import Flow, Plane, Role, Stage, coarsen, param
 
 
 class RowPrior(Stage):
-    """Control: the higher a cell is in the picture, the more it counts as obstacle, whatever the flow.
+    """Baseline: the higher a cell is in the picture, the more it counts as obstacle, regardless of the flow.
 
-    What is far away is high in the picture, and more often obstacle than the floor before the robot's wheels: a camera
-    that looks ahead gives this control a high AUROC. A detector is believed for what it adds.
+    Distant things are high in the picture, and more often obstacle than the floor before the robot's wheels: a
+    forward-looking camera gives this baseline a high AUROC. A detector contributes what it adds.
     """
 
     role: ClassVar[Role] = "baseline"
 
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
     horizon_ratio: float = param(
-        0.25, ge=0.0, le=1.0, doc="share of the picture's rows, from the top, that is called obstacle"
+        0.25, ge=0.0, le=1.0, doc="share of the picture's rows, from the top, that are obstacle"
     )
 
     def step(self, flow: Flow) -> Plane:

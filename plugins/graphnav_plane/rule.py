@@ -1,4 +1,4 @@
-"""Where obstacle begins: thresholds of a score."""
+"""Thresholds of an obstacle score."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ Rule = Literal["mad", "otsu", "fixed"]
 _BINS = 128
 
 
-def threshold(rule: Rule, scores: npt.NDArray[np.floating], mad_ratio: float, least_px: float) -> float:
-    """Return the score above which a cell is obstacle, at least ``least_px``.
+def threshold(rule: Rule, scores: npt.NDArray[np.floating], mad_ratio: float, min_px: float) -> float:
+    """Return the score above which a cell is obstacle, at least ``min_px``.
 
     ``scores``: (n,), deviations from the ground in px, none negative, so that their median is the median absolute
     deviation (MAD). "mad": ``mad_ratio`` times it. "otsu": the split that maximizes the variance between both sides
-    [Otsu: A threshold selection method from gray-level histograms, 1979]. "fixed": ``least_px``.
+    [Otsu: A threshold selection method from gray-level histograms, 1979]. "fixed": ``min_px``.
     """
     if rule == "fixed" or not scores.size:
-        return least_px
-    return max(least_px, mad_ratio * float(np.median(scores)) if rule == "mad" else _otsu(scores))
+        return min_px
+    return max(min_px, mad_ratio * float(np.median(scores)) if rule == "mad" else _otsu(scores))
 
 
 def _otsu(scores: npt.NDArray[np.floating]) -> float:

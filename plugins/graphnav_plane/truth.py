@@ -11,9 +11,9 @@ from graphnav import Plane, Role, Stage, block_sum, param
 
 
 class Truth(Stage):
-    """Oracle: what the simulator knows to be obstacle. The score is the share of a cell that is obstacle.
+    """Oracle: the true obstacles of the simulator. The score is the share of a cell that is obstacle.
 
-    Cells that show nothing but what is above the horizon are not valid.
+    Cells entirely above the horizon are not valid.
     """
 
     role: ClassVar[Role] = "oracle"

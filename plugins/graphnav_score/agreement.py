@@ -34,6 +34,7 @@ class Agreement(Stage):
         ge=0.0,
         lt=180.0,
         doc="minimum angle of the oracle for the side to count; less adds unclear frames",
+        renamed_from="least_turn_deg",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002

@@ -64,7 +64,10 @@ class Plane(Stage):
     max_obstacle_ratio: float = param(0.5, ge=0.0, le=1.0, doc="maximum true share of obstacle in a frame that counts")
 
     min_motion_px: float = param(
-        0.1, ge=0.0, doc="true flow, right or down, that somewhere in the picture makes a frame count; 0 counts all"
+        0.1,
+        ge=0.0,
+        doc="true flow, right or down, that somewhere in the picture makes a frame count; 0 counts all",
+        renamed_from="least_motion_px",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002

@@ -39,10 +39,17 @@ class Steering(Stage):
     )
 
     min_side_ratio: float = param(
-        2.0, ge=1.0, doc="a frame counts if one half holds at least this many times the obstacle of the other"
+        2.0,
+        ge=1.0,
+        doc="a frame counts if one half holds at least this many times the obstacle of the other",
+        renamed_from="least_times",
     )
     min_difference_ratio: float = param(
-        0.05, gt=0.0, le=0.5, doc="and if they differ by at least this share of the picture"
+        0.05,
+        gt=0.0,
+        le=0.5,
+        doc="and if they differ by at least this share of the picture",
+        renamed_from="least_difference_ratio",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002

@@ -1,4 +1,4 @@
-"""From the dominant plane to the direction to drive in; the family ``steer``."""
+"""Stages of the family ``steer``: from the dominant plane to a driving direction."""
 
 from graphnav import Stage, hookimpl
 

@@ -1,4 +1,4 @@
-"""Where obstacles count most: weights for the cells of the dominant map."""
+"""Weights of the cells of the dominant map."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ AHEAD.setflags(write=False)
 def upright(right_down: Doubles) -> Doubles:
     """Return a vector of the array's axes (right, down) on the image's axes (right, forward).
 
-    The one place where image rows, which grow downwards, are flipped.
+    The only place where image rows, which grow downwards, are flipped.
     """
     return np.array([right_down[0], -right_down[1]])
 
@@ -29,6 +29,6 @@ def toward(bearing_rad: float) -> Doubles:
 def angle_rad(force: Doubles) -> float:
     """Return the angle of a force (right, forward) from forward, left positive, in (-pi, pi].
 
-    [OI, eq. 10] takes an arccosine, which loses the side; it is that of the component to the right.
+    [OI, eq. 10] uses an arccosine, which loses the sign; the component to the right determines it.
     """
     return math.atan2(-float(force[0]), float(force[1]))

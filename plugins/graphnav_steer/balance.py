@@ -1,4 +1,4 @@
-"""Steering like bees: the flow on both sides kept equal."""
+"""Steer like bees: balance the flow on both sides."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ class Balance(Forces):
     ``gain`` times the difference of the mean lengths of the valid vectors in the two halves of the picture, divided by
     their sum [SK, BEE]. It needs neither a planar flow nor a detector.
 
-    The idea is one of eyes that look aside and of a body that does not turn meanwhile. A camera that looks down sees
-    mostly floor: an obstacle flows but a little faster, and in a turn the outer side flows faster than the inner one,
-    which asks for more of the same turn. With the camera of the shipped graphs that alone keeps a turn going from a
-    ``gain`` of about 0.7 on; a little less and a wall's small difference is not enough, much more and the robot spins.
+    The idea assumes eyes that look sideways and a body that does not turn. A camera that looks down sees mostly floor:
+    an obstacle flows only a little faster, and in a turn the outer side flows faster than the inner one, which
+    reinforces the turn. With the camera of the shipped graphs that alone sustains a turn from a ``gain`` of about 0.7;
+    with a little less the small difference of a wall is not enough, with much more the robot spins.
 
     References
     ----------
@@ -28,7 +28,7 @@ class Balance(Forces):
        in Freely Flying Honeybees, Visual Neuroscience 6, 1991.
     """
 
-    gain: float = param(0.7, gt=0.0, doc="r's length where all flow is on one side; w has length 1")
+    gain: float = param(0.7, gt=0.0, doc="dimensionless: length of r where all flow is on one side; w has length 1")
 
     def step(self, flow: Flow, goal: Latest[Goal], planar: Latest[Planar]) -> Steering:
         """Return the forces; without valid vectors on both sides r is zero.

@@ -13,9 +13,9 @@ from graphnav.arrays import Doubles
 Border = Literal["zero", "nearest"]
 
 OBSTACLE_LEVEL = 255.0
-"""What an obstacle weighs in the potential [OI, eq. 4]."""
+"""Weight of an obstacle in the potential [OI, eq. 4]."""
 REACH = 5.0
-"""Where the Gaussian is cut, in standard deviations; what is lost is below one millionth."""
+"""Truncation of the Gaussian in standard deviations; the loss is below one millionth."""
 
 
 class Field(NamedTuple):
@@ -28,10 +28,10 @@ class Field(NamedTuple):
 def obstacle_field(weighted: Doubles, sigma_cells: float, border: Border) -> Field:
     """Return G_sigma * (255 d) and its gradient [OI, eq. 4 to 6].
 
-    ``weighted``: (rows, cols), d, or d times a weight. ``border``: what is assumed beyond the grid, "zero" (no
-    obstacle, as the integral says) or "nearest" (the outermost cell goes on). The Gaussian is normalised; the gradient
-    is the convolution with its derivative, so that no differences are taken at the border. Matrices are kept from
-    call to call.
+    ``weighted``: (rows, cols), d, or d times a weight. ``border``: the assumption beyond the grid, "zero" (no
+    obstacle, as in the integral) or "nearest" (the outermost cell is repeated). The Gaussian is normalised; the
+    gradient is the convolution with its derivative, so that no differences are taken at the border. Matrices are
+    cached.
     """
     rows, cols = weighted.shape
     smooth_y, slope_y = _matrices(rows, sigma_cells, border)
@@ -46,7 +46,7 @@ def obstacle_field(weighted: Doubles, sigma_cells: float, border: Border) -> Fie
 
 @lru_cache(maxsize=16)
 def _matrices(cells: int, sigma_cells: float, border: Border) -> tuple[Doubles, Doubles]:
-    """Return what smooths a column of ``cells`` values and what gives the slope of the result, both (cells, cells)."""
+    """Return the matrices that smooth ``cells`` values and differentiate the result, both (cells, cells)."""
     reach = math.ceil(REACH * sigma_cells)
     distance = np.arange(-reach - cells, reach + cells + 1, dtype=np.float64)
     kernel = np.exp(-0.5 * (distance / sigma_cells) ** 2)

@@ -1,4 +1,4 @@
-"""The guiding force, the control force and its angle: what all steering by forces shares."""
+"""Base of all steering by forces: the guiding force, the control force and its angle."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ GUIDING_DOC = (
     "where w points: straight ahead, to the goal's beacon (straight ahead while none is heard), or against the mean "
     "planar flow, which turns where the robot turns now (straight ahead while it stands)"
 )
-LEAST_FORCE = 0.05
+MIN_FORCE = 0.05
 """A control force shorter than this (the guiding force has length 1) has no direction."""
-LEAST_FLOW_PX = 0.01
+MIN_FLOW_PX = 0.01
 """A mean planar flow shorter than this has no direction: the robot stands."""
 
 
@@ -28,14 +28,14 @@ class Forces(Stage):
 
     guiding: Guiding = param("goal", doc=GUIDING_DOC)
     goal_weight: float = param(
-        1.0, ge=0.0, le=1.0, doc="how far w turns from straight ahead to the beacon; 1 points at it"
+        1.0, ge=0.0, le=1.0, doc="dimensionless: how far w turns from straight ahead to the beacon; 1 points at it"
     )
     flow_weight: float = param(
         0.5,
         ge=0.0,
         le=1.0,
-        doc="how far w turns from straight ahead against the mean planar flow; 1 points against it, which keeps a turn "
-        "going and a robot that turns on the spot turning",
+        doc="dimensionless: how far w turns from straight ahead to the direction against the mean planar flow; 1 "
+        "points against it, so that a robot that turns on the spot keeps turning",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
@@ -85,7 +85,7 @@ class Forces(Stage):
         )
 
     def _theta_rad(self, control: Doubles, side: float) -> float:
-        if np.hypot(*control) < LEAST_FORCE:
+        if np.hypot(*control) < MIN_FORCE:
             return side * math.pi / 2
         if control[0] == 0.0 and control[1] < 0.0:
             return side * math.pi
@@ -98,4 +98,4 @@ def _against(planar: Planar) -> Doubles:
     if not len(vectors):
         return AHEAD
     force = -upright(vectors.mean(axis=0, dtype=np.float64))
-    return force if np.hypot(*force) >= LEAST_FLOW_PX else AHEAD
+    return force if np.hypot(*force) >= MIN_FLOW_PX else AHEAD

@@ -1,4 +1,4 @@
-"""Straight ahead, whatever comes: the control that has to fail."""
+"""Straight ahead, regardless of obstacles: a baseline that has to fail."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav_steer.axes import AHEAD
 class Forward(Stage):
     """Always straight ahead.
 
-    A control: worlds that this stage survives test nothing.
+    A baseline: worlds in which this stage succeeds test nothing.
     """
 
     role: ClassVar = "baseline"

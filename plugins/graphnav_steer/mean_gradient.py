@@ -1,4 +1,4 @@
-"""Steering away from the mean gradient of the obstacle potential: what eq. 7 of [OI] has to beat."""
+"""Steer away from the mean gradient of the obstacle potential: the baseline of eq. 7 of [OI]."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from graphnav_steer.principal import Principal, mean_direction
 class MeanGradient(Potential):
     """Direction of the mean gradient of the obstacle potential.
 
-    The simplest rival of `steer.pca`: the same Gaussian of the dominant map and the same forces, but r points against
-    the mean of the gradients, not along their principal direction. The mean of a field's gradients is the difference
-    of its values at opposite borders, so that this weighs the picture's four sides against each other.
+    The simplest alternative to `steer.pca`: the same Gaussian of the dominant map and the same forces, but r points
+    against the mean of the gradients, not along their principal direction. The mean of a field's gradients is the
+    difference of its values at opposite borders, so this compares the four sides of the picture.
 
-    Its defaults are not those of the paper, as `steer.pca` has them, but what drives both in corridors and among
+    Its defaults are not those of the paper, which `steer.pca` has, but those that work both in corridors and among
     pillars.
     """
 

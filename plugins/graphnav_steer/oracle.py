@@ -1,4 +1,4 @@
-"""What steering could be at best: a way planned on the true map."""
+"""Upper bound of steering: follow a way planned on the true map."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from graphnav_steer.way import Way
 
 
 class Oracle(Stage):
-    """Oracle: follows a way that was planned on the true map, by pure pursuit [PP].
+    """Oracle: follows a path planned on the true map, by pure pursuit [PP].
 
-    The way is the cheapest one to the goal region on the map inflated by the robot's radius; what is near a wall costs
-    more. It is known from everywhere, so that a robot that strays need not plan again. The robot heads for the place
-    ``look_ahead_m`` down the way; with `control.nonholonomic` (T = T_m cos θ, R = R_m sin θ) that is nearly the arc of
-    [PP]. Moving obstacles are ignored.
+    The path is the cheapest one to the goal region on the map inflated by the robot's radius; being near a wall costs
+    more. It is known from every point, so that a robot that strays need not plan again. The robot heads for the point
+    ``look_ahead_m`` along the path; with `control.nonholonomic` (T = T_m cos θ, R = R_m sin θ) that is nearly the arc
+    of [PP]. Moving obstacles are ignored.
 
     References
     ----------
@@ -27,9 +27,16 @@ class Oracle(Stage):
 
     role: ClassVar = "oracle"
 
-    look_ahead_m: float = param(0.5, gt=0.0, doc="distance of the place to head for; more cuts corners and sways less")
-    comfort_m: float = param(0.25, gt=0.0, doc="clearance of the rim from which on nearness costs nothing")
-    dread: float = param(4.0, ge=0.0, doc="what a metre along a wall costs above 1; more takes longer ways around")
+    look_ahead_m: float = param(
+        0.5, gt=0.0, doc="distance of the point to head for; more cuts corners and oscillates less"
+    )
+    comfort_m: float = param(0.25, gt=0.0, doc="clearance from the rim above which nearness costs nothing")
+    wall_cost: float = param(
+        4.0,
+        ge=0.0,
+        doc="dimensionless: cost of a metre in contact with a wall, in addition to 1; more takes longer ways around",
+        renamed_from="dread",
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the way."""
@@ -46,7 +53,7 @@ class Oracle(Stage):
         if self._way is None:
             if map.value is None:
                 raise ValueError("steer.oracle plans on the map: connect it: --set steer.in.map=robot.map")
-            self._way = Way(map.value, self.comfort_m, self.dread)
+            self._way = Way(map.value, self.comfort_m, self.wall_cost)
         x, y = self._way.ahead(state.x_m, state.y_m, self.look_ahead_m) - (state.x_m, state.y_m)
         theta_rad = 0.0 if x == y == 0.0 else math.remainder(math.atan2(y, x) - state.yaw_rad, 2 * math.pi)
         way, nothing = toward(theta_rad), np.zeros(2)

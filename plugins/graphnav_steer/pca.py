@@ -1,4 +1,4 @@
-"""Steering of [OI]: along the principal direction of the obstacle potential's gradients."""
+"""Steering of [OI], along the principal direction of the obstacle potential's gradients."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav_steer.principal import Principal, principal_direction
 
 
 class PcaOutputs(NamedTuple):
-    """What `Pca` publishes."""
+    """Outputs of `Pca`."""
 
     steering: Steering
     potential: graphnav.Potential
@@ -28,18 +28,18 @@ class Pca(Potential):
     the goal's beacon) and r carries a strength. The control force is p = r + w [OI, eq. 9], theta its angle from
     forward, on the side of p's component to the right [OI, eq. 10].
 
-    What else the paper leaves open:
+    Other cases that the paper leaves open:
 
-    - No obstacle, no cell that was judged, or obstacles whose pushes cancel: r = 0.
+    - No obstacle, no judged cell, or obstacles whose forces cancel: r = 0.
     - Obstacles (nearly) everywhere: r points straight back and is at least as long as w.
-    - Where p is next to nothing, theta is a right angle to the freer side, at which `control.nonholonomic` stops and
+    - Where p is nearly zero, theta is a right angle to the freer side, at which `control.nonholonomic` stops and
       turns; where p points straight back, it turns to that side. A tie goes to the side of the last turn, at first to
       the left.
 
     Departures from [OI], off by default, which a field of pillars needs and a corridor does not: ``bell_ratio`` and
     ``near_weight`` weigh the map before the Gaussian, ``backward: false`` drops the part of r that brakes. ``about:
     zero`` replaces the covariance of eq. 7: gradients that all point to one side differ little from their centroid, so
-    that the covariance shows how they scatter and not where they point; about zero the sign is more often right.
+    that the covariance shows their scatter instead of their direction; about zero the sign is more often right.
 
     References
     ----------
@@ -52,11 +52,11 @@ class Pca(Potential):
         "centroid", doc="principal direction of the gradients' covariance (eq. 7), or of their second moment about zero"
     )
     isotropic_ratio: float = param(
-        1.1, ge=1.0, doc="below this ratio of the eigenvalues the mean gradient's direction is taken instead"
+        1.1, ge=1.0, doc="below this ratio of the eigenvalues the direction of the mean gradient is used instead"
     )
 
     def step(self, plane: Plane, goal: Latest[Goal], planar: Latest[Planar]) -> PcaOutputs:
-        """Return the forces and the potential that they come from.
+        """Return the forces and the potential from which they derive.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""The force away from the obstacle potential, whatever direction is read off its gradients."""
+"""Base of steering by the obstacle potential: a force along a direction of its gradients."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from graphnav_steer.principal import Principal
 
 Strength = Literal["share", "gradient"]
 
-STRENGTH_DOC = "what r's length grows with: the obstacle's share of the picture, or the mean gradient's length"
-GAIN_DOC = "r's length at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
+STRENGTH_DOC = "strength of r: the obstacle's share of the picture, or the length of the mean gradient"
+GAIN_DOC = "dimensionless: length of r at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
 BELL_DOC = "standard deviation, in picture widths, of a bell that weighs the map's columns; null for none"
-NEAR_DOC = "weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
-BACKWARD_DOC = "whether r may point backwards; without it r only turns the robot aside"
+NEAR_DOC = "dimensionless: weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
+BACKWARD_DOC = "whether r may point backwards; otherwise r only turns the robot aside"
 
 EVERYWHERE_RATIO = 0.9
-"""From this share of obstacle on, there is no ground to tell it from."""
+"""At this share of obstacle and above, there is not enough ground to compare with."""
 TINY = 1e-9
 
 
@@ -38,7 +38,7 @@ class Potential(Forces):
         doc="standard deviation of the Gaussian, in picture widths; less sees only what is close by",
     )
     border: Literal["zero", "nearest"] = param(
-        "zero", doc="what the Gaussian meets beyond the picture: no obstacle, or the outermost cell going on"
+        "zero", doc="assumption beyond the picture: no obstacle, or the outermost cell repeated"
     )
     strength: Strength = param("share", doc=STRENGTH_DOC)
     gain: float = param(4.0, gt=0.0, doc=GAIN_DOC)
@@ -51,7 +51,7 @@ class Potential(Forces):
         raise NotImplementedError
 
     def _forces(self, plane: Plane, goal: Goal | None, planar: Planar | None) -> tuple[Steering, graphnav.Potential]:
-        """Return the forces and the potential that they come from."""
+        """Return the forces and the potential from which they derive."""
         weights = cell_weights(*plane.obstacle.shape, self.bell_ratio, self.near_weight)
         weighted = weights * plane.obstacle
         sigma_cells = self.sigma_ratio * plane.obstacle.shape[1]

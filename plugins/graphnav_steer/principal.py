@@ -1,4 +1,4 @@
-"""The one direction that a field of gradients points in: its first principal direction, or its mean's."""
+"""Direction of a field of gradients: its first principal direction, or that of its mean."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav.arrays import Doubles
 About = Literal["centroid", "zero"]
 
 NOTHING = 1e-6
-"""What counts as zero, relative to the gradients' root mean square."""
+"""Zero threshold, relative to the gradients' root mean square."""
 
 
 class Principal(NamedTuple):

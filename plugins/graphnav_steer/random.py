@@ -1,4 +1,4 @@
-"""Headings by chance: the control that has to fail."""
+"""Random headings: a baseline that has to fail."""
 
 from __future__ import annotations
 
@@ -12,18 +12,20 @@ from graphnav_steer.axes import toward
 
 
 class Random(Stage):
-    """Headings drawn at random, each held for a random time, whatever comes.
+    """Headings drawn at random, each held for a random time, regardless of obstacles.
 
-    A control: a method that is no better than this one sees nothing.
+    A baseline: a method that is not better than this one detects nothing.
     """
 
     role: ClassVar = "baseline"
 
-    widest_deg: float = param(90.0, gt=0.0, le=180.0, doc="headings are drawn uniformly up to so far to either side")
+    widest_deg: float = param(
+        90.0, gt=0.0, le=180.0, doc="headings are drawn uniformly up to this angle to either side"
+    )
     hold_s: float = param(1.0, gt=0.0, doc="mean time for which a heading is held; times are exponential")
 
     def reset(self, seed: int) -> None:
-        """Begin the draws of this seed."""
+        """Start the draws of this seed."""
         self._rng = np.random.default_rng(seed)
         self._theta_rad = 0.0
         self._next_us: int | None = None

@@ -13,7 +13,7 @@ from graphnav_steer.forces import Forces
 Divergence = Literal["full", "across"]
 
 CELL_PX = 4
-LEAST_VECTORS = 6
+MIN_VECTORS = 6
 """An affine motion has six coefficients; from fewer than twice their number of components it is not fitted."""
 
 
@@ -25,10 +25,10 @@ class TimeToContact(Forces):
     ``gain_s`` times the difference of the inverse times, and back, as long as ``brake_s`` times the inverse time in the
     middle. A third that does not expand, or has fewer than 6 vectors on a grid of 4 px, has no end of time.
 
-    The idea is one of a camera that looks ahead and whose gaze is held still. One that looks down sees an obstacle
-    enter from above, faster than the floor below it: that edge is compressed, not expanded. So the expansion is
+    The idea assumes a camera that looks ahead with a stabilised gaze. One that looks down sees an obstacle enter from
+    above, faster than the floor below it: that edge is compressed, not expanded. So the expansion is
     measured across the picture alone by default, one of the directional divergences of [NA]. And where the camera turns
-    with the robot and is tilted, the outer side expands in a turn, which asks for more of the same turn: with the
+    with the robot and is tilted, the outer side expands in a turn, which reinforces the turn: with the
     camera of the shipped graphs a ``gain_s`` above 2 or so keeps it spinning.
 
     References
@@ -72,7 +72,7 @@ def inverse_time(cells: Flow, columns: slice, divergence: Divergence) -> float:
     ``divergence``: along both axes, or twice that across.
     """
     rows, cols = np.nonzero(cells.valid[:, columns])
-    if len(rows) < LEAST_VECTORS or not cells.interval_us:
+    if len(rows) < MIN_VECTORS or not cells.interval_us:
         return 0.0
     places = np.stack([np.ones(len(rows)), cols, rows], axis=1)
     vectors = cells.uv_px[:, columns][rows, cols].astype(np.float64) / cells.step_px

@@ -1,4 +1,4 @@
-"""The cheapest way to the goal from everywhere on the true map: a grid, its clearance, its distances."""
+"""Cheapest path to the goal from every point of the true map: a grid, its clearance, its costs."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from graphnav.arrays import Bools, Bytes, Doubles
 
 CELL_M = 0.05
 BEYOND_M = 1.0
-"""How far the grid goes beyond everything on the map."""
+"""Margin of the grid around the map."""
 INSIDE_M = 0.1
-"""How deep in the goal region ways end: the region's rim is no sharper than a cell."""
+"""Depth inside the goal region at which paths end: the region's rim is accurate to a cell."""
 MOVING = 2
 """The kind of a moving obstacle in `Map`."""
 TOO_NEAR = 100.0
-"""Cost of a metre where the robot would touch something, which only a robot that is there already pays."""
+"""Cost of a metre in collision, relevant only for a robot that is already there."""
 STEPS = [
     (down, right, math.hypot(down, right))
     for down in range(-2, 3)
     for right in range(-2, 3)
     if math.gcd(down, right) == 1
 ]
-"""Of the search, in cells: down, right, length; sixteen directions."""
+"""Steps of the search, in cells: down, right, length; sixteen directions."""
 
 
 class Way:
     """Costs to the goal region, by Dijkstra's algorithm on a grid of 5 cm over the inflated map.
 
-    A metre costs 1, and more where the robot's rim is nearer than ``comfort_m`` to a body: ``1 + dread`` at contact,
-    falling with the square. Moving obstacles are left out.
+    A metre costs 1, and more where the robot's rim is nearer than ``comfort_m`` to a body: ``1 + wall_cost`` at
+    contact, falling with the square. Moving obstacles are ignored.
 
     Raises
     ------
@@ -42,7 +42,7 @@ class Way:
         The map has no goal.
     """
 
-    def __init__(self, world: Map, comfort_m: float, dread: float) -> None:
+    def __init__(self, world: Map, comfort_m: float, wall_cost: float) -> None:
         if not len(world.goal_m):
             raise ValueError("the map has no goal to plan a way to: use a map with a goal")
         points_m = np.concatenate([world.vertices_m, world.goal_m, world.start[None, :2]])
@@ -53,21 +53,21 @@ class Way:
             self._fill(free, world.vertices_m[world.body == body], 0)
         clearance_m = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL_M - world.robot_radius_m
         near = np.clip(1.0 - clearance_m / comfort_m, 0.0, 1.0)
-        price = np.where(clearance_m > 0.0, 1.0 + dread * near**2, TOO_NEAR)
+        price = np.where(clearance_m > 0.0, 1.0 + wall_cost * near**2, TOO_NEAR)
         goal = np.zeros((rows, cols), np.uint8)
         self._fill(goal, world.goal_m, 1)
         depth_m = cv2.distanceTransform(goal & free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL_M
         arrived = depth_m >= min(INSIDE_M, depth_m.max())
-        # A rim of two cells that nothing enters spares every step the question whether it leaves the grid.
+        # A rim of two impassable cells saves the check whether a step leaves the grid.
         self._price = np.full_like(price, math.inf)
         inner = (slice(2, -2), slice(2, -2))
         self._price[inner] = np.where(free, price, math.inf)[inner]
         self._cost = _costs(self._price, arrived & np.isfinite(self._price))
 
     def ahead(self, x_m: float, y_m: float, distance_m: float) -> Doubles:
-        """Return the place, (2,) in W, at this distance down the way, the way's end if that is nearer.
+        """Return the point, (2,) in W, at this distance along the path, or the path's end if that is nearer.
 
-        A place from which no way is known is its own.
+        Without a path the point itself is returned.
         """
         here = np.array([x_m, y_m])
         row, col = self._cell(here)
@@ -78,7 +78,7 @@ class Way:
         return self._place_m(row, col)
 
     def cost(self, x_m: float, y_m: float) -> float:
-        """Return what the way from here costs, infinite where there is none."""
+        """Return the cost of the path from here, infinite if there is none."""
         return float(self._cost[self._cell(np.array([x_m, y_m]))])
 
     def _steps_from(self, row: int, col: int) -> Iterator[tuple[float, int, int]]:
@@ -89,7 +89,7 @@ class Way:
             yield float(step_m + self._cost[near]), *near
 
     def _cell(self, place_m: Doubles) -> tuple[int, int]:
-        """Return the row and column of a place, of the nearest on the grid if it lies beyond."""
+        """Return the row and column of a point, clipped to the grid."""
         rows, cols = self._cost.shape
         col, row = np.clip(np.round(self._cells(place_m)), 0, (cols - 1, rows - 1)).astype(int)
         return int(row), int(col)
@@ -108,7 +108,7 @@ class Way:
 
 
 def _costs(price: Doubles, goal: Bools) -> Doubles:
-    """Return the cost from every cell to the cells of ``goal``, metres times ``price`` (infinite: no way through)."""
+    """Return the cost from every cell to the cells of ``goal``, metres times ``price`` (infinite: impassable)."""
     rows, cols = price.shape
     cost = [math.inf] * (rows * cols)
     prices = price.reshape(-1).tolist()

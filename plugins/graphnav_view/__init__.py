@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 @hookimpl
 def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) -> list[Path]:  # noqa: FBT001 - the hook's signature
-    """Draw what the log holds into ``folder``; return what was written, in a fixed order.
+    """Draw the content of the log into ``folder``; return the files, in a fixed order.
 
-    A log without a map gives no ``map.png``, one without anything that a camera saw no ``panels.png``.
+    A log without a map gives no ``map.png``, one without camera data no ``panels.png``.
     """
     from graphnav_view.pictures import draw
 
@@ -26,7 +26,7 @@ def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) 
 
 @hookimpl
 def graphnav_draw_end(recording: Recording, file: Path) -> Path | None:
-    """Draw the map and the panels of the last frame; None where the log has neither a map nor what a camera saw."""
+    """Draw the map and the panels of the last frame; None if the log has neither a map nor camera data."""
     from graphnav_view.ending import draw_ending
 
     return draw_ending(recording, file)
@@ -34,7 +34,7 @@ def graphnav_draw_end(recording: Recording, file: Path) -> Path | None:
 
 @hookimpl
 def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], file: Path) -> Path | None:
-    """Draw one map with all paths; None where no log has a map and states."""
+    """Draw one map with all paths; None if no log has a map and states."""
     from graphnav_view.maps.paths import draw_paths
 
     return draw_paths(recordings, colours, file)
@@ -52,7 +52,7 @@ def graphnav_picture(message: Message, context: PictureContext) -> Bytes | None:
 def graphnav_draw_frames(
     recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
 ) -> list[Path] | None:
-    """Draw the panels of each frame; None where the log holds nothing that a camera saw."""
+    """Draw the panels of each frame; None if the log has no camera data."""
     from graphnav_view.panels.frames import draw_frames
     from graphnav_view.signals import Signals
 
@@ -61,7 +61,7 @@ def graphnav_draw_frames(
 
 @hookimpl
 def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
-    """Draw the dominant plane over the picture and the control force, a frame every so many seconds."""
+    """Draw the dominant plane over the picture and the control force, one frame per period."""
     from graphnav_view.panels.contact_sheet import draw_sheet
     from graphnav_view.signals import Signals
 

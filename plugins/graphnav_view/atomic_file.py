@@ -1,4 +1,4 @@
-"""A picture is written under another name first: what has the final name is complete."""
+"""Write a picture under a temporary name first, so that a file with the final name is complete."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from uuid import uuid4
 def written_aside(path: Path) -> Iterator[Path]:
     """Yield a path with the suffix of ``path`` to write to; it becomes ``path`` if the block ends without an error.
 
-    Otherwise what was written is removed, and what ``path`` held before stays.
+    Otherwise it is removed, and the previous ``path`` is kept.
     """
     aside = path.with_name(f".drawing-{uuid4().hex[:12]}{path.suffix}")
     try:
         yield aside
         aside.replace(path)
     finally:
-        with suppress(OSError):  # it is there no more, or never was
+        with suppress(OSError):  # it does not exist
             aside.unlink()

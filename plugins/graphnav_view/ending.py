@@ -1,4 +1,4 @@
-"""How a run ended: the map with the whole path, and the panels of the last frame."""
+"""Draw the end of a run: the map with the entire path, and the panels of the last frame."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from graphnav import Flow, Image, Map, Plane, State
 from graphnav_view import style
-from graphnav_view.maps.map_panel import draw_whole
+from graphnav_view.maps.map_panel import draw_world
 from graphnav_view.outcome import outcome_text
 from graphnav_view.panels.frame_panels import CLOUD, frame_panels
 from graphnav_view.panels.keyframe import Frame, frame_at, frame_texts
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 _END_US = 1_000_000
-"""How long before the end of a run a frame may be that shows it."""
+"""Maximum age of the last frame at the end of a run."""
 
 
 def draw_ending(recording: Recording, file: Path) -> Path | None:
-    """Draw the end of a run into ``file``; None where the log has neither a map nor what a camera saw."""
+    """Draw the end of a run into ``file``; None if the log has neither a map nor camera data."""
     signals = Signals(recording)
     world, track = signals.first(Map), track_of(signals)
     utime = _last_utime(signals)
@@ -44,9 +44,9 @@ def draw_ending(recording: Recording, file: Path) -> Path | None:
 
 
 def _last_utime(signals: Signals) -> int | None:
-    """Return the stamp of the last frame that was judged, else matched, seen, or lived through.
+    """Return the stamp of the last plane, else flow, image or state.
 
-    What a camera saw counts only where it ends with the run: a log of small messages has the first of each large one.
+    Camera data count only if they end with the run: a log of small messages has only the first of each large one.
     """
     states = signals.stamps(State)
     for kind in (Plane, Flow, Image, State):
@@ -63,9 +63,9 @@ def _headline(signals: Signals, track: Track | None, frame: Frame) -> str:
 
 
 def _panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:
-    """Yield the panels that the log is enough for, without the paper's letters and its cloud of gradients."""
+    """Yield the panels that the log has data for, without the paper's letters and its cloud of gradients."""
     if world is not None and track is not None:
-        yield Panel("the whole path", partial(draw_whole, world=world, track=track))
+        yield Panel("entire path", partial(draw_world, world=world, track=track))
     for panel in frame_panels(world, track, frame):
         if panel.title != CLOUD:
             yield replace(panel, letter="")

@@ -11,11 +11,11 @@ import numpy.typing as npt
 from graphnav.arrays import Bools, Bytes
 
 INVALID = 190
-"""Gray level of what has no flow."""
+"""Gray level of pixels without flow."""
 
 
 def flow_scale_px(uv_px: npt.NDArray[Any], valid: npt.NDArray[Any]) -> float:
-    """Return the length that is drawn in full colour: the 98th percentile of the valid ones, at least 0.1 px."""
+    """Return the length drawn in full colour: the 98th percentile of valid vectors, at least 0.1 px."""
     seen = uv_px[valid != 0]
     if not len(seen):
         return 0.1
@@ -23,7 +23,7 @@ def flow_scale_px(uv_px: npt.NDArray[Any], valid: npt.NDArray[Any]) -> float:
 
 
 def flow_rgb(uv_px: npt.NDArray[Any], valid: npt.NDArray[Any], full_px: float) -> Bytes:
-    """Return (rows, cols, 3) red-green-blue: white stands still, ``full_px`` and more is full colour.
+    """Return (rows, cols, 3) red-green-blue: white for no motion, full colour from ``full_px``.
 
     Right is red, down yellow-green, left cyan, up violet; gray where there is no flow.
     """

@@ -1,4 +1,4 @@
-"""The picture of one message, as viewers of live channels and of logs show it."""
+"""Draw a single message for viewers of live channels and logs."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 _LEGEND_ROWS, _LEGEND_COLS = 160, 200
-"""A picture below this size has no room for letters."""
+"""Minimum size of a picture with text."""
 _SAME_VIEW_RATIO = 1.25
-"""Grids whose sides differ by more do not show the same view."""
+"""Maximum difference of the sides of grids of the same view."""
 _MAX_BODIES = 2000
 _MAX_M = 1e6
 _MIN_SCALE = 1e-6
@@ -52,7 +52,7 @@ def _planar(planar: Planar, context: PictureContext) -> Bytes:
 
 
 def _flow_colours(uv_px: Floats, valid: npt.NDArray[Any], context: PictureContext) -> Bytes:
-    """Draw a flow as colours; what is not finite counts as not valid."""
+    """Draw a flow as colours; values that are not finite are not valid."""
     stretch = _stretch(valid.shape, context)
     seen = (valid != 0) & np.isfinite(uv_px).all(axis=-1)
     flow = Flow(np.where(seen[..., None], uv_px, 0).astype(np.float32), seen.astype(np.uint8), 0)
@@ -70,7 +70,7 @@ def _truth(truth: Truth, context: PictureContext) -> Bytes:
 
 
 def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int, context: PictureContext) -> Bytes:
-    """Draw a dominant map over the image of its moment, alone where there is none of the same view."""
+    """Draw a dominant map over the image of its moment, alone if there is none of the same view."""
     image = context.find(Image)
     camera = None
     if not context.with_colour:
@@ -101,7 +101,7 @@ def _potential(potential: Potential, context: PictureContext) -> Bytes:
 
 
 def _steering(steering: Steering, context: PictureContext) -> Bytes | None:
-    """Draw the control force over the image of its moment; None where there is none."""
+    """Draw the control force over the image of its moment; None if there is none."""
     image = context.find(Image)
     if image is None:
         return None
@@ -116,7 +116,7 @@ def _map(world: Map, context: PictureContext) -> Bytes:
 
 
 def _state(state: State, context: PictureContext) -> Bytes | None:
-    """Draw the robot on its map; None where there is no map."""
+    """Draw the robot on its map; None if there is no map."""
     world = context.find(Map)
     return None if world is None else _from_above(world, state, context)
 
@@ -152,16 +152,16 @@ _DRAWN: Mapping[type[Message], Callable[[Any, PictureContext], Bytes | None]] = 
 
 
 def _stretch(shape: tuple[int, ...], context: PictureContext) -> Stretch:
-    """Return what fits grids of a shape into the box, without margins."""
+    """Return the scaling of grids of a shape into the box, without margins."""
     rows, cols = shape[:2]
     if not rows or not cols:
-        raise ValueError(f"a grid of {rows} x {cols} cells shows nothing")
+        raise ValueError(f"a grid of {rows} x {cols} cells is empty")
     scale = min(context.rows / rows, context.cols / cols)
     return Stretch(rows, cols, max(1, round(rows * scale)), max(1, round(cols * scale)))
 
 
 def _at_step_1(image: Image) -> Image:
-    """Return an image as if it had one pixel a cell; of its extent only the shape matters."""
+    """Return an image as if it had one pixel per cell; only its shape matters."""
     return Image(image.pixels)
 
 
@@ -170,14 +170,14 @@ def _has_room(stretch: Stretch, context: PictureContext) -> bool:
 
 
 def _is_same_view(shape: tuple[int, ...], step_px: int, image: Image) -> bool:
-    """Whether a grid and an image cover the same pixels, but for the cells at the border."""
+    """Whether a grid and an image cover the same pixels, except for cells at the border."""
     pairs = zip(shape[:2], image.pixels.shape[:2], strict=True)
     ratios = [(mine * step_px) / max(theirs * image.step_px, 1) for mine, theirs in pairs]
     return all(1 / _SAME_VIEW_RATIO < ratio < _SAME_VIEW_RATIO for ratio in ratios)
 
 
 def _require_finite(message: Message) -> None:
-    """Raise ValueError for a message with numbers that no drawing can place."""
+    """Raise ValueError for a message with numbers that cannot be drawn."""
     name = message.not_finite()
     if name is not None:
         raise ValueError(f"{name} is not finite")

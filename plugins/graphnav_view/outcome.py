@@ -1,4 +1,4 @@
-"""How a run ended, as its log tells."""
+"""The outcome of a run, from its log."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from graphnav_view.track import Track
 
 
 def outcome_text(graph: Mapping[str, Any], last: State, end_s: float) -> str:
-    """Return how a run ended whose last state, at ``end_s``, is ``last``."""
+    """Return the outcome of a run whose last state, at ``end_s``, is ``last``."""
     until_s = (graph.get("run") or {}).get("until_s")
     if last.contact:
         return f"Contact after {end_s:.1f} s"
@@ -22,9 +22,9 @@ def outcome_text(graph: Mapping[str, Any], last: State, end_s: float) -> str:
 
 
 def drive_texts(world: Map, track: Track) -> list[str]:
-    """Return the figures of a drive; the clearance only where there is something to be clear of."""
+    """Return the length and clearance of a drive; the clearance only if the world has bodies."""
     shortest = f" (shortest {world.shortest_m:.2f} m)" if world.shortest_m > 0 else ""
     texts = [f"path {track.length_m:.2f} m{shortest}"]
     if len(world.vertices_m):
-        texts.append(f"least clearance {track.clearance_m:.2f} m")
+        texts.append(f"minimum clearance {track.clearance_m:.2f} m")
     return texts

@@ -1,4 +1,4 @@
-"""All pictures of one recording, in a fixed order."""
+"""Draw all pictures of a recording, in a fixed order."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 def draw(recording: Recording, folder: Path, *, with_video: bool, suffix: str = ".png") -> list[Path]:
-    """Draw the map, the panels and, if asked, the video; return the files that the log was enough for.
+    """Draw the map, the panels and optionally the video, as far as the log has the data; return the files.
 
-    Raises UserError where a video is asked for of a log without images.
+    Raises UserError for a video of a log without images.
     """
     signals = Signals(recording)
     written = [
@@ -29,6 +29,6 @@ def draw(recording: Recording, folder: Path, *, with_video: bool, suffix: str = 
     if with_video:
         video = video_frames(signals)
         if video is None:
-            raise UserError.of("the log holds no images to make a video of", "record them: run: {record: all}")
+            raise UserError.of("the log does not contain images for a video", "record them: run: {record: all}")
         written.append(write_frames(video, folder / "video.mp4"))
     return [path for path in written if path is not None]

@@ -1,4 +1,4 @@
-"""The channels of a recording that the pictures show."""
+"""Select the channels of a recording for its pictures."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 M = TypeVar("M", bound=Message)
 
 _OTHER_CLOCK_US = 3600 * 1_000_000
-"""A logger stamps events by the time of day: the simulated time of messages is decades behind."""
+"""A logger stamps events by time of day: the simulated time of messages is decades behind."""
 
 
 class Signals:
     """One channel of each message type: the one that drives the robot.
 
-    Where several channels carry one type (detectors side by side, twins), the one nearest upstream of the command
-    that a stage consumes is shown, else of the steering, else of a plane; what none of them depends on comes in the
-    graph's order.
+    If several channels carry one type (detectors side by side, twins), the one nearest upstream of the command
+    that a stage consumes is shown, else of the steering, else of a plane; channels on which none of these depends
+    follow in the graph's order.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -32,15 +32,15 @@ class Signals:
         self._recording = recording
         self._order = list(_by_relevance(self.graph, recording.channels))
         self.begin_us = self._begin_us()
-        """What times are counted from."""
+        """The origin of times."""
 
     def channel(self, kind: type[Message]) -> str | None:
-        """Return the channel that carries ``kind``, None where the log has none."""
+        """Return the channel that carries ``kind``, None if the log has none."""
         types = self._recording.channels
         return next((name for name in self._order if types[name] is kind.lcm_class), None)
 
     def all(self, kind: type[M]) -> Iterator[tuple[int, M]]:
-        """Yield stamp (microseconds) and message of the channel of ``kind``, oldest first; no damaged ones."""
+        """Yield stamp (microseconds) and message of the channel of ``kind``, oldest first; damaged ones are skipped."""
         channel = self.channel(kind)
         for index in range(self._recording.count(channel or "")):
             assert channel is not None
@@ -56,7 +56,7 @@ class Signals:
         return next((message for _, message in self.all(kind)), None)
 
     def at(self, kind: type[M], utime: int) -> M | None:
-        """Return the message of ``kind`` that is stamped ``utime``, None where there is none or it is damaged."""
+        """Return the message of ``kind`` that is stamped ``utime``, None if it is missing or damaged."""
         channel = self.channel(kind)
         if channel is None:
             return None
@@ -77,18 +77,18 @@ class Signals:
         return [] if channel is None else self._recording.utimes(channel)
 
     def at_s(self, utime: int) -> float:
-        """Return the seconds since the log begins of a stamp."""
+        """Return a stamp in seconds from the start of the log."""
         return (utime - self.begin_us) / 1e6
 
     def _begin_us(self) -> int:
-        """Return the stamp of the log's first event, of its first message where another clock stamped the events."""
+        """Return the stamp of the log's first event, or of its first message if another clock stamped the events."""
         begin_us = self._recording.begin_us
         kinds = (Image, Flow, Plane, State)
         firsts = [self._recording.utimes(name)[0] for kind in kinds if (name := self.channel(kind)) is not None]
         return min(firsts) if firsts and max(firsts) < begin_us - _OTHER_CLOCK_US else begin_us
 
     def joined(self, *kinds: type[Message]) -> Iterator[tuple[int, tuple[Any, ...]]]:
-        """Yield each stamp of the first kind with the messages of that stamp, None where a kind has none.
+        """Yield each stamp of the first kind with the messages of that stamp, None if a kind has none.
 
         Reads the log once, in order, and keeps one message of each kind in memory.
         """
@@ -98,7 +98,7 @@ class Signals:
 
 
 def _graph_of(recording: Recording) -> Mapping[str, Any]:
-    """Return the graph that made a log, empty where the log does not say or what it says is damaged."""
+    """Return the graph of a log, empty if it is missing or damaged."""
     try:
         return recording.graph
     except GraphnavError:
@@ -136,7 +136,7 @@ def _by_relevance(graph: Mapping[str, Any], channels: Mapping[str, type | None])
 
 
 class _Wiring:
-    """Who writes and who reads the channels of a log."""
+    """Writers and readers of the channels of a log."""
 
     def __init__(self, graph: Mapping[str, Any], channels: Mapping[str, type | None]) -> None:
         self._types = channels
@@ -153,7 +153,7 @@ class _Wiring:
             self.outputs[stage].append(channel)
 
     def roots(self) -> Iterable[str]:
-        """Return the stages where the walk upstream begins."""
+        """Return the stages from which the upstream search starts."""
         consumed = {channel for stage in self.stages for channel in self._inputs(stage)}
         for kind, wanted in ((Twist, consumed), (Steering, None), (Plane, None)):
             for stage in self.stages:

@@ -62,7 +62,7 @@ def halo(width: float = 3.0, colour: str = "white") -> list[AbstractPathEffect]:
 
 
 def new_figure(width_in: float, height_in: float) -> Figure:
-    """Return an empty figure that draws by Agg and belongs to nobody else."""
+    """Return an empty figure with an Agg canvas, independent of pyplot."""
     figure = Figure(figsize=(width_in, height_in), dpi=DPI)
     FigureCanvasAgg(figure)
     return figure

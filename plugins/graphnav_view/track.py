@@ -13,9 +13,9 @@ from graphnav_view.signals import Signals
 
 @dataclass(frozen=True)
 class Track:
-    """Where the robot was.
+    """The path of the robot.
 
-    ``time_s`` (n,); ``pose`` (n, 3), x_m, y_m, yaw_rad; ``clearance_m`` the least on the way; ``moving`` (n, m, 3),
+    ``time_s`` (n,); ``pose`` (n, 3), x_m, y_m, yaw_rad; ``clearance_m`` the minimum on the path; ``moving`` (n, m, 3),
     poses of the moving obstacles; ``last`` the last state.
     """
 
@@ -37,7 +37,7 @@ def is_placed(state: State) -> bool:
 
 
 def track_of(signals: Signals) -> Track | None:
-    """Return the path of a recorded robot, None where the log has no states; what is not finite is left out."""
+    """Return the path of a recorded robot, None if the log has no states; states that are not finite are omitted."""
     states = [(utime, state) for utime, state in signals.all(State) if is_placed(state)]
     if not states:
         return None

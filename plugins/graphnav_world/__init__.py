@@ -1,4 +1,4 @@
-"""The simulated world that closes the loop: `world.pymunk`, and as a robot on a bus: `world.robot`."""
+"""Simulated worlds that close the loop: `world.pymunk`, and `world.robot`, a robot on a bus."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A vehicle that is driven by commands of limited life, and where it was during the last step."""
+"""Drive a vehicle by commands that expire, and interpolate its poses."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _SUBSTEP_US = round(SUBSTEP_S * 1e6)
 
 
 class Drive:
-    """Drives a vehicle by the last command heard, until that is older than ``timeout_s``; then it brakes.
+    """Drives a vehicle by the last command until it is older than ``timeout_s``; then brakes.
 
-    Times are microseconds since the beginning.
+    Times are microseconds from the start.
     """
 
     def __init__(self, vehicle: Vehicle, timeout_s: float) -> None:
@@ -26,7 +26,7 @@ class Drive:
         self._poses = [vehicle.pose]
 
     def hear(self, command: Latest[Twist], now_us: int) -> None:
-        """Take the newest command; it acts from now on, for what its age leaves of ``timeout_s``."""
+        """Apply the newest command from now on, for ``timeout_s`` minus its age."""
         if command.value is None or command.age_s > self._timeout_s:
             self._twist = STANDSTILL
             return
@@ -34,7 +34,7 @@ class Drive:
         self._expires_us = now_us + round(1e6 * (self._timeout_s - command.age_s))
 
     def advance(self, until_us: int) -> Pose:
-        """Drive until a time; return the pose then. Its clearance is the least since the last call."""
+        """Drive until a time; return the pose then. Its clearance is the minimum since the last call."""
         begin_us, begin = self._times_us[-1], self._poses[-1]
         self._times_us, self._poses = [begin_us], [begin]
         clearances_m = []
@@ -64,7 +64,7 @@ class Drive:
 
 
 def _between(then: Pose, now: Pose, share: float) -> Pose:
-    """Return the pose at this share of the way from one to the other."""
+    """Return the pose interpolated between two poses at this share."""
     turn = math.remainder(now.yaw_rad - then.yaw_rad, 2 * math.pi)
     return replace(
         now,

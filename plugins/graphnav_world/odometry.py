@@ -1,4 +1,4 @@
-"""What odometry makes of the robot's true motion: scale errors, noise, and a pose that drifts."""
+"""Simulate odometry: scale errors, noise, and a drifting pose."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav_world.vehicle import Pose
 
 
 def displacement(then: Pose, now: Pose) -> Doubles:
-    """Return (forward m, left m, turn rad) from one pose to another, in the robot's frame of then, (3,)."""
+    """Return (forward m, left m, turn rad) from one pose to another, in the robot's frame of the first, (3,)."""
     c, s = math.cos(then.yaw_rad), math.sin(then.yaw_rad)
     x, y = now.x_m - then.x_m, now.y_m - then.y_m
     turn = math.remainder(now.yaw_rad - then.yaw_rad, 2 * math.pi)
@@ -20,10 +20,10 @@ def displacement(then: Pose, now: Pose) -> Doubles:
 
 
 class OdometryErrors:
-    """One run's errors: a scale for each axis (forward, left, turn) that stays, and fresh noise for every reading.
+    """Errors of a run: a constant scale of each axis (forward, left, turn), and new noise of every reading.
 
-    ``scale_ratio``: by how much the scales differ from 1; ``rng`` draws the signs. ``noise_ratio``: standard deviation
-    of the noise, as a share of what is read.
+    ``scale_ratio``: deviation of the scales from 1; ``rng`` draws the signs. ``noise_ratio``: standard deviation
+    of the noise, as a share of the reading.
     """
 
     def __init__(self, rng: np.random.Generator, scale_ratio: float, noise_ratio: float) -> None:
@@ -37,14 +37,14 @@ class OdometryErrors:
 
 
 class DeadReckoning:
-    """Adds up displacements as a robot's odometry does, from (0, 0, 0) where it begins."""
+    """Accumulates displacements as a robot's odometry does, from (0, 0, 0) at the start."""
 
     def __init__(self, start: Pose, errors: OdometryErrors) -> None:
         self._then, self._errors = start, errors
         self._x_m = self._y_m = self._yaw_rad = 0.0
 
     def read(self, now: Pose) -> Odometry:
-        """Return the pose and the speeds as odometry sees them; ``now`` is where the robot really is."""
+        """Return the pose and the speeds of odometry; ``now`` is the true pose."""
         true = np.array([displacement(self._then, now), [now.v_mps, 0.0, now.omega_radps]])
         (forward_m, left_m, turn_rad), (v_mps, _, omega_radps) = self._errors.read(true).tolist()
         c, s = math.cos(self._yaw_rad), math.sin(self._yaw_rad)

@@ -1,4 +1,4 @@
-"""The simulated world as a robot on a bus: sensors of their own rates, commands that act until they are too old."""
+"""The simulated world as a robot on a bus: sensors with separate rates, commands that expire."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from graphnav_world.simulation import Simulation
 from graphnav_world.vehicle import Pose
 
 MAP_HZ = 0.5
-"""The map is repeated for those who join late."""
+"""Period of the map, which is repeated for late subscribers."""
 
 _MAX_PENDING = 2
-"""Odometry samples that wait for a step to publish them; a late step loses older ones, as a driver's buffer does."""
+"""Maximum number of pending odometry samples; a late step loses older ones, as a driver's buffer does."""
 
 
 class RobotOutputs(NamedTuple):
-    """What the robot publishes at a step; None for what is not due."""
+    """Outputs of the robot at a step; None for those that are not due."""
 
     image: Image | None
     odometry: Stamped[Odometry] | None
@@ -47,30 +47,30 @@ class RobotOutputs(NamedTuple):
 
 
 class Robot(Simulation):
-    """The world of `world.pymunk` as a robot on a bus: it is driven, and its sensors report, at their own rates.
+    """The world of `world.pymunk` as a robot on a bus, with separate rates of its drive and sensors.
 
     Each firing is a step of the physics, over all the time since the last one, in steps of at most 10 ms. A command
     acts from the step after its arrival until it is older than ``command_timeout_s``; then, or before the first
-    command, the drive is commanded to stand and brakes within its limits.
+    command, the drive brakes within its limits.
 
     Images, truth (with the image; its flow since the last image), state, beacon and map (every 2 s) have the stamp of
-    the first step at which they are due. Odometry has stamps of its own: it samples the pose exactly at its jittered
-    times, and is published at the first step at or after each. Its frame begins at the start pose; errors add up.
+    the first step at which they are due. Odometry has its own stamps: it samples the pose exactly at its jittered
+    times, and is published at the first step at or after each. Its frame is the start pose; errors accumulate.
 
     It ends the run with ``goal`` when the robot's centre is in the map's goal region, and with ``contact`` at the first
-    touch. ``ends: false``: the run goes on, and the robot stands.
+    touch. With ``ends: false`` the run continues, and the robot stands.
     """
 
     rate_hz: float = param(100.0, gt=0.0, le=10_000.0, doc="steps of the physics per second")
     image_hz: float = param(10.0, gt=0.0, doc="images per second")
-    image_jitter_s: float = param(0.0, ge=0.0, doc="greatest time by which an image is early or late; seeded")
+    image_jitter_s: float = param(0.0, ge=0.0, doc="maximum time by which an image is early or late; seeded")
     odometry_hz: float = param(50.0, gt=0.0, doc="odometry samples per second")
     odometry_jitter_s: float = param(
-        0.004, ge=0.0, doc="greatest time by which an odometry sample is early or late; seeded"
+        0.004, ge=0.0, doc="maximum time by which an odometry sample is early or late; seeded"
     )
-    state_hz: float = param(20.0, gt=0.0, doc="true states per second; as rate_hz to see every step")
+    state_hz: float = param(20.0, gt=0.0, doc="true states per second; equal to rate_hz for every step")
     goal_hz: float = param(5.0, gt=0.0, doc="readings of the goal's beacon per second")
-    truth: bool = param(True, doc="whether the truth behind each image is published")
+    truth: bool = param(True, doc="whether the ground truth of each image is published")
     command_timeout_s: float = param(0.5, gt=0.0, doc="age beyond which a command counts as Twist(0, 0)")
     ends: bool = param(True, doc="whether the goal or a contact ends the run; else the robot stands from then on")
 
@@ -80,9 +80,9 @@ class Robot(Simulation):
         Raises
         ------
         ParamError
-            A sensor is faster than the physics or its jitter reaches half of its period, or there is no such map.
+            A sensor is faster than the physics or its jitter reaches half of its period, or the map does not exist.
         UserError
-            The map is wrong; every problem with its place in the map's file.
+            The map is invalid; all problems with their locations in the map's file.
         """
         for name in ("image_hz", "odometry_hz", "state_hz", "goal_hz"):
             if (hz := getattr(self, name)) > self.rate_hz:
@@ -109,7 +109,7 @@ class Robot(Simulation):
         self._has_ended = False
 
     def step(self, command: Latest[Twist], utime: Stamp) -> RobotOutputs:
-        """Drive until now, take the newest command, and publish what is due."""
+        """Drive until now, apply the newest command, and publish the outputs that are due."""
         if self._begin_us is None:
             self._begin_us = utime
         now_us = utime - self._begin_us
@@ -137,7 +137,7 @@ class Robot(Simulation):
         return self._look(pose, now_us / 1e6, interval_us, with_truth=self.truth)
 
     def _odometry(self, now_us: int) -> Stamped[Odometry] | None:
-        """Take the samples that are due; return the oldest that waits."""
+        """Read the samples that are due; return the oldest pending one."""
         assert self._begin_us is not None
         for time_us in self._samples.due(now_us):
             reading = self._reckoning.read(self._drive.pose_at(time_us))
@@ -145,7 +145,7 @@ class Robot(Simulation):
         return self._pending.popleft() if self._pending else None
 
     def _report(self, pose: Pose, now_us: int, *, is_last: bool) -> State | None:
-        """Return the state where it is due, with the least clearance since the last one."""
+        """Return the state if it is due, with the minimum clearance since the last one."""
         self._clearance_m = min(self._clearance_m, pose.clearance_m)
         if not self._states.due(now_us) and not is_last:
             return None

@@ -1,4 +1,4 @@
-"""When a sensor is due."""
+"""Firing times of a sensor."""
 
 from __future__ import annotations
 

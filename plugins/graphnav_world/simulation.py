@@ -1,4 +1,4 @@
-"""What every simulated robot shares: its parameters, the drawn world, and what can be told of a pose in it."""
+"""Base of the simulated robots: parameters, the drawn world, and the messages of a pose in it."""
 
 from __future__ import annotations
 
@@ -29,30 +29,40 @@ class Simulation(Source):
 
     map: Path = param(doc="the map's YAML file")
     size: tuple[int, int] = param((160, 120), ge=8, le=4096, doc="columns and rows of the image")
-    camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc="of the camera above the floor; higher sees farther")
-    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc="of the camera below the horizontal; 90 looks straight down")
+    camera_height_m: float = param(
+        1.0, gt=0.0, le=100.0, doc="height of the camera above the floor; higher sees farther"
+    )
+    tilt_deg: float = param(
+        75.0, gt=0.0, le=90.0, doc="tilt of the camera below the horizontal; 90 looks straight down"
+    )
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider")
-    noise_sigma: float = param(
-        2.0, ge=0.0, le=100.0, doc="standard deviation of the image noise, in gray levels, times the map's noise_ratio"
+    noise_sigma_gray: float = param(
+        2.0,
+        ge=0.0,
+        le=100.0,
+        doc="standard deviation of the image noise, multiplied by the map's noise_ratio",
+        renamed_from="noise_sigma",
     )
     light_ratio: float = param(1.0, gt=0.0, le=10.0, doc="brightness, times the map's light_ratio")
     light_swing_ratio: float = param(
-        0.0, ge=0.0, le=1.0, doc="share by which brightness rises and falls in time, as a sine; 0 is steady light"
+        0.0, ge=0.0, le=1.0, doc="share by which brightness rises and falls in time, as a sine; 0 is constant light"
     )
-    light_period_s: float = param(2.0, gt=0.0, le=1000.0, doc="of the swing of the light; less changes it faster")
+    light_period_s: float = param(
+        2.0, gt=0.0, le=1000.0, doc="period of the light's oscillation; less changes it faster"
+    )
     contrast_ratio: float = param(
         1.0, ge=0.0, le=10.0, doc="contrast of all textures, times the map's; 0 leaves surfaces blank"
     )
     exposure_s: float = param(
         0.0, ge=0.0, le=1.0, doc="time that the shutter is open, around the frame's stamp; more blurs motion"
     )
-    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="of the robot's body")
-    max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="greatest speed of the drive, forwards and backwards")
-    max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="greatest turning rate of the drive, to either side")
-    speed_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the greatest speed; more is more sluggish")
-    turn_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the greatest turning rate")
+    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
+    max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="maximum speed of the drive, forwards and backwards")
+    max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="maximum turning rate of the drive, to either side")
+    speed_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum speed; more is more sluggish")
+    turn_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum turning rate")
     odometry_scale_ratio: float = param(
-        0.02, ge=0.0, lt=1.0, doc="share by which odometry errs throughout a run; the seed draws the signs"
+        0.02, ge=0.0, lt=1.0, doc="constant relative error of odometry in a run; the seed draws the signs"
     )
     odometry_noise_ratio: float = param(
         0.01, ge=0.0, lt=1.0, doc="standard deviation of odometry's random error, as a share of each displacement"
@@ -64,9 +74,9 @@ class Simulation(Source):
         Raises
         ------
         ParamError
-            There is no such map.
+            The map does not exist.
         UserError
-            The map is wrong; every problem with its place in the map's file.
+            The map is invalid; all problems with their locations in the map's file.
         """
         self._load(seed=0)
 
@@ -87,7 +97,7 @@ class Simulation(Source):
 
     def _load(self, seed: int) -> WorldMap:
         if not self.map.is_file():
-            raise ParamError("map", f"'map' names no file: {self.map}", "give the path of a map's YAML file")
+            raise ParamError("map", f"'map' is not a file: {self.map}", "give the path of a map's YAML file")
         return load_map(self.map, seed, self.robot_radius_m)
 
     def _make_renderer(self, rng: np.random.Generator) -> Renderer:
@@ -105,7 +115,7 @@ class Simulation(Source):
     def _look(
         self, pose: Pose, time_s: float, interval_us: int, *, with_truth: bool = True
     ) -> tuple[Image, Truth | None]:
-        """Return the frame seen from a pose, and the truth behind it: None for the first frame.
+        """Return the frame seen from a pose and its ground truth, None for the first frame.
 
         ``interval_us``: since the last frame.
         """
@@ -120,7 +130,7 @@ class Simulation(Source):
             self._before if with_truth else None,
             meanwhile=meanwhile,
             light=self.light_ratio * self._draw.light_ratio * swing,
-            noise_sigma=self.noise_sigma * self._draw.noise_ratio,
+            noise_sigma_gray=self.noise_sigma_gray * self._draw.noise_ratio,
             rng=self._noise,
         )
         self._before = now

@@ -1,4 +1,4 @@
-"""The robot's body in a pymunk space: a unicycle with limits, contacts, clearance, obstacles that move."""
+"""The robot's body in a pymunk space: a unicycle with limits, contacts, clearance, moving obstacles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ROBOT, OTHER = 1, 2
 
 @dataclass(frozen=True)
 class Limits:
-    """What the drive can do: greatest speeds, and the time that it takes to reach them from rest."""
+    """Limits of the drive: maximum speeds, and the time to reach them from rest."""
 
     speed_mps: float
     turn_radps: float
@@ -28,7 +28,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the robot is in W, how it moves, and how near it came since the last pose."""
+    """Pose of the robot in W, its speeds, and its minimum clearance since the last pose."""
 
     x_m: float
     y_m: float
@@ -42,7 +42,7 @@ class Pose:
 class Vehicle:
     """A disc that drives forwards and turns; it cannot slip sideways.
 
-    Steps of at most 10 ms; the first contact stops it for good.
+    Steps of at most 10 ms; the first contact stops it permanently.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Vehicle:
 
     @property
     def pose(self) -> Pose:
-        """The pose now; its clearance is the least of the last `advance`."""
+        """The current pose; its clearance is the minimum during the last `advance`."""
         x, y = self._robot.position
         clearance = 0.0 if self._contact else self._clearance_m
         yaw = math.remainder(self._robot.angle, 2 * math.pi)
@@ -122,8 +122,8 @@ class Vehicle:
         return FARTHEST_M if found is None else found.distance - self._radius_m
 
 
-def _towards(now: float, wanted: float, greatest: float, share: float) -> float:
-    """Return the speed after a step: nearer to the command by at most this share of the greatest speed."""
-    wanted = min(max(wanted, -greatest), greatest)
-    change = greatest * share
+def _towards(now: float, wanted: float, maximum: float, share: float) -> float:
+    """Return the speed after a step: closer to the command by at most this share of the maximum."""
+    wanted = min(max(wanted, -maximum), maximum)
+    change = maximum * share
     return float(np.clip(wanted, now - change, now + change))

@@ -1,4 +1,4 @@
-"""The simulated world of one rate: every firing drives, looks and tells."""
+"""The simulated world with a single rate: every firing drives, renders and publishes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphnav_world.vehicle import Pose
 
 
 class WorldOutputs(NamedTuple):
-    """What the world publishes at a tick; ``motion`` and ``truth`` from the second on, ``map`` at the first."""
+    """Outputs of the world at a tick; ``motion`` and ``truth`` from the second on, ``map`` at the first."""
 
     image: Image
     motion: Motion | None
@@ -25,15 +25,15 @@ class WorldOutputs(NamedTuple):
 class Pymunk(Simulation):
     """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
 
-    Each firing drives the period since the last frame with the command sampled then, renders what the camera sees,
-    and publishes it with the truth behind it. It ends the run with ``goal`` when the robot's centre is in the map's
+    Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
+    publishes it with its ground truth. It ends the run with ``goal`` when the robot's centre is in the map's
     goal region, and with ``contact`` at the first touch.
 
     Everything has the stamp of the frame: truth, state and the middle of the exposure.
     """
 
     command_timeout_s: float | None = param(
-        None, gt=0.0, doc="age beyond which a command counts as Twist(0, 0); null obeys every command for good"
+        None, gt=0.0, doc="age beyond which a command counts as Twist(0, 0); null never expires commands"
     )
 
     def reset(self, seed: int) -> None:
@@ -43,7 +43,7 @@ class Pymunk(Simulation):
         self._last_us = 0
 
     def step(self, command: Latest[Twist], utime: Stamp) -> WorldOutputs:
-        """Drive until now, look, and tell."""
+        """Drive until now, render, and publish."""
         first = self._begin_us is None
         if self._begin_us is None:
             self._begin_us = self._last_us = utime
@@ -71,6 +71,6 @@ class Pymunk(Simulation):
         return STANDSTILL if command.value is None or stale else command.value
 
     def _motion(self, then: Pose, now: Pose, interval_us: int) -> Motion:
-        """Return the displacement in the robot's frame of then, with this run's scale errors and fresh noise."""
+        """Return the displacement in the robot's previous frame, with this run's scale errors and new noise."""
         forward, left, turn = self._errors.read(displacement(then, now))
         return Motion(forward_m=float(forward), left_m=float(left), turn_rad=float(turn), interval_us=interval_us)

@@ -46,7 +46,7 @@ def test_no_condition_of_seeing_changes_the_drive(drive: Drive) -> None:
         "robot.contrast_ratio=0.2",
         "robot.exposure_s=0.05",
         "robot.light_swing_ratio=0.3",
-        "robot.noise_sigma=8",
+        "robot.noise_sigma_gray=8",
     )
     assert _path(plain) == _path(hard)
 

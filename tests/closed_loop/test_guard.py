@@ -39,7 +39,9 @@ def test_every_command_leaves_bit_for_bit(graph: str, drive: Drive) -> None:
         assert all(state.may_move for state in states(log))
 
 
-@pytest.mark.parametrize("blinding", ["robot.contrast_ratio=0", "guard.min_contrast=255", "guard.min_judged_ratio=1"])
+@pytest.mark.parametrize(
+    "blinding", ["robot.contrast_ratio=0", "guard.min_contrast_gray=255", "guard.min_judged_ratio=1"]
+)
 def test_a_robot_that_sees_nothing_stands(blinding: str, drive: Drive) -> None:
     _, log = drive("corridor_ccw", 1004, "run.until_s=2", blinding)
     with log:

@@ -1,4 +1,4 @@
-"""A recorded drive is replayed: nothing swapped is no difference, and what is swapped is found."""
+"""Replays of a recorded drive: without a swap nothing differs, and every swap is found."""
 
 from __future__ import annotations
 

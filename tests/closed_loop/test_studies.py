@@ -81,7 +81,7 @@ def start(folder: Path, *words: str, until: list[str] = SHORT) -> subprocess.Pop
 
 
 def wait_until(condition: Callable[[], bool], study: subprocess.Popen[str]) -> None:
-    """Return once something is so, or the study is over; it is given a minute."""
+    """Wait until a condition holds or the study has ended, for at most a minute."""
     deadline = time.monotonic() + 60
     while not condition() and study.poll() is None and time.monotonic() < deadline:
         os.sched_yield()
@@ -135,7 +135,7 @@ def test_ctrl_c_on_a_cluster_is_clean(tmp_path: Path, cluster: str) -> None:
     study = start(out, "--cluster", cluster, until=LONG)
     wait_until((out / ".scratch").exists, study)
     os.killpg(study.pid, signal.SIGINT)
-    assert study.communicate() == ("", "stopped: 0 of 4 runs are made; the same command goes on\n")
+    assert study.communicate() == ("", "stopped: 0 of 4 runs are finished; resume with the same command\n")
     assert study.returncode == 130
 
 

@@ -1,4 +1,4 @@
-"""It swaps: stages, parameters and a stranger's file, and says what it rewired, pruned and defaulted."""
+"""Swaps of stages, parameters and a third-party file report what was rewired, pruned and defaulted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tests of the documentation share: commands run as a reader's shell would run them."""
+"""Fixtures of the documentation tests: commands run as a reader's shell would run them."""
 
 from __future__ import annotations
 

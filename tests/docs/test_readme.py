@@ -1,4 +1,4 @@
-"""What the README says is what happens: its commands run, its lists are complete."""
+"""The README is correct: its commands run, its lists are complete."""
 
 from __future__ import annotations
 

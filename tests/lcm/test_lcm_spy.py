@@ -198,7 +198,7 @@ def test_without_a_display_it_is_said(
     monkeypatch.delenv("DISPLAY", raising=False)
     assert main(["lcm-spy", group]) == 2
     assert capsys.readouterr().err == (
-        "lcm-spy opens a window, and there is no display: DISPLAY is not set\n"
+        "lcm-spy opens a window, but there is no display: DISPLAY is not set\n"
         "  run it in a graphical session, or watch in this terminal: graphnav spy\n"
     )
 

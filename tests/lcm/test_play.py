@@ -117,8 +117,8 @@ def test_motor_channels_are_told(
         log.write("CAMERA", 1000, b"")
     assert main(["play", str(tmp_path / "log"), "--url", group]) == 0
     assert capsys.readouterr().err == (
-        "'BASE_CMD' is a motor channel (guard.twist): a robot that listens will move\n"
-        "  leave it out with --invert --channel 'BASE_CMD'\n"
+        "'BASE_CMD' is a motor channel (guard.twist): a listening robot will move\n"
+        "  exclude it with --invert --channel 'BASE_CMD'\n"
     )
     assert len(listener.wait_for(3)) == 3
     assert main(["play", str(tmp_path / "log"), "--url", group, "--invert", "-c", "BASE_CMD"]) == 0

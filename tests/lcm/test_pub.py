@@ -130,8 +130,8 @@ def test_what_is_late_is_not_made_up_for() -> None:
             ),
         ),
         (["X", "Twist", "v: 1"], "FIELDS:1:1: graphnav_lcm.twist_t has no field 'v'\n"),
-        (["X", "Twist", "-n", "3"], "-n: without --rate there is one message\n  give --rate HZ\n"),
-        (["X", "Twist", "--for", "3"], "--for: without --rate there is one message\n  give --rate HZ\n"),
+        (["X", "Twist", "-n", "3"], "-n: without --rate only one message is published\n  give --rate HZ\n"),
+        (["X", "Twist", "--for", "3"], "--for: without --rate only one message is published\n  give --rate HZ\n"),
         (
             ["X", "Twist", "--url", "memq://"],
             f"--url: 'memq://' is not a udpm:// URL\n  write {GROUP}, or another group of 239.0.0.0/8\n",
@@ -148,8 +148,11 @@ def test_a_command_line_that_is_wrong_is_refused(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["a b", "Twist"], "argument CHANNEL: 'a b' cannot be a channel's name: use ASCII characters without spaces"),
-        (["", "Twist"], "argument CHANNEL: '' cannot be a channel's name: use ASCII characters without spaces"),
+        (
+            ["a b", "Twist"],
+            "argument CHANNEL: 'a b' cannot be the name of a channel: use ASCII characters without spaces",
+        ),
+        (["", "Twist"], "argument CHANNEL: '' cannot be the name of a channel: use ASCII characters without spaces"),
         (["X" * 64, "Twist"], f"argument CHANNEL: '{'X' * 64}' has 64 characters, but LCM takes at most 63"),
         (
             ["graphnav.status", "Twist"],

@@ -79,7 +79,7 @@ def test_signals_end_it_cleanly(start: Start, tmp_path: Path, number: int) -> No
     assert stamps == sorted(stamps)
     assert before_us <= stamps[0] <= stamps[-1] <= time.time_ns() // 1000
     assert subprocess.run([GRAPHNAV, "info", path], capture_output=True, check=True, text=True).stdout.endswith(
-        "nothing is damaged\n"
+        "no damage\n"
     )
 
 
@@ -123,7 +123,7 @@ def test_losses_are_told(start: Start, tmp_path: Path) -> None:
     wait_until(lambda: len(received(tmp_path / "log")) == 4)
     status, out, _ = process.end()
     assert status == 0
-    assert "2 messages lost (missing numbers)\n" in out
+    assert "2 messages lost (missing sequence numbers)\n" in out
     assert row_of(out, "twist") == ["twist", "graphnav_lcm.twist_t", "4", "160", "B", "2"]
 
 
@@ -155,7 +155,9 @@ def test_what_a_suspended_process_loses_is_told(start: Start, tmp_path: Path) ->
     lost = seqs[-1] + 1 - len(seqs)
     assert lost > 0
     assert row_of(out, "stop")[-1] == str(lost)
-    assert re.search(rf"; {lost} messages? lost \(missing numbers\); [1-9]\d* packets? dropped by the kernel\n", out)
+    assert re.search(
+        rf"; {lost} messages? lost \(missing sequence numbers\); [1-9]\d* packets? dropped by the kernel\n", out
+    )
 
 
 def test_packets_that_no_program_should_send_do_no_harm(start: Start, tmp_path: Path, group: str) -> None:
@@ -300,7 +302,9 @@ def test_an_existing_log_is_kept_unless_it_is_to_be_replaced(
     path = tmp_path / "log"
     path.write_text("precious")
     assert main(["record", group, "-o", str(path), "--for", "0.1"]) == 2
-    assert capsys.readouterr().err == (f"-o: {path} exists\n  name another file with -o, or replace it with --force\n")
+    assert capsys.readouterr().err == (
+        f"-o: {path} already exists\n  name another file with -o, or replace it with --force\n"
+    )
     assert path.read_text() == "precious"
     assert main(["record", group, "-o", str(path), "--for", "0.1", "--force"]) == 0
     assert path.read_text() == ""
@@ -313,7 +317,7 @@ def test_parts_of_an_older_recording_are_kept_unless_they_are_to_be_replaced(
     old.write_text("precious")
     words = ["record", group, "-o", str(tmp_path / "drive.lcmlog"), "--split", "1MB", "--for", "0.1"]
     assert main(words) == 2
-    assert capsys.readouterr().err.startswith(f"-o: {old} exists\n")
+    assert capsys.readouterr().err.startswith(f"-o: {old} already exists\n")
     assert main([*words, "--force"]) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["drive.0000.lcmlog"]
 
@@ -329,7 +333,7 @@ def test_parts_of_an_older_recording_are_kept_unless_they_are_to_be_replaced(
             ["udpm://127.0.0.1:7667"],
             f"URL: '127.0.0.1' is not a multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
         ),
-        (["--rotate", "3"], "--rotate: there is only one file\n  add --split SIZE, or leave it out\n"),
+        (["--rotate", "3"], "--rotate: only one file is written\n  add --split SIZE, or remove it\n"),
         (["--invert"], "--invert: there is no filter to invert\n  add --channel GLOB or --regex RE\n"),
         (
             ["--regex", "["],
@@ -339,7 +343,7 @@ def test_parts_of_an_older_recording_are_kept_unless_they_are_to_be_replaced(
             ),
         ),
         (["-o", "{tmp}/none/log"], "-o: cannot write {tmp}/none/log: No such file or directory\n  name another file\n"),
-        (["-o", "{tmp}"], "-o: {tmp} exists\n  name another file with -o, or replace it with --force\n"),
+        (["-o", "{tmp}"], "-o: {tmp} already exists\n  name another file with -o, or replace it with --force\n"),
         (["-o", "{tmp}", "--force"], "-o: cannot write {tmp}: Is a directory\n  name another file\n"),
     ],
 )
@@ -363,7 +367,7 @@ def test_a_command_line_that_is_wrong_is_refused(
     [
         (["--split", "often"], "argument --split: 'often' is not a size or time: write 100MB or 60s"),
         (["--quota", "5"], "argument --quota: '5' is not a size: write 100MB or 2GiB"),
-        (["--for", "nan"], "argument --for: 'nan' is no number of seconds above 0"),
+        (["--for", "nan"], "argument --for: 'nan' is not a number of seconds above 0"),
         (["--rotate", "0"], "argument --rotate: '0' is not an integer above 0"),
     ],
 )

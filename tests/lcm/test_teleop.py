@@ -169,7 +169,7 @@ def test_without_a_terminal_it_says_so() -> None:
     assert done.returncode == 2
     assert done.stderr == (
         "teleop reads keys, and standard input is not a terminal\n"
-        "  run it in a terminal; programs and scripts publish with 'graphnav pub'\n"
+        "  run it in a terminal; in scripts use 'graphnav pub'\n"
     )
 
 
@@ -178,7 +178,7 @@ def test_without_a_terminal_it_says_so() -> None:
     [
         (["--speed", "fast"], "argument --speed: 'fast' is not a number above 0"),
         (["--turn", "-1"], "argument --turn: '-1' is not a number above 0"),
-        (["--timeout", "0"], "argument --timeout: '0' is no number of seconds above 0"),
+        (["--timeout", "0"], "argument --timeout: '0' is not a number of seconds above 0"),
         (["--channel", "graphnav.x"], "argument --channel: channel names that begin with 'graphnav.' are reserved"),
     ],
 )

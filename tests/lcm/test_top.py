@@ -231,7 +231,9 @@ def test_a_log_without_status_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     with LogWriter(tmp_path / "log") as log:
         log.write("guard.state", 0, encode(STOPPED, 0, 0))
     assert main(["top", str(tmp_path / "log")]) == 1
-    assert capsys.readouterr().err == f"{tmp_path / 'log'} holds no status of a run: live runs record it\n"
+    assert (
+        capsys.readouterr().err == f"{tmp_path / 'log'} does not contain a status of a run: only live runs record it\n"
+    )
 
 
 @pytest.mark.parametrize("option", ["--once", "--json"])

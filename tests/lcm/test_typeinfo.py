@@ -134,7 +134,7 @@ def test_one_type_is_told(capsys: pytest.CaptureFixture[str], monkeypatch: pytes
     assert re.search(r"uv_px +float\[rows\]\[cols\]\[2\] +pixels +Displacement since the last frame", said)
     assert "float32 (rows, cols, 2), right and down" in said
     assert main(["types", "Status"]) == 0
-    assert "'graphnav types graphnav_lcm.stage_status_t' tells the fields of that." in capsys.readouterr().out
+    assert "'graphnav types graphnav_lcm.stage_status_t' describes it." in capsys.readouterr().out
 
 
 def test_the_definition_is_printed_as_it_was_written(capsys: pytest.CaptureFixture[str]) -> None:
@@ -184,7 +184,7 @@ def test_without_a_compiler_there_are_sources_and_what_to_run(
     }
     assert all(source.is_file() for source in made.sources)
     said = capsys.readouterr().out.splitlines()
-    assert said[1] == "no javac here: install a JDK, or run where there is one"
+    assert said[1] == "javac is not installed: install a JDK, or run on a machine that has one"
     assert said[2].startswith("  javac -cp ")
     assert said[3].startswith(f"  jar cf {tmp_path / 'types.jar'} -C ")
 
@@ -202,4 +202,4 @@ def test_the_commands_that_are_said_build_the_jar(tmp_path: Path, monkeypatch: p
 def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").touch()
     assert main(["types", "Twist", "--java", str(tmp_path / "file")]) == 1
-    assert capsys.readouterr().err == f"cannot go on: File exists: {tmp_path / 'file'}\n"
+    assert capsys.readouterr().err == f"stopped: File exists: {tmp_path / 'file'}\n"

@@ -91,7 +91,7 @@ def test_another_program_on_a_motor_channel_is_told(live: Begin, outside: Progra
 
     def drives_too() -> bool:
         program.say("BASE", Twist(v_mps=1.0, omega_radps=0.0))
-        return told(run, "another program sends on BASE too: ")
+        return told(run, "another program also sends on BASE: ")
 
     program.wait_for(drives_too)
     run.stop()

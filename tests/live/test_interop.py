@@ -31,7 +31,7 @@ stages:
   guard:
     use: control.guard
     every_ms: 20
-    with: {max_age_s: 10, min_contrast: 0}
+    with: {max_age_s: 10, min_contrast_gray: 0}
     in: {command: see.twist, image: camera.image, override: operator.twist, stop: operator.stop}
 outputs: {guard.twist: {channel: BASE, motor: true}}
 """

@@ -89,7 +89,7 @@ def test_the_log_of_a_replay_describes_itself(
                 e.data for e in recorded.events() if e.channel == name
             ]
     assert main(["info", str(out)]) == 0
-    assert "nothing is damaged" in capsys.readouterr().out
+    assert "no damage" in capsys.readouterr().out
 
 
 def test_an_added_stage_fires_when_its_inputs_are_complete(again: Again, log: Path, tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 """``graphnav check GRAPH --resolved`` prints exactly the text beside each graph here, which loads and means the same.
 
-Lines ``# --set ...`` at the head of a graph are options. To write the texts anew, and then read them::
+Lines ``# --set ...`` at the head of a graph are options. To rewrite the files, and then read them::
 
     python tests/resolved/test_resolved_graphs.py
 """

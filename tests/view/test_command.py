@@ -81,6 +81,6 @@ def test_a_port_is_a_number(port: str, capsys: pytest.CaptureFixture[str]) -> No
 def test_an_address_that_is_not_this_machines(log: Path, host: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["view", str(log), "--port", "0", "--host", host]) == 2
     error = capsys.readouterr().err.splitlines()
-    assert error[0] == f"everybody who can reach {host} can watch: leave out --host to serve this machine only"
+    assert error[0] == f"anyone who can reach {host} can watch: remove --host to serve this machine only"
     assert error[1].startswith(f"cannot listen on {host}, port 0: ")
     assert error[2] == "  choose another port with --port, 0 for a free one, or another --host"

@@ -53,7 +53,7 @@ def test_a_port_that_is_taken(log: Path, capsys: pytest.CaptureFixture[str]) -> 
 def test_an_address_that_is_not_this_machines(log: Path, host: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["view", "--foxglove", str(log), "--port", "0", "--host", host]) == 2
     error = capsys.readouterr().err.splitlines()
-    assert error[0] == f"everybody who can reach {host} can watch: leave out --host to serve this machine only"
+    assert error[0] == f"anyone who can reach {host} can watch: remove --host to serve this machine only"
     assert error[1].startswith(f"cannot listen on {host}, port 0: ")
 
 

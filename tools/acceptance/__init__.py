@@ -1,1 +1,1 @@
-"""The long proofs and those that depend on the machine, one module an item."""
+"""Acceptance tests that are long or depend on the machine, one module per item."""

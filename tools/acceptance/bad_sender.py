@@ -1,4 +1,4 @@
-"""Sends what nobody asked for on a channel: a second writer's messages, or 20,000 a second, garbage or well-formed."""
+"""Send unwanted messages on a channel: a second writer's messages, or 20,000 a second, garbage or well-formed."""
 
 from __future__ import annotations
 

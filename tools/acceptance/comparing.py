@@ -1,4 +1,4 @@
-"""What the studies show: controls fail, oracles bound, the shipped graphs reach their goals."""
+"""Acceptance of studies: baselines fail, oracles bound, the shipped graphs reach their goals."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def targets_item(seeds: Sequence[int], jobs: int) -> bool:
 
 
 def study(name: str, seeds: Sequence[int], jobs: int) -> list[Run]:
-    """Run what is missing of a study that ships and return its results."""
+    """Execute the pending runs of a shipped study and return its results."""
     folder = STUDIES / name
     span = f"{seeds[0]}:{seeds[-1] + 1}"
     command = [str(GRAPHNAV), "ablate", name, "--seeds", span, "-j", str(jobs), "-o", str(folder), "--yes"]
@@ -86,12 +86,12 @@ def _values(runs: Iterable[Run], axis: str) -> set[str]:
 
 
 def _figures(runs: Iterable[Run], graph: str, labels: dict[str, str], figure: str) -> Doubles:
-    """Return a figure of every world, in the order of the seeds; NaN where a run has none."""
+    """Return a metric of every world, in the order of the seeds; NaN if a run has none."""
     return np.array([float(run[figure] or "nan") for run in _chosen(runs, graph, labels)])
 
 
 def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, least: float) -> bool:
-    """Say in how many worlds the drive arrived without contact, or failed to."""
+    """Report the number of worlds in which the drive arrived without contact, or failed to."""
     who = f"{graph}: {' + '.join(labels.values())}"
     ends = [run["outcome"] == "goal" for run in _chosen(runs, graph, labels)]
     if not ends:

@@ -1,4 +1,4 @@
-"""Messages spoiled on their way, as a broken sender or edge would spoil them."""
+"""Corrupt messages in transit, as a broken sender or edge would."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ KINDS = {
     "TELEOP": (WRONG_TYPE, TRUNCATED, NAN, REPEATED, BACKWARDS),
     "STOP": (WRONG_TYPE, TRUNCATED),
 }
-"""What can be wrong on a channel; who sends a stop, and with which stamps, does not matter."""
+"""Kinds of corruption by channel; the sender and the stamps of a stop do not matter."""
 CLASSES = {
     "CAMERA": graphnav_lcm.image_t,
     "ODOMETRY": graphnav_lcm.odometry_t,
@@ -25,7 +25,7 @@ CLASSES = {
 
 
 class Corrupter:
-    """Spoils every second message of a channel.
+    """Corrupts every second message of a channel.
 
     Stamps repeat that of the message before, or run backwards from that of the first.
     """
@@ -38,7 +38,7 @@ class Corrupter:
         self._last = b""
 
     def spoil(self, kind: str, data: bytes) -> bytes:
-        """Return a message, spoiled or as it is."""
+        """Return a message, corrupted or unchanged."""
         if kind != self._kind:
             self._kind, self._stamp, self._count = kind, int.from_bytes(data[_STAMP], "big"), 0
         self._count += 1

@@ -1,4 +1,4 @@
-"""What each command does with a damaged log, within this process: a process for each byte would take hours."""
+"""Run each command on a damaged log in this process: a process for each byte would take hours."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _CHUNK = 25
 
 
 class Damage(NamedTuple):
-    """What is done to a log: cut to a size, or a bit flipped; ``bit``: counted from the first byte."""
+    """Damage of a log: truncated to a size, or a bit flipped; ``bit``: counted from the first byte."""
 
     size: int
     bit: int | None = None
 
     def applied(self, data: bytes) -> bytes:
-        """Return what is left of a log."""
+        """Return the damaged log."""
         if self.bit is None:
             return data[: self.size]
         spoiled = bytearray(data)
@@ -41,12 +41,12 @@ class Damage(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """What a command did with a damaged log, and what it said."""
+    """The result of a command on a damaged log, and its output."""
 
     command: str
     came_out: str
-    """What is lost was told and the rest "used", or "refused" because it is not enough; "complete": nothing can be seen
-    to be lost; "silent": nothing was told of what is lost; "crash"."""
+    """"used" or "refused" after reporting the loss; "complete": no loss can be detected; "silent": the loss was not
+    reported; "crash"."""
     cause: str = ""
 
 

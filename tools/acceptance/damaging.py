@@ -1,4 +1,4 @@
-"""Damaged logs: cut at every byte, spoiled at random, recorded by a process that is killed, on a disk that is full."""
+"""Damaged logs: truncated at every byte, corrupted at random, recorded by a killed process or on a full disk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drive a graph over many seeds, each in a process of its own, and count how the drives end."""
+"""Drive a graph over many seeds, each in a separate process, and count the outcomes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Drives:
     summaries: tuple[Summary, ...]
 
     def ended(self, outcome: str) -> int:
-        """Return how many drives ended so."""
+        """Return the number of drives with this outcome."""
         return sum(summary["outcome"] == outcome for summary in self.summaries)
 
     def outcomes(self) -> str:
@@ -41,7 +41,7 @@ class Drives:
         return ", ".join(words)
 
     def figures(self, stage: str, figure: str) -> list[float]:
-        """Return a score's figure of every drive that has it."""
+        """Return a metric of every drive that has it."""
         found = (summary["scores"].get(stage, {}).get(figure) for summary in self.summaries)
         return [value for value in found if value is not None]
 

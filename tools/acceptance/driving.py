@@ -1,4 +1,4 @@
-"""It drives: every graph with every detector, the truth and the control, over the reporting seeds."""
+"""Acceptance of drives: every graph with every detector, the truth and the baseline, over the reporting seeds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from acceptance.drives import Drives, drive_all, say
 from graphnav.ablation.results import wilson
 
 DRAWS = 10_000
-LEAST_SHARE = 0.95
+MIN_SHARE = 0.95
 CORRIDORS = ("corridor_ccw", "corridor_cw")
 ROWS: list[tuple[str, tuple[str, ...], str, float]] = [
     *(
@@ -42,7 +42,7 @@ def drives_item(seeds: Sequence[int], jobs: int) -> bool:
 
 
 def succeeded(drives: Drives, wanted: str) -> int:
-    """Return how many drives did what the row asks for."""
+    """Return the number of drives with the expected outcome of the row."""
     if wanted == "goal":
         return drives.ended("goal")
     if wanted == "no contact":
@@ -65,9 +65,9 @@ def sign_item(seeds: Sequence[int], jobs: int) -> bool:
     drawn = np.random.default_rng(0).integers(0, len(counts), (DRAWS, len(counts)))
     shares = right[drawn].sum(axis=1) / np.maximum(frames[drawn].sum(axis=1), 1)
     low, high = np.quantile(shares, [0.025, 0.975])
-    good = bool(share >= LEAST_SHARE)
+    good = bool(share >= MIN_SHARE)
     say(
         f"{'ok  ' if good else 'MISS'} right sign in {share:.3f} [{low:.3f}, {high:.3f}] of {frames.sum():.0f} frames "
-        f"of {len(counts)} drives, {np.count_nonzero(frames)} of which have such frames; at least {LEAST_SHARE}"
+        f"of {len(counts)} drives, {np.count_nonzero(frames)} of which have such frames; at least {MIN_SHARE}"
     )
     return good

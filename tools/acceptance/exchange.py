@@ -1,4 +1,4 @@
-"""Logs and traffic go both ways between graphnav and the programs of others: LCM's own, C, Java, lcm-cli."""
+"""Exchange logs and traffic both ways between graphnav and other programs: LCM's own, C, Java, lcm-cli."""
 
 from __future__ import annotations
 

@@ -31,13 +31,13 @@ from graphnav.record import ABOUT, LOG
 
 _UNTIL_S = 60
 _SLOW = "control.max_speed_mps=0.2"
-"""The drive of the graph as it ships is over before 60 s."""
+"""The drive of the shipped graph finishes before 60 s."""
 _VIEWER_PX = (1400, 900)
 _SCRIPTS = Path(sysconfig.get_path("scripts"))
 
 
 def exports_item(seeds: Sequence[int], _jobs: int) -> bool:
-    """Export a drive to every format, read each back, print what is there of what was recorded."""
+    """Export a drive to every format, read each back, print how much of the recording it contains."""
     shown = Path(tempfile.mkdtemp(prefix="graphnav-exports-")) / "rerun.png"
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)

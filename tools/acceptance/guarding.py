@@ -1,4 +1,4 @@
-"""The guard in lockstep: it passes every command of every graph that ships as it came."""
+"""Acceptance of the guard in lockstep: it passes every command of every shipped graph unchanged."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ _WIDE, _HIGH = 200, 50
 
 @dataclass(frozen=True)
 class Counted:
-    """What a program says of all messages; ``undecodable``: None where it does not judge."""
+    """Counts that a program reports of all messages; ``undecodable``: None if it does not decode."""
 
     messages: int
     undecodable: int | None
@@ -133,7 +133,7 @@ class Watchers:
         return state
 
     def _await_quiet(self) -> None:
-        """Wait until nothing but the sane channel is still being counted."""
+        """Wait until only the sane channel is still being counted."""
         end_s = time.monotonic() + PATIENCE_S
         before, newest = -math.inf, float(self._state()["messages"])
         while newest - before > 2 * RATE_HZ * _LOOK_S and time.monotonic() < end_s:

@@ -36,7 +36,7 @@ def main() -> None:
     os.environ.update(ONE_THREAD)
     for module in MODULES:
         importlib.import_module(module)
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody has to collect the children
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the kernel collects the children
     for line in sys.stdin:
         asked = json.loads(line)
         pid = os.fork()

@@ -2,7 +2,7 @@
 
 Messages are spoiled on their way (every second one of a channel), or sent by a second program on the same channel. The
 graph's log holds every message that was handed to a stage: each has to be one that the true sender sent, once. A stop
-is the exception: it counts whoever sends it.
+is the exception: it counts from any sender.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Phase:
 
 @dataclass
 class Heard:
-    """What came of the bad messages of one channel."""
+    """The effect of the bad messages of one channel."""
 
     channel: str
     phases: list[Phase]

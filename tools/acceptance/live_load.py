@@ -32,7 +32,7 @@ CAMERAS: dict[str, tuple[Sequence[str], Sequence[str]]] = {
 
 
 class Load(NamedTuple):
-    """What became of the frames of one drive; ``ages_ms``: of those that steered, at the command."""
+    """The outcome of the frames of one drive; ``ages_ms``: of those that steered, at the command."""
 
     came: int
     lost: int

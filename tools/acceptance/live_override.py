@@ -17,12 +17,12 @@ OVERRIDE_MAX_AGE_S, GUARD_PERIOD_S = 0.3, 0.05
 SPEED_MPS, TURN_RADPS = 0.3, 0.8
 BRAKES_MPS2, BRAKES_RADPS2 = 0.5 / 0.25, 2.0 / 0.25
 ON_TIME_S = 0.05
-"""What the scheduler of a busy machine may add."""
+"""Allowance for the scheduler of a busy machine."""
 
 
 @dataclass
 class Overridden:
-    """What the navigation's log says; times in seconds, NaN for what never was."""
+    """Events in the navigation's log; times in seconds, NaN for those that did not happen."""
 
     firings: int = 0
     differing: int = 0

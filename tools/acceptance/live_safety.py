@@ -41,7 +41,7 @@ MAX_TRIES = 3
 
 @dataclass
 class Event:
-    """What happened at one fault; all times are monotonic seconds."""
+    """The effect of one fault; all times are monotonic seconds."""
 
     fault: Fault
     begin_s: float

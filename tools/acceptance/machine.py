@@ -1,4 +1,4 @@
-"""What depends on the machine: memory, what a logger receives, a fresh clone."""
+"""Acceptance tests that depend on the machine: memory, reception by a logger, a fresh clone."""
 
 from __future__ import annotations
 
@@ -97,14 +97,14 @@ def interrupt_item(_seeds: Sequence[int], _jobs: int) -> bool:
             run.wait()
             took.append(time.monotonic() - begin)
             with Recording(log) as recording:
-                whole = recording.truncated is None
-            whole &= json.loads((Path(scratch) / "run" / "summary.json").read_text())["outcome"] == "stopped"
-            if not whole:
-                say(f"MISS Ctrl-C after {after_s} s: log or summary is not whole")
+                is_complete = recording.truncated is None
+            is_complete &= json.loads((Path(scratch) / "run" / "summary.json").read_text())["outcome"] == "stopped"
+            if not is_complete:
+                say(f"MISS Ctrl-C after {after_s} s: log or summary is not complete")
                 return False
     good = max(took) <= 1.0
     mark = "ok  " if good else "MISS"
-    say(f"{mark} Ctrl-C: ended within {max(took):.2f} s, {len(took)} times, logs and summaries whole")
+    say(f"{mark} Ctrl-C: ended within {max(took):.2f} s, {len(took)} times, logs and summaries complete")
     return good
 
 

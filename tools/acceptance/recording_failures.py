@@ -32,7 +32,7 @@ _PERIOD_S = 0.002
 
 
 class Left(NamedTuple):
-    """What a recording left: events, whether their numbers have no gap, damage but for the end, bytes at the end."""
+    """The result of a recording: events, whether their numbers have no gap, damage except the end, bytes at the end."""
 
     n_events: int
     n_damaged: int

@@ -3,9 +3,8 @@
 Robot and navigation each have a group of their own, and relays carry the channels named from one to the other, so that
 a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"drop": "half"}``,
 ``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"picture": "white"}``, ``{"picture": "covered"}``;
-``{}`` is no fault. Each line replaces the one before. ``{"corrupt": KIND}`` spoils every second message of the first
-channel, whichever it is. It imports nothing of the runner: what it tests is not what it is
-made of.
+``{}`` means no fault. Each line replaces the one before. ``{"corrupt": KIND}`` corrupts every second message of the
+first channel, whichever it is. It imports nothing of the runner: what it tests is not what it is made of.
 """
 
 from __future__ import annotations

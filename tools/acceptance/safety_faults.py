@@ -18,7 +18,7 @@ PATIENCE_S = 10.0
 
 
 class Drive(Protocol):
-    """What a fault acts on."""
+    """The target of a fault."""
 
     rig: Rig
     navigation: Launched

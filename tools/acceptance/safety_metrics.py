@@ -17,14 +17,14 @@ GUARD_PERIOD_S = 0.05
 WORLD_PERIOD_S = 0.01
 SPEED_UP_MPS2 = 0.5 / 0.25
 TURN_UP_RADPS2 = 2.0 / 0.25
-"""The world's drive: greatest speeds over the time that it takes to reach them."""
+"""The world's drive: maximum speeds divided by the time to reach them."""
 
 _STANDING = 1e-6
 _NONE = float("inf")
 
 
 class Measured(NamedTuple):
-    """What was measured at one fault.
+    """Measurements of one fault.
 
     ``stop_s``: from its begin to the first stop. ``stand_s``: from there until the robot stood; ``allowed_s``: the
     time that a world period and braking from its speed take.
@@ -61,7 +61,7 @@ class States:
     def stand(self, stop_s: float) -> tuple[float | None, float | None]:
         """Return how long after a stop arrived the robot stood, None if it never did, and how long it may take.
 
-        That is a world period and braking from the greatest speed after the arrival: within the period the robot may
+        That is a world period and braking from the maximum speed after the arrival: within the period the robot may
         still speed up. The log has a state every world period; within the last one the robot brakes as before.
         """
         place = max(bisect_right(self._times, stop_s) - 1, 0)

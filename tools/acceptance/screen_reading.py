@@ -1,4 +1,4 @@
-"""What stands on a screen of the spy: its table's rates, whether it shows a picture, and the screen as an image."""
+"""Read a screen of the spy: its table's rates, whether it shows a picture, and the screen as an image."""
 
 from __future__ import annotations
 

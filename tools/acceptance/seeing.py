@@ -30,7 +30,7 @@ FIGURES = (
 CORRIDOR_MAPS = ("maps/corridor_ccw.yaml", "maps/corridor_cw.yaml")
 EMPTY_MAP = "maps/empty.yaml"
 TARGETS = {("ica", "auroc"): 0.90, ("ica", "iou_ratio"): 0.45, ("residual", "auroc"): 0.93}
-MOST_FALSE = 0.01
+MAX_FALSE = 0.01
 DRAWS = 1000
 
 
@@ -69,10 +69,10 @@ def floor_item(seeds: Sequence[int], jobs: int) -> bool:
         value = pooled(own).summary()["false_obstacle_ratio"]
         low, high = bootstrap(own, "false_obstacle_ratio")
         judged = "twin" not in name
-        good = value <= MOST_FALSE or not judged
+        good = value <= MAX_FALSE or not judged
         passed &= good
         mark = ("ok  " if good else "MISS") if judged else "    "
-        say(f"{mark} {name:20} false obstacle {value:.4f} [{low:.4f}, {high:.4f}], at most {MOST_FALSE}")
+        say(f"{mark} {name:20} false obstacle {value:.4f} [{low:.4f}, {high:.4f}], at most {MAX_FALSE}")
     return passed
 
 

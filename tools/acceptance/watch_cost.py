@@ -112,7 +112,7 @@ def _watching(folder: str) -> Iterator[dict[str, int]]:
     with view, spy_in_terminal([URL], folder, 50, 200) as (spy, _):
         try:
             await_listeners(PORT, 2, _START_S)
-            time.sleep(_SETTLE_S)  # what a program does once, when it starts, is no cost of watching
+            time.sleep(_SETTLE_S)  # the start of a program is not a cost of watching
             yield {"view": view.pid, "spy": spy.pid}
         finally:
             view.terminate()

@@ -34,7 +34,7 @@ PROMISES = {
         "test_server.py::test_the_page_asks_for_nothing_elsewhere",
     ),
 }
-"""What is promised, and the tests under tests/view that show it."""
+"""The promises, and the tests under tests/view that show them."""
 
 
 def page_item(_seeds: Sequence[int], _jobs: int) -> bool:

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from graphnav.ablation.worker import Task
+from graphnav.run_folder import GRAPH
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import SUMMARY
-from graphnav.runner.recording.saved_graph import GRAPH
 from graphnav.runner.recording.summary import Summary, versions
 
 DIED = "its process died, twice: it takes more memory than there is, or a stage crashes it"

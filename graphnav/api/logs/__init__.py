@@ -1,1 +1,1 @@
-"""Logs for notebooks: messages, arrays and tables."""
+"""Logs in notebooks: messages, arrays and tables."""

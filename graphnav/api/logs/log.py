@@ -1,4 +1,4 @@
-"""Logs: every message of a run by channel and time, as messages, arrays or tables."""
+"""Read logs by channel and time, as messages, arrays or tables."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 def open_log(path: PathLike) -> Log:
     """Open the log of a run folder, or a log file of graphnav, lcm-logger or any other LCM program.
 
-    ``path``: the folder or the file. A damaged log is opened, too: what is complete can be read, and `Log.damage` says
-    what was lost.
+    ``path``: the folder or the file. A damaged log can be opened too: complete messages can be read, and `Log.damage`
+    lists the losses.
 
     Raises
     ------
     UserError
-        There is no such file.
+        The file does not exist.
     LogError
-        It cannot be read, or is not an LCM log.
+        The file cannot be read, or is not an LCM log.
     """
     name = path_of(path, "path", "runs/1")
     try:
@@ -50,17 +50,17 @@ _MAX_NAMES = 40
 
 
 class Log:
-    """The messages of a log; every method reads them from the file when it is called.
+    """The messages of a log; every method reads them from the file when called.
 
-    Times are seconds since the log began. In the log of a run a message's time is its stamp, which all messages that
-    were made from one frame share; in other logs it is when the message was logged.
+    Times are seconds from the start of the log. In the log of a run the time of a message is its stamp, which all
+    messages derived from one frame share; in other logs it is the time of recording.
 
-    A message that cannot be decoded is left out, logged as a warning and told by ``damage``. A context manager: leaving
-    it closes the file. May be read from several threads.
+    A message that cannot be decoded is skipped, logged as a warning and listed in ``damage``. A context manager that
+    closes the file on exit. May be read from several threads.
     """
 
     def __init__(self, recording: Recording, keeps: object = None) -> None:
-        """Read ``recording``; ``keeps`` is what has to live as long as this does."""
+        """Read ``recording``; ``keeps`` is an object to keep alive as long as this one."""
         self._recording = recording
         self._keeps = keeps
         self._is_closed = False
@@ -69,7 +69,7 @@ class Log:
 
     @property
     def path(self) -> Path:
-        """The file."""
+        """The path of the log."""
         return self._recording.path
 
     @property
@@ -85,7 +85,7 @@ class Log:
 
     @cached_property
     def channels(self) -> Mapping[str, LogChannel]:
-        """What it holds, in the order of the first messages."""
+        """The channels, in the order of their first messages."""
         return MappingProxyType({name: self._channel(name) for name in self._recording.channels})
 
     @property
@@ -95,7 +95,7 @@ class Log:
 
     @property
     def graph(self) -> Mapping[str, Any]:
-        """The resolved graph that made it, as the YAML says it; raises LogError where the log does not hold it."""
+        """The resolved graph of the run as YAML data; raises LogError if the log does not contain it."""
         return self._recording.graph
 
     def messages(self, channel: str, *, start_s: float | None = None, end_s: float | None = None) -> Iterator[Sample]:
@@ -104,13 +104,13 @@ class Log:
         Raises
         ------
         UserError
-            There is no such channel, its type is not installed, or a time is not a number.
+            The channel does not exist, its type is not installed, or a time is not a number.
         """
         indices = self._within(channel, start_s, end_s)
         return self._samples(channel, indices)
 
     def at(self, channel: str, time_s: float) -> Any:
-        """Return the newest message of a channel at ``time_s``: the one that a sampled input would see then.
+        """Return the newest message of a channel at ``time_s``, as a sampled input would see it.
 
         Raises
         ------
@@ -134,14 +134,14 @@ class Log:
         return self._times_us(channel) / 1e6
 
     def stack(self, channel: str, field: str, *, start_s: float | None = None, end_s: float | None = None) -> Stack:
-        """Return one field of many messages as ONE array: ``times_s, uv_px = log.stack("flow.flow", "uv_px")``.
+        """Return one field of many messages as one array: ``times_s, uv_px = log.stack("flow.flow", "uv_px")``.
 
         The array has the messages first: (n, rows, cols, 2) for a flow, (n,) for a number. It is a copy.
 
         Raises
         ------
         UserError
-            As `messages`; there is no such field, it does not hold numbers, or its shape changes.
+            As `messages`; the field does not exist, is not numeric, or changes its shape.
         """
         indices = self._within(channel, start_s, end_s)
         if not isinstance(field, str):
@@ -149,10 +149,10 @@ class Log:
         return stacked(self._samples(channel, indices), len(indices), channel, field)
 
     def to_pandas(self, channel: str, *, start_s: float | None = None, end_s: float | None = None) -> pd.DataFrame:
-        """Return a table of a channel: a row a message, ``time_s`` as index, a column for each scalar field.
+        """Return a table of a channel: one row per message, ``time_s`` as index, one column per scalar field.
 
-        Arrays of at most 16 elements, alike in all messages, become columns ``field[0]``, ``field[1]``; nested structs
-        ``field.name``; lists of strings are kept. Larger arrays are left out: `stack` returns them.
+        Arrays of at most 16 elements, of the same shape in all messages, become columns ``field[0]``, ``field[1]``;
+        nested structs ``field.name``; lists of strings are kept. Larger arrays are omitted: use `stack`.
 
         Raises
         ------
@@ -183,7 +183,7 @@ class Log:
 
     @cached_property
     def _is_of_run(self) -> bool:
-        """Whether a run wrote it: then stamps count from its begin. What a logger heard has stamps of many clocks."""
+        """Whether a run wrote the log: then stamps count from its start. A logger records stamps of many clocks."""
         about = self._recording.about
         return about is not None and not about.run_id
 
@@ -200,7 +200,7 @@ class Log:
         )
 
     def _times_us(self, channel: str) -> Longs:
-        """Return the times of a channel's messages, microseconds since the log began."""
+        """Return the times of a channel's messages, microseconds from the start of the log."""
         self._check_channel(channel)
         if channel not in self._stamps:
             recording = self._recording
@@ -209,11 +209,11 @@ class Log:
         return self._stamps[channel]
 
     def _readable_us(self, channel: str) -> Longs:
-        """Return the times of a channel's messages; raise UserError where these cannot be decoded at all."""
+        """Return the times of a channel's messages; raise UserError if they cannot be decoded at all."""
         stamps = self._times_us(channel)
         if self._recording.channels[channel] is None:
             what = f"the type of channel '{shown_name(channel)}' is not installed"
-            raise UserError.of(what, "install the package that lcm-gen made, and import it")
+            raise UserError.of(what, "install the package generated by lcm-gen, and import it")
         return stamps
 
     def _check_channel(self, channel: object) -> None:
@@ -230,7 +230,7 @@ class Log:
             raise UserError.of(what, did_you_mean(channel, names) or listed)
 
     def _within(self, channel: str, start_s: float | None, end_s: float | None) -> npt.NDArray[np.intp]:
-        """Return the numbers of a channel's messages between two times."""
+        """Return the indices of a channel's messages between two times."""
         start_us, end_us = seconds_of(start_s, "start_s"), seconds_of(end_s, "end_s")
         stamps = self._readable_us(channel)
         is_within = np.ones(stamps.size, bool)
@@ -247,7 +247,7 @@ class Log:
                 yield Sample(float(times_us[index] / 1e6), found)
 
     def _message(self, channel: str, index: int) -> Any:
-        """Return a message, None where it cannot be decoded."""
+        """Return a message, None if it cannot be decoded."""
         lcm_class = self._recording.channels[channel]
         try:
             if lcm_class and message_class_of(lcm_class):
@@ -257,9 +257,7 @@ class Log:
             said = str(error)
             errors = self._undecodable.setdefault(channel, {})
             if not errors:
-                logging.getLogger("graphnav").warning(
-                    "%s; it is left out, and Log.damage counts them", shown_name(said)
-                )
+                logging.getLogger("graphnav").warning("%s; it is skipped and counted in Log.damage", shown_name(said))
             errors[index] = said
             return None
         except OSError as error:

@@ -1,4 +1,4 @@
-"""What a log says of one channel, and one of its messages."""
+"""Describe a channel of a log and its messages."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ class Sample(NamedTuple):
     """One message of a log."""
 
     time_s: float
-    """Seconds since the log began."""
+    """Seconds from the start of the log."""
     message: Any
-    """The message (`Flow`, `Twist`, ...); a dict of LCM fields where graphnav has no class for the type."""
+    """The message (`Flow`, `Twist`, ...); a dict of LCM fields if graphnav has no class for the type."""
 
 
 @dataclass(frozen=True)
 class LogChannel:
-    """What a log holds of one channel."""
+    """A channel of a log."""
 
     name: str
     type_name: str
-    """``package.type_t``; empty where the type is not installed: its messages can be counted, not read."""
+    """``package.type_t``; empty if the type is not installed: its messages can be counted, not read."""
     message: type[Message] | None
-    """The class of its messages; None where they are read as dicts."""
+    """The class of its messages; None if they are read as dicts."""
     n_messages: int
     first_s: float
     last_s: float

@@ -1,4 +1,4 @@
-"""A log as a notebook shows it: its channels, and what is lost."""
+"""Show a log in a notebook: its channels and losses."""
 
 from __future__ import annotations
 

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 MAX_ELEMENTS = 16
-"""Arrays with more elements are no columns."""
+"""Arrays with more elements do not become columns."""
 
 
 def table_of(samples: Iterable[tuple[float, Any]]) -> pd.DataFrame:
-    """Return a row a message and a column a scalar; arrays that change their shape are left out.
+    """Return one row per message and one column per scalar; omit arrays that change their shape.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def table_of(samples: Iterable[tuple[float, Any]]) -> pd.DataFrame:
 def _scalars(
     prefix: str, fields: Mapping[str, Any], shapes: dict[str, set[tuple[int, ...]]]
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the columns of a message; the shapes of its arrays are added to ``shapes``."""
+    """Yield the columns of a message; add the shapes of its arrays to ``shapes``."""
     for field, value in fields.items():
         name = f"{prefix}{field}"
         if isinstance(value, Mapping):

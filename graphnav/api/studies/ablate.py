@@ -36,18 +36,17 @@ def ablate(
     gallery: int = 2,
     keep_logs: bool = False,
 ) -> Study:
-    """Swap parts of graphs, repeat over seeds, compare with statistics; return the tables and the report.
+    """Swap stages of graphs, repeat over seeds, compare with statistics; return the tables and the report.
 
-    The runs are made in processes of their own, one a core. A run that fails is a result. With ``folder``, a study that
-    was stopped goes on when the same call is made again, and more ``seeds`` add runs to the existing ones. Nothing asks
-    before many runs are made.
+    Runs execute in separate processes, one per core. A failed run is a result. With ``folder``, the same call resumes
+    an interrupted study, and more ``seeds`` add runs to the existing ones. There is no confirmation of many runs.
 
     Raises
     ------
     UserError
-        Everything that is wrong with the study and its graphs; nothing has run then.
+        All errors of the study and its graphs; nothing has run then.
     GraphnavError
-        What ends a study: a full disk, a cluster that is gone. Every finished run is in ``folder``.
+        The study was interrupted by a full disk or a lost cluster. Every finished run is in ``folder``.
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """

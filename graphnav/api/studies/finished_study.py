@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 class Study:
-    """What a study came to; in a notebook, its table. A temporary folder lives as long as this does."""
+    """The results of a study; in a notebook, its table. A temporary folder exists as long as this object."""
 
     def __init__(self, plan: Plan, files: StudyFiles, folder: KeptFolder) -> None:
         self.plan = plan
-        """What was run: variants, seeds, versions, and the command that runs it again."""
+        """The plan: variants, seeds, versions, and the command that repeats it."""
         self.comparison: Comparison = files.comparison
         """The comparison without pandas."""
         self.records: tuple[Record, ...] = files.records
@@ -42,14 +42,14 @@ class Study:
 
     @property
     def report(self) -> Path:
-        """``report.html``: one page that needs nothing else."""
+        """The path of ``report.html``, a self-contained page."""
         return self._files.report
 
     @cached_property
     def runs(self) -> pd.DataFrame:
-        """A row a run: graph, variant, a column an axis, seed, outcome, failure, frames, sim_s, a column a metric.
+        """One row per run: graph, variant, axes, seed, outcome, failure, frames, sim_s, metrics.
 
-        What ``results.csv`` holds; a metric that a run does not have is NaN. Raises UserError without pandas.
+        The content of ``results.csv``; missing metrics are NaN. Raises UserError without pandas.
         """
         pandas = import_pandas("Study.runs")
         metrics = metric_columns(self.plan, self.records)
@@ -61,10 +61,10 @@ class Study:
     def table(self) -> pd.DataFrame:
         """The comparison: a row for each graph, metric and variant (the index), the base first.
 
-        ``worlds``: how many have the metric; ``mean`` with its 95 % interval ``low`` to ``high``; the mean paired
-        ``difference`` from the base in the same worlds with its interval; ``won`` and ``lost``: in how many worlds it
-        was better and worse; ``clear``: whether the interval of the difference excludes 0, over enough worlds. The base
-        has no difference: NaN, 0, 0 and False.
+        ``worlds``: number of worlds with the metric; ``mean`` with its 95 % interval ``low`` to ``high``; the mean
+        paired ``difference`` from the base in the same worlds with its interval; ``won`` and ``lost``: number of worlds
+        in which it was better and worse; ``clear``: whether the interval of the difference excludes 0, over enough
+        worlds. The base has no difference: NaN, 0, 0 and False.
 
         Raises UserError without pandas.
         """

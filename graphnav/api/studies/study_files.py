@@ -1,4 +1,4 @@
-"""The files that a study leaves beside its runs: tables for people and programs, and the report."""
+"""Write the tables and the report of a study."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from graphnav.graph import Graph
 
 @dataclass(frozen=True)
 class StudyFiles:
-    """What was written, and what it was made from."""
+    """The files of a study and the data in them."""
 
     records: tuple[Record, ...]
     comparison: Comparison
@@ -42,9 +42,9 @@ def write_study_files(
     Raises
     ------
     UserError
-        A run's summary is not complete.
+        A run's summary is incomplete.
     GraphnavError
-        The disk refuses; what it refuses stays as it was.
+        A file cannot be written; its old version is kept.
     """
     records = read_records(plan, folder)
     comparison = compare(plan, records)

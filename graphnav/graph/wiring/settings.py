@@ -7,11 +7,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from graphnav.errors import ParamError, Problem, did_you_mean
+from graphnav.errors import ParamError, Problem, Suggestion, did_you_mean
 from graphnav.graph.node import Origin, Setting
 from graphnav.graph.paths import beside, has_path, resolve_paths
 from graphnav.spec import Entry, RunOptions, StageSpec, check_url
-from graphnav.stage import Param, Stage, former_names, params_of
+from graphnav.stage import Param, Stage, params_of
 
 SET: Literal["--set"] = "--set"
 """The origin of what an override gives, wherever it was written."""
@@ -31,13 +31,13 @@ def settings_of(
     written in one, then in the working folder.
     """
     declared = params_of(cls)
-    renamed = former_names.PARAMETERS.get(spec.use, {})
-    problems += _unknown(spec.params, declared, f"{spec.use} has no parameter", renamed)
+    problems += _unknown(spec.params, declared, f"{spec.use} has no parameter")
     settings = {}
     for name, param in declared.items():
         entry = spec.params.get(name)
         if entry is None and param.required:
-            if spec.unclear or any(name in did_you_mean(word, declared).names for word in spec.params):
+            near = (did_you_mean(word, declared).names for word in spec.params)
+            if spec.unclear or param.renamed_from in spec.params or any(name in names for names in near):
                 continue
             what = f"stage '{spec.name}' ({spec.use}) needs '{name}', {param.type_text}: {param.doc}"
             problems.append(Problem(spec.place, what, f"write with: {{{name}: ...}}"))
@@ -80,15 +80,15 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
     return RunOptions(**given)
 
 
-def _unknown(
-    entries: Mapping[str, Entry],
-    declared: Mapping[str, Param],
-    what: str,
-    renamed: Mapping[str, str] = MappingProxyType({}),
-) -> Iterator[Problem]:
+def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
     known = f"it has {', '.join(declared)}" if declared else "it has none"
     for name, entry in entries.items():
         if name not in declared:
-            yield Problem(
-                entry.place, f"{what} '{name}'", former_names.suggestion(name, renamed, declared) or known, "unknown"
-            )
+            yield Problem(entry.place, f"{what} '{name}'", _suggestion(name, declared) or known, "unknown")
+
+
+def _suggestion(name: str, declared: Mapping[str, Param]) -> Suggestion:
+    for param in declared.values():
+        if param.renamed_from == name:
+            return Suggestion((param.name,), f"did you mean '{param.name}'? It was renamed")
+    return did_you_mean(name, declared)

@@ -1,4 +1,4 @@
-"""What a person should know while a live run goes on: what is late, what does not come, who else drives."""
+"""Alarms of a live run: late and lost messages, silent inputs, other programs on the motor channels."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from graphnav.live.inputs.intake import Intake
 from graphnav.live.live_runner import LiveRunner
 
 _MIN_OVERTAKEN = 3
-"""Fewer messages overtaken within a second are counted, but not told."""
+"""Fewer overtaken messages per second are counted, but not reported."""
 _MIN_LOST = 3
-"""Fewer messages lost are counted, but not told."""
+"""Fewer lost messages are counted, but not reported."""
 _MIN_FOREIGN = 5
-"""So many more messages on a motor channel than were sent are another program's, not two counts taken apart."""
+"""A larger excess of messages on a motor channel comes from another program, not from counting at two times."""
 _SILENT_S = 2.0
 
 
 class Alarms:
-    """Yields lines for people, asked once a second; each thing is told at first, and again when it has doubled.
+    """Yields notices, once a second; each problem is reported at first, and again when its count has doubled.
 
-    ``motor_counts`` returns how many messages came by on the motor channels and how many of them this run has sent.
+    ``motor_counts`` returns the number of messages on the motor channels, and how many of them this run has sent.
     """
 
     def __init__(self, runner: LiveRunner, motor_counts: Callable[[], tuple[int, int]]) -> None:
@@ -31,7 +31,7 @@ class Alarms:
         self._asked_s = runner.clock.now_s()
 
     def look(self) -> Iterator[str]:
-        """Yield what has happened since the last call."""
+        """Yield the alarms since the last call."""
         now_s = self._runner.clock.now_s()
         elapsed_s, self._asked_s = max(now_s - self._asked_s, 1e-6), now_s
         yield from self._late(elapsed_s)
@@ -41,12 +41,12 @@ class Alarms:
         if self._is_news("foreign", heard - sent, _MIN_FOREIGN):
             channels = ", ".join(outlet.target.name for outlet in self._runner.outlets.values() if outlet.target.motor)
             yield (
-                f"another program sends on {channels} too: {heard - sent} of {heard} messages are not this run's\n"
+                f"another program also sends on {channels}: {heard - sent} of {heard} messages are not from this run\n"
                 "  end one of them: the motors get the commands of both"
             )
 
     def _late(self, elapsed_s: float) -> Iterator[str]:
-        """Yield on which edges messages were overtaken and which stage took the time, and missed deadlines."""
+        """Yield edges with overtaken messages and the slowest stage, and missed deadlines."""
         units = self._runner.units
         busy_s = {name: unit.durations.total_s for name, unit in units.items()}
         spent_s = {name: total_s - self._busy_s.get(name, 0.0) for name, total_s in busy_s.items()}
@@ -63,7 +63,7 @@ class Alarms:
                 yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
 
     def _lost(self, intake: Intake, now_s: float) -> Iterator[str]:
-        """Yield whether an input is silent that stages wait for, and what was not used of it."""
+        """Yield the silence, rejections and losses of an input."""
         ref, channel = intake.source.channel.ref, intake.source.name
         silent_s = now_s - max(intake.heard_s, self._runner.clock.start_s)
         if self._runner.is_needed(ref) and silent_s > _SILENT_S:
@@ -79,12 +79,12 @@ class Alarms:
         if self._is_news(f"{ref} lost", intake.lost, _MIN_LOST):
             yield (
                 f"lost: {intake.lost} messages of {ref} on {channel} never arrived, by their sequence numbers\n"
-                "  'graphnav doctor' tells whether the receive buffer holds one of this size"
+                "  'graphnav doctor' checks whether the receive buffer is large enough"
             )
 
-    def _is_news(self, what: str, count: int, least: int) -> bool:
-        """Whether a count is at least ``least`` and twice what was told last."""
-        if count < max(least, 2 * self._told.get(what, 0)):
+    def _is_news(self, what: str, count: int, minimum: int) -> bool:
+        """Whether a count is at minimum ``minimum`` and twice the one reported last."""
+        if count < max(minimum, 2 * self._told.get(what, 0)):
             return False
         self._told[what] = count
         return True

@@ -1,4 +1,4 @@
-"""What comes by on the motor channels, whoever sends it."""
+"""Count the messages on the motor channels from all senders."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from graphnav.motors.sender import MotorSender
 
 
 class MotorTraffic:
-    """Counts the messages on motor channels as a mailbox that keeps none; filled by the receiving thread."""
+    """A mailbox that counts messages on the motor channels without keeping them; filled by the receive thread."""
 
     def __init__(self) -> None:
         self.heard = 0
@@ -19,7 +19,7 @@ class MotorTraffic:
         return False
 
     def counts(self) -> tuple[int, int]:
-        """Return how many messages came by and how many this run has sent."""
+        """Return the number of messages seen, and how many of them this run has sent."""
         heard = self.heard
         if self.motors is None:
             return 0, 0

@@ -1,4 +1,4 @@
-"""Watching a live run from inside: its status once a second, and what a person should know."""
+"""Observe a live run from inside: its status once a second, and notices."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from graphnav.live.live_runner import LiveRunner
 from graphnav.runner.lockstep_status import STATUS
 
 _MAX_TOLD = 100
-"""Notices that are kept for the summary."""
+"""Maximum number of notices in the summary."""
 
 
 class Observer:
-    """Publishes ``graphnav.status`` once a second and tells, through ``notice``, what is late, lost or hangs.
+    """Publishes ``graphnav.status`` once a second and reports through ``notice`` what is late, lost or hangs.
 
-    ``dropped`` returns what the tap and the log have dropped. ``told``: the first 100 notices. ``traffic`` is to count
-    what comes by on the motor channels. ``status`` is the newest one that was made.
+    ``dropped`` returns the messages dropped by the tap and the log. ``told``: the first 100 notices. ``traffic`` counts
+    the messages on the motor channels. ``status``: the newest status.
     """
 
     def __init__(
@@ -33,13 +33,13 @@ class Observer:
         self.status = self._reporter.make()
 
     def tell(self, line: str) -> None:
-        """Tell a person something; from any thread."""
+        """Report a notice; may be called from any thread."""
         if len(self.told) < _MAX_TOLD:
             self.told.append(line)
         self._notice(line)
 
     def look(self) -> bool:
-        """Publish a status and tell what is new, if the last one is a second old; return whether it was."""
+        """If the last status is a second old, publish a new one and report new alarms; return whether it did."""
         if not self._reporter.is_due():
             return False
         runner = self._runner
@@ -50,11 +50,11 @@ class Observer:
         return True
 
     def finish(self) -> None:
-        """Look a last time, at the end of the run."""
+        """Publish the last status, at the end of the run."""
         self.status = self._reporter.make()
 
     def tell_broken_off(self) -> None:
-        """Tell within which step the run was broken off, if within one."""
+        """Report the step in which the run was interrupted, if any."""
         if self._runner.step_began is not None:
             name, began_s = self._runner.step_began
-            self.tell(f"broken off within a step of {name} that had taken {self._runner.clock.now_s() - began_s:.1f} s")
+            self.tell(f"interrupted a step of {name} after {self._runner.clock.now_s() - began_s:.1f} s")

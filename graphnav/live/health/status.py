@@ -1,4 +1,4 @@
-"""The health of a live run: what `graphnav.status` says once a second."""
+"""Build the status of a live run, published on `graphnav.status` once a second."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PERIOD_S = 1.0
 
 
 class StatusReporter:
-    """Makes a status once a second; ``dropped`` returns what the tap and the log have dropped."""
+    """Builds a status once a second; ``dropped`` returns the messages dropped by the tap and the log."""
 
     def __init__(self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]]) -> None:
         self._runner, self._run_id, self._dropped = runner, run_id, dropped
@@ -28,7 +28,7 @@ class StatusReporter:
         return self._runner.clock.now_s() >= self._due_s
 
     def make(self) -> Status:
-        """Return the status of now; rates are those since the last one."""
+        """Return the current status; rates are averages since the last one."""
         clock = self._runner.clock
         now_s = clock.now_s()
         elapsed_s = max(now_s - self._last_s, 1e-6)

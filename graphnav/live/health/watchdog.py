@@ -1,4 +1,4 @@
-"""Notice a step that does not end: the thread that fires the stages cannot tell it itself."""
+"""Detect a hanging step from a separate thread."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ _HANGS_S = 1.0
 
 
 class Watchdog:
-    """Tells, through ``notice``, which stage has been in one step for more than a second; once a step.
+    """Reports through ``notice``, once per step, a stage that has been in one step for more than a second.
 
-    A native call that holds Python's lock keeps it from running, too: then only the motor process acts.
+    A native call that holds Python's interpreter lock blocks it too: then only the motor process acts.
     """
 
     def __init__(self, runner: LiveRunner, notice: Callable[[str], None]) -> None:

@@ -1,4 +1,4 @@
-"""One input of a live run: its messages decoded, judged, and what was wrong with them counted."""
+"""Read an input of a live run: decode and check its messages, count the rejected ones."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from graphnav.errors import one_line
 from graphnav.graph import InputChannel
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.receiver import Arrival, Mailbox
-from graphnav.live.inputs.sender import SenderMonitor, Verdict
+from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
 from graphnav.messages import Message
 from graphnav.motors.channel import INT64_BYTES
 from graphnav.motors.offsets import offsets_of
 
 NEWEST = 8
-"""Messages that wait where only the newest counts: images of 640x480 are 0.3 to 0.9 MB."""
+"""Maximum number of pending messages if only the newest counts: images of 640x480 have 0.3 to 0.9 MB."""
 GATHERED = 1024
-"""Messages that wait where every one counts."""
+"""Maximum number of pending messages if every one counts."""
 FLOOD = "flood"
-"""Why messages of a second writer are rejected that are too many to be judged one by one."""
+"""Reason for messages of a second writer that are too many to be judged one by one."""
 
 
 class Received(NamedTuple):
-    """A message to deliver; ``raw``: its bytes where they are those of the message itself."""
+    """A message to deliver; ``raw``: its bytes if they encode the message itself."""
 
     utime: int
     message: Message
     birth_s: float
     raw: bytes | None
-    begins_anew: bool
+    is_restart: bool
 
 
 class Intake:
-    """Takes the messages of one input out of its mailbox.
+    """Takes the messages of one input from its mailbox.
 
     ``needs_all``: whether every message counts, as for `Since` inputs and joins; else only the newest is decoded.
     """
@@ -48,13 +48,13 @@ class Intake:
         self.mailbox = Mailbox(fingerprint(source.lcm_class), GATHERED if needs_all else NEWEST, self._is_own)
         self.needs_all = needs_all
         self.used = 0
-        """Messages that were handed on."""
+        """Number of delivered messages."""
         self.heard_s = -math.inf
-        """When the last message came that was handed on, monotonic seconds."""
+        """Arrival of the last delivered message, monotonic seconds."""
         self.last_error = ""
-        """What the last message could not be read for."""
+        """Error of the last message that could not be read."""
         self.overtaken = 0
-        """Messages that were fit for use, but older than the newest."""
+        """Number of valid messages that were older than the newest."""
         self._clock = clock
         self._codec = codec_of(source.lcm_class)
         self._sizes: tuple[tuple[int, ...], ...] | None = None
@@ -63,7 +63,7 @@ class Intake:
         self._birth_s = -math.inf
 
     def take(self) -> Iterator[Received]:
-        """Yield what is fit for use, oldest first; everything else is counted."""
+        """Yield valid messages, oldest first; count the others."""
         accepted: list[tuple[Arrival, Mapping[str, Any], Verdict]] = []
         for arrival in self.mailbox.take():
             judged = self._judge(arrival)
@@ -74,24 +74,24 @@ class Intake:
             for arrival, fields, verdict in accepted:
                 message = self._message(fields)
                 if message is not None:
-                    yield self._received(arrival, message, verdict, anew=verdict.begins_anew)
+                    yield self._received(arrival, message, verdict, is_restart=verdict.is_restart)
             return
-        anew = any(verdict.begins_anew for _, _, verdict in accepted)
+        is_restart = any(verdict.is_restart for _, _, verdict in accepted)
         for place in range(len(accepted) - 1, -1, -1):
             arrival, fields, verdict = accepted[place]
             message = self._message(fields)
             if message is not None:
                 self.overtaken += place
-                yield self._received(arrival, message, verdict, anew=anew)
+                yield self._received(arrival, message, verdict, is_restart=is_restart)
                 return
 
     @property
     def lost(self) -> int:
-        """Messages that never arrived, by their sequence numbers; those that were overtaken did arrive."""
+        """Messages that never arrived, by their sequence numbers; overtaken messages did arrive."""
         return max(0, self.monitor.missing - self.mailbox.overflowed)
 
     def age_s(self, now_s: float) -> float:
-        """Return the age of the newest message that was handed on, infinite before the first."""
+        """Return the age of the newest delivered message, infinite before the first."""
         return now_s - self._birth_s
 
     def _judge(self, arrival: Arrival) -> tuple[Mapping[str, Any], Verdict] | None:
@@ -114,7 +114,7 @@ class Intake:
         return (fields, verdict) if verdict.accepted else None
 
     def _message(self, fields: Mapping[str, Any]) -> Message | None:
-        """Return the message of some fields, None where it is not fit for use."""
+        """Return the message of decoded fields, None if it is not valid."""
         source = self.source
         try:
             if source.adapter is not None:
@@ -122,7 +122,7 @@ class Intake:
             else:
                 message = source.channel.message.from_lcm_fields(fields)
             not_finite = message.not_finite()
-        except Exception as error:  # noqa: BLE001 - an adapter of a plugin, and bytes of anybody
+        except Exception as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
             self.last_error = one_line(error)
             self.monitor.reject("unreadable")
             return None
@@ -137,21 +137,21 @@ class Intake:
             return None
         return message
 
-    def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, anew: bool) -> Received:
+    def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, is_restart: bool) -> Received:
         self._birth_s, self.heard_s = verdict.birth_s, arrival.at_s
         self.used += 1
         raw = arrival.data if self.source.adapter is None else None
-        return Received(verdict.utime, message, verdict.birth_s, raw, anew)
+        return Received(verdict.utime, message, verdict.birth_s, raw, is_restart)
 
     def _is_own(self, data: bytes, at_s: float) -> bool:
-        """Whether a message may be of the accepted writer; asked by the thread that receives."""
+        """Whether a message may be from the accepted writer; called by the receive thread."""
         if self._seq_at is None or len(data) < self._seq_at + INT64_BYTES:
             return True
         seq = int.from_bytes(data[self._seq_at : self._seq_at + INT64_BYTES], "big", signed=True)
         return self.monitor.may_be_own(seq, at_s)
 
     def _count_unread(self) -> None:
-        """Count what never came out of the mailbox."""
+        """Count messages that were never taken from the mailbox."""
         wrong, overflowed, flooded = self.mailbox.wrong_type, self.mailbox.overflowed, self.mailbox.flooded
         if flooded > self._seen_flooded:
             self.monitor.rejected[FLOOD] += flooded - self._seen_flooded

@@ -1,4 +1,4 @@
-"""The usual period of a stream and its rate, in fixed memory."""
+"""Estimate the typical period of a stream and its rate, in constant memory."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ class Periods:
 
     def __init__(self) -> None:
         self.usual_s: float | None = None
-        """The usual period in seconds, None before 3 increments are known."""
+        """The typical period in seconds, None before 3 increments are known."""
         self._increments: deque[float] = deque(maxlen=_KEPT)
         self._arrivals: deque[float] = deque(maxlen=_KEPT_ARRIVALS)
 
     def add(self, increment_s: float) -> None:
-        """Take how far the stamps advanced, in seconds."""
+        """Add an increment of the stamps in seconds."""
         self._increments.append(increment_s)
         if len(self._increments) >= _MIN_KNOWN:
             self.usual_s = median(self._increments)
 
-    def arrive(self, arrival_s: float, *, begins_anew: bool) -> None:
-        """Take the time of an arrival, monotonic seconds; the rate does not reach back over a new beginning."""
-        if begins_anew:
+    def arrive(self, arrival_s: float, *, is_restart: bool) -> None:
+        """Add an arrival (monotonic seconds); the rate does not include arrivals before a restart."""
+        if is_restart:
             self._arrivals.clear()
         self._arrivals.append(arrival_s)
 
     def forget(self) -> None:
-        """Begin anew, for another writer has another period."""
+        """Start over: another writer has another period."""
         self._increments.clear()
         self.usual_s = None
 
     def rate_hz(self, now_s: float, max_age_s: float) -> float:
-        """Return arrivals per second; 0 once they have been silent for ``max_age_s`` and 3 periods."""
+        """Return arrivals per second; 0 after a silence of ``max_age_s`` and 3 periods."""
         silent_s = max(max_age_s, _MAX_SILENT_PERIODS * (self.usual_s or 0.0))
         if len(self._arrivals) < 2 or now_s - self._arrivals[-1] > silent_s:
             return 0.0

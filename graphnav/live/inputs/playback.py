@@ -1,4 +1,4 @@
-"""Inputs that are recorded channels: a thread plays them at their stamps."""
+"""Play recorded channels as inputs, at their stamps, in a thread."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from graphnav.record import Recording, find_log
 
 
 class Playback:
-    """Plays recorded channels into mailboxes, all on one time line that begins with the earliest stamp of any.
+    """Plays recorded channels into mailboxes on a common timeline that begins with their earliest stamp.
 
-    ``is_over`` once every message was played.
+    ``is_over`` is True after the last message.
 
-    Raises UserError where a log holds no such channel, or one of another type.
+    Raises UserError if a log does not contain a channel, or has it with another type.
     """
 
     def __init__(self, played: Sequence[tuple[InputChannel, Mailbox]], wake: Callable[[], None]) -> None:
@@ -40,11 +40,11 @@ class Playback:
         self._thread = threading.Thread(target=self._serve, name="graphnav-playback", daemon=True)
 
     def start(self) -> None:
-        """Begin to play."""
+        """Start playing."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop, and close the logs."""
+        """Stop playing and close the logs."""
         self._ending.set()
         if self._thread.is_alive():
             self._thread.join()
@@ -75,12 +75,12 @@ def _stream(
     Raises
     ------
     UserError
-        There is no such channel, or it has another type.
+        The channel does not exist, or has another type.
     """
     if not recording.count(source.name):
         known = ", ".join(sorted(recording.channels))
         hint = f"it has {known}" if known else "it is empty"
-        raise UserError.of(f"{recording.path} holds no channel '{source.name}'", hint, source.place)
+        raise UserError.of(f"{recording.path} does not contain the channel '{source.name}'", hint, source.place)
     data = recording.event(source.name, 0).data
     if data[:8] != fingerprint(source.lcm_class):
         found = recording.channels[source.name]

@@ -1,4 +1,4 @@
-"""Listening: a thread that owns the LCM object and keeps the newest messages of every input."""
+"""Receive messages in a thread that owns the LCM object and keeps the newest of every input."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from graphnav.errors import BusError
 
 _POLL_S = 0.05
 MAX_OF_OTHERS = 8
-"""Messages of other writers that wait to be judged."""
+"""Maximum number of pending messages of other writers."""
 
 
 class Arrival(NamedTuple):
-    """A message as it came: its bytes, and when, in monotonic seconds."""
+    """A received message: its bytes, and its arrival in monotonic seconds."""
 
     data: bytes
     at_s: float
@@ -29,13 +29,13 @@ def _anyone(_data: bytes, _at_s: float) -> bool:
 
 
 class Mailbox:
-    """The newest messages of one channel that begin with the right fingerprint.
+    """The newest messages of one channel that have the right fingerprint.
 
-    ``is_own``: whether a message is of the writer that is listened to, by its bytes and its arrival. At most 8 messages
-    of others are kept, apart, so that however many they send, none of that writer's is lost.
+    ``is_own``: whether a message is from the accepted writer, by its bytes and its arrival. Messages of others, at most
+    8, are kept separately, so that they never displace those of the accepted writer.
 
-    One thread fills it, another one empties it. ``wrong_type``, ``overflowed`` and ``flooded`` count what was not kept,
-    the last one messages of other writers.
+    One thread fills it, another one empties it. ``wrong_type``, ``overflowed`` and ``flooded`` count dropped messages,
+    the last one those of other writers.
     """
 
     def __init__(self, fingerprint: bytes, max_messages: int, is_own: Callable[[bytes, float], bool] = _anyone) -> None:
@@ -49,7 +49,7 @@ class Mailbox:
         self.flooded = 0
 
     def put(self, data: bytes, at_s: float) -> bool:
-        """Keep a message; return whether it may be one to act upon: of the right type and writer."""
+        """Store a message; return whether it may be used: right type, accepted writer."""
         if data[:8] != self._fingerprint:
             self.wrong_type += 1
             return False
@@ -60,34 +60,34 @@ class Mailbox:
         return True
 
     def take(self) -> list[Arrival]:
-        """Return what came since the last time, oldest first."""
+        """Return the messages since the last call, oldest first."""
         taken = [kept.popleft() for kept in (self._own, self._others) for _ in range(len(kept))]
         return sorted(taken, key=lambda arrival: arrival.at_s)
 
 
 def _keep(kept: deque[Arrival], arrival: Arrival, max_messages: int) -> bool:
-    """Keep a message; return whether the oldest one had to go for it."""
+    """Store a message; return whether the oldest one was dropped for it."""
     kept.append(arrival)
     if len(kept) <= max_messages:
         return False
     try:
         kept.popleft()
-    except IndexError:  # the other thread took it in between
+    except IndexError:  # taken by the other thread in the meantime
         return False
     return True
 
 
 class Takes(Protocol):
-    """What takes the messages of a channel."""
+    """A receiver of the messages of a channel."""
 
     def put(self, data: bytes, at_s: float) -> bool:
-        """Take a message; return whether it may be one to act upon."""
+        """Handle a message; return whether it may be used."""
 
 
 class Receiver:
-    """Listens on a URL and fills mailboxes, by LCM channel; ``wake`` is set whenever something came.
+    """Listens on a URL and fills mailboxes by LCM channel; ``wake`` is set on every arrival.
 
-    Raises BusError where LCM cannot be opened.
+    Raises BusError if LCM cannot be opened.
     """
 
     def __init__(self, url: str, mailboxes: Iterable[tuple[str, Takes]], wake: threading.Event) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Candidate:
-    """Consecutive messages that agree with each other: stamps advance, and by what their arrivals advance."""
+    """Consecutive messages that agree with each other: their stamps advance as much as their arrivals."""
 
     def __init__(self, stamp: int, arrival_s: float, delay_s: float) -> None:
         self.count = 1
@@ -13,7 +13,7 @@ class Candidate:
         self.min_delay_s = delay_s
 
     def add(self, stamp: int, arrival_s: float, delay_s: float, tolerance_s: float) -> None:
-        """Take the next message; one that does not agree within ``tolerance_s`` begins the timeline anew."""
+        """Add the next message; one that does not agree within ``tolerance_s`` restarts the timeline."""
         advance_s = (stamp - self.stamp) / 1e6
         if advance_s > 0 and abs(advance_s - (arrival_s - self.arrival_s)) <= tolerance_s:
             self.count += 1

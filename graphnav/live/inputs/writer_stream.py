@@ -1,4 +1,4 @@
-"""The stream of one writer, recognized by its sequence numbers."""
+"""Track the stream of one writer by its sequence numbers."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ _UNKNOWN_PERIOD_S = 0.02
 class WriterStream:
     """The newest sequence number of a writer, its stamp and its arrival.
 
-    A writer that leaves ``seq`` at 0 in every message does not count: its stream goes on with 0.
+    A writer may leave ``seq`` at 0 in every message: then 0 continues its stream.
     """
 
     def __init__(self, seq: int, stamp: int, arrival_s: float) -> None:
         self.seq = seq
         self.arrival_s = arrival_s
-        """When the newest message of the stream arrived, monotonic seconds."""
+        """Arrival of the newest message of the stream, monotonic seconds."""
         self._stamp = stamp
         self._step_us: float | None = None
         self._is_counting: bool | None = None if seq == 0 else True
 
     def continues(self, seq: int, arrival_s: float, period_s: float | None) -> bool:
-        """Return whether ``seq`` goes on where the stream was, but for losses that the elapsed time explains."""
+        """Return whether ``seq`` continues the stream, allowing for losses within the elapsed time."""
         if seq == 0 and self.seq == 0 and not self._is_counting:
             return True
         if self._is_counting is False:
@@ -32,17 +32,17 @@ class WriterStream:
         return 0 < seq - self.seq <= _MAX_LOST + 2 * elapsed_s / (period_s or _UNKNOWN_PERIOD_S)
 
     def is_echo(self, seq: int) -> bool:
-        """Return whether ``seq`` is one of the last 30: a message that arrives twice or was overtaken on its way."""
+        """Return whether ``seq`` is one of the last 30: a duplicate, or a message overtaken in the network."""
         return 0 <= self.seq - seq <= _MAX_LOST
 
     def error_us(self, seq: int, stamp: int) -> float:
-        """Return how far a stamp is off the one that the stream's last increment predicts, infinite if unknown."""
+        """Return the deviation of a stamp from the extrapolated one, infinite if unknown."""
         if self._step_us is None:
             return math.inf
         return abs(stamp - self._stamp - (seq - self.seq) * self._step_us)
 
     def add(self, seq: int, stamp: int, arrival_s: float) -> None:
-        """Take the next message of the stream."""
+        """Add the next message of the stream."""
         self._is_counting = seq != self.seq
         self._step_us = (stamp - self._stamp) / max(1, seq - self.seq)
         self.seq, self._stamp, self.arrival_s = seq, stamp, arrival_s

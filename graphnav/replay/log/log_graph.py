@@ -14,8 +14,8 @@ from graphnav.errors import Place, UserError, shown_path
 from graphnav.graph import Graph, Override, Target, graph_of, load_graph
 from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, Recording
+from graphnav.run_folder import GRAPH
 from graphnav.runner.lockstep_status import STATUS
-from graphnav.runner.recording.saved_graph import GRAPH
 from graphnav.spec import parse_yaml
 
 _SEED = Target("run", key="seed")
@@ -79,7 +79,7 @@ def _own_graph(
     saved = recording.path.parent / GRAPH
     if recording.path.name == LOG and saved.is_file() and _is_of_log(saved.read_bytes(), about):
         source = shown_path(saved)
-        return graph_of(saved.read_bytes(), saved, catalog, overrides, source, given, is_recorded=True)
+        return graph_of(saved.read_bytes(), saved, catalog, overrides, source, given, is_record=True)
     source = shown_path(recording.path)
     if about is None:
         what = f"{source} does not hold the graph that produced it: no readable '{ABOUT}'"
@@ -97,7 +97,7 @@ def _own_graph(
     if absent:
         what = f"the graph of this log needs the plugin '{absent[0]}'"
         raise UserError.of(what, "name the file with --plugin FILE", Place(source))
-    return graph_of(data, recording.path, catalog, overrides, source, named, is_recorded=True)
+    return graph_of(data, recording.path, catalog, overrides, source, named, is_record=True)
 
 
 def _log_graph(graph: Graph, about: About | None) -> LogGraph:

@@ -1,1 +1,1 @@
-"""Runs that leave a folder: log, graph, summary."""
+"""Record a run in a folder: log, graph, summary."""

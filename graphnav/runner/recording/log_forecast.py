@@ -1,4 +1,4 @@
-"""How large the log of a run will be, told while the run is young."""
+"""Forecast the size of a log early in the run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 _FROM_TICK, _TO_TICK = 2, 20
-"""The first ticks differ: they hold what is published once, and no flow."""
+"""The first ticks differ: they contain messages that are published once, and no flow."""
 _LARGE_BYTES = 1e9
 _MAX_DISK_RATIO = 0.8
 
@@ -18,13 +18,13 @@ class SizedLog(Protocol):
 
     @property
     def n_bytes(self) -> int:
-        """The size of the log, with what is not flushed yet."""
+        """Size of the log, including unflushed bytes."""
 
 
 class LogForecast:
-    """Tells once, after 20 ticks, of a log that will exceed 1 GB or 80 % of what is free on its disk.
+    """Warns once, after 20 ticks, if the log will exceed 1 GB or 80 % of the free space of its disk.
 
-    ``until_s``: when the run ends at the latest, None if that is not known; then nothing is told.
+    ``until_s``: the latest end of the run, None if unknown; then there is no warning.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class LogForecast:
         self._begin = (0, 0)
 
     def before_tick(self, utime: int) -> None:
-        """Take the stamp of the tick to come, microseconds."""
+        """Handle the stamp of the next tick in microseconds."""
         if self._until_s is None or self._ticks > _TO_TICK:
             return
         if self._ticks == _FROM_TICK:
@@ -64,7 +64,7 @@ class LogForecast:
 
 
 def size_text(n_bytes: float) -> str:
-    """Return a size as people read it: ``12 kB``, ``263 MB``, ``1.4 GB``."""
+    """Return a size with its unit: ``12 kB``, ``263 MB``, ``1.4 GB``."""
     for unit in ("B", "kB", "MB"):
         if n_bytes < 999.5:
             return f"{n_bytes:.0f} {unit}"

@@ -1,4 +1,4 @@
-"""A run that leaves a run folder: the log, the resolved graph, the summary."""
+"""Run a graph in lockstep into a run folder: the log, the resolved graph, the summary."""
 
 from __future__ import annotations
 
@@ -31,25 +31,25 @@ SUMMARY = "summary.json"
 
 
 class LiveSink(Sink, Protocol):
-    """A sink that others watch while the run goes on: the tap."""
+    """A sink that viewers follow during the run: the tap."""
 
     dropped: int
     url: str
 
     def announce(self, about: About, shareable: Collection[str] = ()) -> None:
-        """Say on ``graphnav.about``, again and again, what runs."""
+        """Publish ``graphnav.about`` repeatedly."""
 
     def close(self) -> None:
-        """Send what is left and stop."""
+        """Send pending messages and stop."""
 
 
 def new_run_id() -> str:
-    """Return a name for a run that nobody else has."""
+    """Return a unique name for a run."""
     return uuid.uuid4().hex[:8]
 
 
 def about_of(graph: Graph) -> About:
-    """Return what a log or the tap says of a graph; the tap adds the run's id."""
+    """Return the `About` message of a graph for the log or the tap; the tap adds the run's id."""
     channels = sorted(graph.channels.values(), key=lambda channel: channel.name)
     types = [channel.message.lcm_class for channel in channels]
     return About(
@@ -75,18 +75,18 @@ def run_recorded(
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
     notice: Callable[[str], None] = lambda _: None,
 ) -> Summary:
-    """Run ``graph`` once into ``folder``, which must exist, and return what ``summary.json`` there says.
+    """Run ``graph`` once into ``folder``, which must exist, and return the content of its ``summary.json``.
 
-    A failing stage, a full disk and Ctrl-C end the run, not the record of it: the log holds every whole message up to
-    there and the summary says how it ended. ``keep``: the channels that the log holds, None for what the graph's
-    ``record`` says. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows.
-    ``on_tick`` gets the stamp of each tick to come, ``on_failure`` every error that ``failure`` tells, ``notice`` what
-    is late and a log that will be large.
+    A failing stage, a full disk and Ctrl-C end the run, but not its record: the log contains every complete message up
+    to there, and the summary states how it ended. ``keep``: the channels to log, None for the graph's ``record``
+    option. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows. ``on_tick`` gets
+    the stamp of the next tick, ``on_failure`` every error in ``failure``, ``notice`` warnings of lateness and of a
+    large log.
 
     Raises
     ------
     UserError
-        The folder cannot be written at all.
+        The folder cannot be written.
     """
     run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
     with ExitStack() as cleanup, Interrupt() as interrupt:
@@ -182,7 +182,7 @@ def write_summary(summary: Summary, folder: Path) -> None:
     Raises
     ------
     GraphnavError
-        The disk refuses it.
+        The file cannot be written.
     """
     try:
         summary.write(folder / SUMMARY)
@@ -202,12 +202,12 @@ def _begin(graph: Graph, folder: Path) -> LogWriter:
 
 
 def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink:
-    """Return what takes the messages for the log."""
+    """Return the sink of the log."""
     if keep is not None:
         return ChannelsOnly(writer, keep)
     return writer if _keeps_all(graph, keep) else SmallOnly(writer)
 
 
 def _keeps_all(graph: Graph, keep: Collection[str] | None) -> bool:
-    """Whether the log holds every message."""
+    """Whether the log contains every message."""
     return keep is None and graph.run.record != "small"

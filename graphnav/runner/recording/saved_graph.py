@@ -7,8 +7,8 @@ from pathlib import Path
 
 from graphnav.errors import UserError
 from graphnav.graph import Graph, resolved_yaml
+from graphnav.run_folder import GRAPH
 
-GRAPH = "graph.yaml"
 PLUGINS = "plugins"
 """The folder of the plugins' copies, below that of the run."""
 
@@ -19,7 +19,7 @@ def save_graph(graph: Graph, folder: Path) -> None:
     Raises
     ------
     UserError
-        The folder cannot be written, or a plugin not be read any more.
+        The folder cannot be written, or a plugin can no longer be read.
     """
     names = _unique_names(graph.plugins)
     for path, name in zip(graph.plugins, names, strict=True):
@@ -29,7 +29,7 @@ def save_graph(graph: Graph, folder: Path) -> None:
 
 
 def _unique_names(paths: Sequence[Path]) -> list[str]:
-    """Return where each plugin is saved. The file's name stays as it is: it may be the name of the plugin's family."""
+    """Return the path of each saved plugin. File names are kept: they may be the names of families."""
     names: list[str] = []
     for path in paths:
         name, number = f"{PLUGINS}/{path.name}", 1

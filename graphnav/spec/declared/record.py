@@ -104,7 +104,8 @@ class Key:
 
     def as_param(self, kind: Any, name: str) -> Param:
         """Return what reads one scalar of it; messages call it ``name``."""
-        return Param(name, kind, self.default, self.doc, **self.bounds)
+        ge, gt, le, lt = (self.bounds.get(key) for key in ("ge", "gt", "le", "lt"))
+        return Param(name, kind, self.default, self.doc, ge=ge, gt=gt, le=le, lt=lt)
 
 
 def key(

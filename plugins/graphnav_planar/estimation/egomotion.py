@@ -1,4 +1,4 @@
-"""The motion of a frame from its flow alone, whatever part of the picture obstacles cover."""
+"""Estimate the motion of a frame from its flow alone, robust against obstacles."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from graphnav_planar.estimation.series import Series
 _PAIR = 2
 _STEPS_OF_PAIRS = 3
 _ITERATIONS = 4
-_MOST_JUDGES = 400
-"""Vectors that choose the start; so many tell good from bad as well as all do."""
+_MAX_JUDGES = 400
+"""Number of vectors that select the start; as many distinguish good from bad as well as all do."""
 
 
 def motions_of_pairs(series: Series, uv_px: Doubles, count: int, rng: np.random.Generator) -> Doubles:
@@ -33,9 +33,9 @@ def motions_of_pairs(series: Series, uv_px: Doubles, count: int, rng: np.random.
 
 
 def best_motion(series: Series, uv_px: Doubles, motions: Doubles, noise_px: float) -> Doubles:
-    """Return the one of ``motions``, (m, 2), with which most of the flow agrees, (2,)."""
+    """Return the motion among ``motions`` (m, 2) with which most of the flow agrees, (2,)."""
     n = uv_px.size // 2
-    some = np.arange(0, n, 1 + n // _MOST_JUDGES)
+    some = np.arange(0, n, 1 + n // _MAX_JUDGES)
     both = np.concatenate([some, some + n])
     left_px = uv_px[both] - series.factors(motions) @ series.basis[:, both]
     explained = agreement(left_px, noise_px).sum(axis=-1)
@@ -43,7 +43,7 @@ def best_motion(series: Series, uv_px: Doubles, motions: Doubles, noise_px: floa
 
 
 def fitted_motion(series: Series, uv_px: Doubles, start: Doubles, noise_px: float) -> Doubles:
-    """Return the motion with which most of the flow agrees, (2,), from a start near it.
+    """Refine the motion with which most of the flow agrees, (2,), from a start near it.
 
     Least squares, reweighted at each step: a vector that differs by much more than ``noise_px`` has no weight.
     """

@@ -1,4 +1,4 @@
-"""Correct what odometry says of a motion by what the flow shows."""
+"""Correct the motion from odometry by the flow."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ _ITERATIONS = 3
 _RIDGE_PX2 = 1e-6
 
 
-def correction(rates_px: Doubles, difference_px: Doubles, most: float) -> Doubles:
-    """Return by what shares of themselves the forward displacement and the turn should be changed, (2,).
+def correction(rates_px: Doubles, difference_px: Doubles, max_share: float) -> Doubles:
+    """Return the relative corrections of the forward displacement and the turn, (2,).
 
-    ``rates_px``: (2, 2n), by how much the planar flow changes with each share: n horizontal parts, then the vertical
-    ones. ``difference_px``: (2n,), flow minus planar flow, likewise. ``most``: greatest share, to either side.
+    ``rates_px``: (2, 2n), derivative of the planar flow by each correction: n horizontal parts, then the vertical ones.
+    ``difference_px``: (2n,), flow minus planar flow, likewise. ``max_share``: limit of the corrections.
 
     Least squares, three times reweighted: a vector that differs by much more than flow noise, an obstacle's, has no
-    weight (Geman and McClure's). That starts from odometry, so the obstacles may well cover more than the floor; the
-    limit keeps the fit from following them.
+    weight (Geman and McClure's). It starts from odometry, so obstacles may cover more than the floor; the limit keeps
+    the fit from following them.
     """
     shares = np.zeros(2)
     for _ in range(_ITERATIONS):
         explained = agreement(difference_px - shares @ rates_px, NOISE_PX)
         weighted = rates_px * np.tile(explained * explained, 2)
         products = weighted @ rates_px.T + _RIDGE_PX2 * np.eye(2)
-        shares = np.clip(np.linalg.solve(products, weighted @ difference_px), -most, most)
+        shares = np.clip(np.linalg.solve(products, weighted @ difference_px), -max_share, max_share)
     return shares

@@ -1,4 +1,4 @@
-"""Planar flow as a function of the motion: the taught series, its slopes, and a step of least squares."""
+"""Planar flow as a function of the motion: the taught series, its derivatives, and a least-squares step."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from graphnav.arrays import Doubles
 
 _RIDGE = 1e-3 * np.eye(2)
-"""px^2 per m^2 and rad^2; next to what one vector holds it is nothing, without any it keeps the step at zero."""
+"""px^2 per m^2 and rad^2; negligible beside one vector, but keeps the step at zero without vectors."""
 
 
 class Series:
@@ -27,7 +27,7 @@ class Series:
         self._lower = np.maximum(orders - 1, 0)
 
     def factors(self, motions: Doubles) -> Doubles:
-        """Return what multiplies each field, (..., k), for motions (..., 2) in m and rad."""
+        """Return the factor of each field, (..., k), for motions (..., 2) in m and rad."""
         a, b = self._orders
         return np.asarray(motions[..., :1] ** a * motions[..., 1:] ** b)
 
@@ -35,7 +35,7 @@ class Series:
         """Return the motions (..., 2) after a Gauss-Newton step.
 
         ``products``: (..., k, k), of the fields with each other; ``moments``: (..., k), with the flow to be explained.
-        They hold all that least squares needs of the vectors.
+        They contain all that least squares needs of the vectors.
         """
         left = moments - np.einsum("...kl,...l->...k", products, self.factors(motions))
         slopes = self._slopes(motions)
@@ -43,7 +43,7 @@ class Series:
         return np.asarray(motions + np.linalg.solve(curvature, slopes @ left[..., None])[..., 0])
 
     def _slopes(self, motions: Doubles) -> Doubles:
-        """Return how the factors change with v and with w, (..., 2, k)."""
+        """Return the derivatives of the factors by v and w, (..., 2, k)."""
         (a, b), (a_lower, b_lower) = self._orders, self._lower
         v, w = motions[..., :1], motions[..., 1:]
         return np.stack([a * v**a_lower * w**b, v**a * b * w**b_lower], axis=-2)

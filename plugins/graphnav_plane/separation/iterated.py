@@ -24,10 +24,9 @@ class Rotated(NamedTuple):
 
 
 def rotation(samples: Doubles, start: Doubles, nonlinearity: Nonlinearity) -> Rotated:
-    """Return what FastICA makes of whitened samples (2, n), by deflation.
+    """Return the rotation that FastICA finds for whitened samples (2, n), by deflation.
 
-    ``start``: (2, 2), the rows from which it searches. Tolerance and iterations are those of the package that [OI]
-    used.
+    ``start``: (2, 2), the initial rows. Tolerance and iterations are those of the package used in [OI].
     """
     from sklearn.decomposition import fastica
 

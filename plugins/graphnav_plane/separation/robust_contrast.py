@@ -1,11 +1,11 @@
-"""FastICA of two mixtures with the Gaussian nonlinearity, searched over the one angle that there is.
+"""FastICA of two mixtures with the Gaussian nonlinearity, by a search over the single angle.
 
-The contrast is E[exp(-y^2 / 2)] of the component y, greatest where many samples are near zero: FastICA's choice for
+The contrast is E[exp(-y^2 / 2)] of the component y, maximal if many samples are near zero: FastICA's choice for
 sparse sources [Hyvärinen: Fast and Robust Fixed-Point Algorithms for Independent Component Analysis, 1999]. Unlike the
 kurtosis it does not grow with the few largest samples, so that a large obstacle does not decide what counts as ground.
 
 FastICA's own iteration, w = E[x g(w'x)] - E[g'(w'x)] w with g(y) = y exp(-y^2 / 2), ends in some extremum. Here it
-begins at the best of some angles tried on some of the samples, and so ends in the greatest.
+starts from the best of several angles on a subset of the samples, and so ends in the maximum.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def rotation(samples: Doubles) -> Doubles:
 
 
 def _best_of_some(samples: Doubles) -> tuple[float, float]:
-    """Return cosine and sine of the angle of greatest contrast, of 32 around half a circle."""
+    """Return cosine and sine of the angle of maximum contrast, of 32 around half a circle."""
     angles = np.arange(_ANGLES) * (np.pi / _ANGLES)
     y = np.column_stack([np.cos(angles), np.sin(angles)]).astype(np.float32) @ samples.astype(np.float32)
     y *= y

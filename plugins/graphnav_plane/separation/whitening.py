@@ -19,15 +19,15 @@ class Whitened(NamedTuple):
     matrix: Doubles
 
 
-def whiten(mixtures: Doubles, least_ratio: float, *, centred: bool = True) -> Whitened | None:
-    """Return ``mixtures`` (2, n) whitened, None where they are one and the same direction.
+def whiten(mixtures: Doubles, min_ratio: float, *, centred: bool = True) -> Whitened | None:
+    """Return ``mixtures`` (2, n) whitened, None if they are linearly dependent.
 
-    That is where the lesser eigenvalue of their covariance is at most ``least_ratio`` times the greater. Unless
-    ``centred`` their second moment about zero stands for the covariance.
+    They are if the smaller eigenvalue of their covariance is at most ``min_ratio`` times the larger. Unless
+    ``centred``, the second moment about zero replaces the covariance.
     """
     kept = mixtures - mixtures.mean(axis=1, keepdims=True) if centred else mixtures
     values, vectors = np.linalg.eigh(kept @ kept.T / mixtures.shape[1])
-    if values[0] <= least_ratio * values[1]:
+    if values[0] <= min_ratio * values[1]:
         return None
     matrix = (vectors / np.sqrt(values)).T
     return Whitened(matrix @ kept, matrix)

@@ -31,7 +31,7 @@ def moved(outline: Doubles, pose: Doubles) -> Doubles:
 
 
 def bounds_m(world: Map, paths: Sequence[Doubles], moving: Doubles, margin_m: float) -> tuple[Doubles, Doubles]:
-    """Return the lower left and upper right corner of all that a world holds, in W.
+    """Return the lower left and upper right corner of the content of a world, in W.
 
     ``paths``: arrays (n, 2) of further points; ``moving``: poses of the moving obstacles, (n, m, 3).
     """
@@ -57,7 +57,7 @@ def draw_bodies(axes: Axes, world: Map, moving: Doubles, to_axes: Transform | No
 
 
 def nearest_point(world: Map, moving: Doubles, point: Doubles) -> Doubles:
-    """Return the place on any body's outline that is nearest to ``point``, (2,), which itself it is without bodies."""
+    """Return the point on any body's outline nearest to ``point`` (2,), or ``point`` itself without bodies."""
     bodies = [*outlines(world, WALL), *outlines(world, OBSTACLE)]
     bodies += [moved(outline, pose) for outline, pose in zip(outlines(world, MOVING), moving, strict=False)]
     if not bodies:

@@ -1,4 +1,4 @@
-"""The panel of the whole world from above, with the path that the robot took."""
+"""The panel of the entire world from above, with the robot's path."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from graphnav_view.track import Track
 _MARGIN_M = 0.15
 
 
-def draw_whole(axes: Axes, world: Map, track: Track) -> str:
-    """Draw the world, moving obstacles where they were at the end, and the path; return the caption."""
+def draw_world(axes: Axes, world: Map, track: Track) -> str:
+    """Draw the world, the final positions of moving obstacles, and the path; return the caption."""
     show_all(axes, *bounds_m(world, [track.pose[:, :2]], track.moving[-1:], _MARGIN_M))
     draw_bodies(axes, world, track.moving[-1])
     axes.plot(*track.pose[:, :2].T, color=style.ROBOT, lw=2.0, zorder=4, solid_capstyle="round")
@@ -25,7 +25,7 @@ def draw_whole(axes: Axes, world: Map, track: Track) -> str:
 
 
 def draw_ends(axes: Axes, world: Map, track: Track, colour: str) -> None:
-    """Mark where a path began, and a contact by a cross, else the end by a ring."""
+    """Mark the start of a path by a dot, and its end by a cross for a contact, else by a ring."""
     axes.plot(*track.pose[0, :2], marker="o", markersize=5, color=colour, zorder=6)
     if track.last.contact:
         touched = nearest_point(world, track.last.moving, track.pose[-1, :2])
@@ -35,7 +35,7 @@ def draw_ends(axes: Axes, world: Map, track: Track, colour: str) -> None:
 
 
 def show_all(axes: Axes, low: Doubles, high: Doubles) -> None:
-    """Show the rectangle from ``low`` to ``high`` in W with equal scales, in the shape that the axes have, no ticks."""
+    """Show the rectangle from ``low`` to ``high`` in W with equal scales in the shape of the axes, without ticks."""
     box = axes.get_window_extent()
     per_m = float(np.min(np.array([box.width, box.height]) / (high - low)))
     middle, half = (low + high) / 2, np.array([box.width, box.height]) / per_m / 2

@@ -1,4 +1,4 @@
-"""``map.png``: the world from above and the path that the robot took, coloured by time."""
+"""``map.png``: the world from above and the robot's path, coloured by time."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from graphnav_view.track import Track, track_of
 _LONG_SIDE_IN = 7.0
 _SHORTEST_SIDE_IN = 2.6
 _LEFT_IN, _RIGHT_IN, _TOP_IN, _BOTTOM_IN = 0.75, 1.15, 0.95, 1.15
-_LEAST_WIDTH_IN = 6.6
+_MIN_WIDTH_IN = 6.6
 _MARGIN_M = 0.3
 _TIMES = 6
-"""How often a moving obstacle is drawn."""
+"""Number of drawn positions of a moving obstacle."""
 
 
 def draw_overview(signals: Signals, path: Path) -> Path | None:
-    """Draw the map with the path into ``path``; None where the log has no map or no states."""
+    """Draw the map with the path into ``path``; None if the log has no map or no states."""
     world, track = signals.first(Map), track_of(signals)
     if world is None or track is None:
         return None
@@ -55,11 +55,11 @@ def draw_overview(signals: Signals, path: Path) -> Path | None:
 
 
 def _page(world: Map, track: Track) -> tuple[Figure, Axes]:
-    """Return a figure whose axes have the shape of what they show."""
+    """Return a figure whose axes have the shape of their content."""
     low, high = bounds_m(world, [track.pose[:, :2]], track.moving, _MARGIN_M)
     per_m = _LONG_SIDE_IN / float((high - low).max())
     width, height = np.maximum((high - low) * per_m, _SHORTEST_SIDE_IN)
-    page_width = max(_LEFT_IN + width + _RIGHT_IN, _LEAST_WIDTH_IN)
+    page_width = max(_LEFT_IN + width + _RIGHT_IN, _MIN_WIDTH_IN)
     page_height = _BOTTOM_IN + height + _TOP_IN
     figure = style.new_figure(page_width, page_height)
     left = (page_width - width - _LEFT_IN - _RIGHT_IN) / 2 + _LEFT_IN
@@ -140,8 +140,8 @@ def _colourbar(figure: Figure, axes: Axes, norm: Normalize) -> None:
 def _title(figure: Figure, signals: Signals, world: Map, track: Track) -> None:
     height = figure.get_figheight()
     end_s = float(track.time_s[-1])
-    figures = [] if signals.seed is None else [f"seed {signals.seed}"]
-    figures += drive_texts(world, track)
+    facts = [] if signals.seed is None else [f"seed {signals.seed}"]
+    facts += drive_texts(world, track)
     about = str(signals.graph.get("about") or "").strip()
     columns = int(figure.get_figwidth() * 12.5)
     figure.text(
@@ -153,7 +153,7 @@ def _title(figure: Figure, signals: Signals, world: Map, track: Track) -> None:
         fontsize=13,
         fontweight="bold",
     )
-    figure.text(0.5, 1 - 0.40 / height, " · ".join(figures), ha="center", va="top", fontsize=9.5)
+    figure.text(0.5, 1 - 0.40 / height, " · ".join(facts), ha="center", va="top", fontsize=9.5)
     about = textwrap.shorten(about, columns, placeholder=" …")
     figure.text(0.5, 1 - 0.62 / height, about, ha="center", va="top", fontsize=9, color=style.QUIET)
 

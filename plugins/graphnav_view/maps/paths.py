@@ -1,4 +1,4 @@
-"""The paths that several runs took through one world, over its map."""
+"""Draw the paths of several runs over the map of their common world."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _WIDEST, _NARROWEST = 6.0, 1.5
 
 
 def draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], file: Path) -> Path | None:
-    """Draw the map of the first log that has one with the paths of all; None where no log has both."""
+    """Draw the map of the first log that has one with the paths of all; None if no log has both."""
     signals = {name: Signals(recording) for name, recording in recordings.items()}
     world = next((found for of in signals.values() if (found := of.first(Map)) is not None), None)
     tracks = {name: track for name, of in signals.items() if (track := track_of(of)) is not None}
@@ -54,7 +54,7 @@ def draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], 
 
 
 def _mark_contact(axes: Axes, world: Map, track: Track, colour: str) -> None:
-    """Mark where a path ended at a body by a cross in the path's colour."""
+    """Mark a contact at the end of a path by a cross in the path's colour."""
     if track.last.contact:
         touched = nearest_point(world, track.last.moving, track.pose[-1, :2])
         axes.plot(*touched, marker="X", ms=11, color=colour, mec="white", zorder=7)

@@ -105,7 +105,7 @@ def hatch_unjudged(axes: Axes, valid: npt.NDArray[Any], step_px: int) -> None:
 
 
 def extent_px(shape: tuple[int, ...], step_px: int) -> tuple[float, float, float, float]:
-    """Return left, right, bottom, top of a grid in the picture's pixels, whose centres are whole numbers."""
+    """Return left, right, bottom, top of a grid in the picture's pixels, whose centres are integers."""
     rows, cols = shape[:2]
     return -0.5, cols * step_px - 0.5, rows * step_px - 0.5, -0.5
 

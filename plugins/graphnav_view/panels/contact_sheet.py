@@ -1,4 +1,4 @@
-"""A contact sheet: frames of a run at even times, small, side by side."""
+"""A contact sheet: small frames of a run at regular times, side by side."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ _MIN_RATIO, _MAX_RATIO = 0.4, 1.2
 _MIN_COLUMNS, _MAX_COLUMNS = 5, 10
 _COLS_PX = 320
 _ARROW_RATIO = 0.38
-"""Of the picture's shorter side, for a control force of length 1."""
+"""Length of a control force of 1, as a share of the picture's shorter side."""
 _LETTERS_PER_IN = 13
-_LEGEND = "obstacle red, what was not judged dark; yellow: control force, up is forward; red rim: contact"
+_LEGEND = "obstacle red, unjudged cells dark; yellow: control force, up is forward; red rim: contact"
 
 
 def draw_sheet(signals: Signals, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
-    """Draw a frame every ``every_s`` seconds into ``file``; None where the log holds nothing that a camera saw.
+    """Draw a frame every ``every_s`` seconds into ``file``; None if the log has no camera data.
 
     Raises
     ------
     UserError
-        The span has no frames, or more than a sheet holds.
+        The span has no frames, or too many for a sheet.
     """
     stamps = frame_stamps(signals)
     if not stamps:
@@ -80,7 +80,7 @@ def _utimes(signals: Signals, stamps: list[int], every_s: float, from_s: float, 
     if not inside:
         first_s, last_s = signals.at_s(stamps[0]), signals.at_s(stamps[-1])
         raise UserError.of(
-            "there are no frames in that span", f"the log has frames from {first_s:.2f} s to {last_s:.2f} s"
+            "there are no frames in this span", f"the log has frames from {first_s:.2f} s to {last_s:.2f} s"
         )
     begin_s, span_s = signals.at_s(inside[0]), signals.at_s(inside[-1]) - signals.at_s(inside[0])
     count = math.floor(span_s / every_s + 1e-6) + 1

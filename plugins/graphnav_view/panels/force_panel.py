@@ -14,9 +14,9 @@ from graphnav_view.panels.camera_panels import over_picture, show_image
 from graphnav_view.panels.keyframe import Frame, from_forward
 
 _HEIGHT_RATIO, _HALF_WIDTH_RATIO = 0.68, 0.36
-"""Shares of the picture that the arrows fill: of its height, and of its width to each side."""
+"""Extent of the arrows as shares of the picture: of its height, and of its width to each side."""
 _NAME_IN = 0.16
-"""How far a force's name is from its tip."""
+"""Distance of a force's name from its tip."""
 
 
 def draw_direction(axes: Axes, frame: Frame) -> str:
@@ -46,9 +46,9 @@ def draw_direction(axes: Axes, frame: Frame) -> str:
 
 
 def _fitted(forces: Doubles, rows: int, cols: int) -> tuple[Doubles, float]:
-    """Return where the arrows of the forces (n, 2) begin and how many pixels a unit is, so that all are seen well.
+    """Return the origin of the arrows of the forces (n, 2) and the pixels per unit, so that all are visible.
 
-    They begin in the picture's middle column, as far down as leaves room for those that point back.
+    The origin is in the picture's middle column, as low as arrows that point back allow.
     """
     forward, back = max(0.0, float(forces[:, 1].max())), max(0.0, -float(forces[:, 1].min()))
     aside = float(np.abs(forces[:, 0]).max())
@@ -107,12 +107,12 @@ def _name_tips(axes: Axes, origin: Doubles, tips: dict[str, Doubles]) -> None:
 
 
 def _room(place: Doubles, others: list[Doubles]) -> float:
-    """Return the distance of a place from the nearest of the others."""
+    """Return the distance of a point to the nearest of the others."""
     return min((float(np.hypot(*(place - other))) for other in others), default=math.inf)
 
 
 def _px_per_in(axes: Axes) -> float:
-    """Return how many of the picture's pixels an inch of paper shows."""
+    """Return the number of picture pixels per inch of paper."""
     return abs(float(np.ptp(axes.get_ylim()))) / (axes.get_window_extent().height / style.DPI)
 
 

@@ -18,7 +18,7 @@ def frame_stamps(signals: Signals) -> list[int]:
 
 
 def frame_utime(signals: Signals, stamps: Sequence[int], time_s: float) -> int:
-    """Return the stamp nearest to a time, seconds since the log begins.
+    """Return the stamp nearest to a time, seconds from the start of the log.
 
     Raises
     ------

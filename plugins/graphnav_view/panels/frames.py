@@ -11,7 +11,7 @@ from graphnav_view.signals import Signals
 
 
 def draw_frames(signals: Signals, times_s: Sequence[float], folder: Path, suffix: str) -> list[Path] | None:
-    """Draw the panels of the frames nearest to some times (seconds since the log begins), one picture each.
+    """Draw the panels of the frames nearest to some times (seconds from the start of the log), one picture each.
 
     None where the log holds nothing that a camera saw. Raises UserError for a time outside of it.
     """

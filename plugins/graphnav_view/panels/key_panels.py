@@ -1,4 +1,4 @@
-"""``panels.png``: the paper's seven panels of one frame, and the flow that they come from."""
+"""``panels.png``: the paper's seven panels of one frame, and the flow from which they derive."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from pathlib import Path
 from graphnav import Map
 from graphnav_view import style
 from graphnav_view.panels.frame_panels import frame_panels
-from graphnav_view.panels.keyframe import Frame, frame_at, frame_texts, telling_utime
+from graphnav_view.panels.keyframe import Frame, frame_at, frame_texts, keyframe_utime
 from graphnav_view.panels.panel_page import draw_page
 from graphnav_view.signals import Signals
 from graphnav_view.track import track_of
 
 
 def draw_panels(signals: Signals, path: Path) -> Path | None:
-    """Draw the panels of the telling frame into ``path``; None where the log holds nothing that a camera saw.
+    """Draw the panels of the keyframe into ``path``; None if the log has no camera data.
 
-    A panel whose message the log lacks is left out; the others keep their letters.
+    Panels without data are omitted; the others keep their letters.
     """
-    utime = telling_utime(signals)
+    utime = keyframe_utime(signals)
     return None if utime is None else draw_frame(signals, utime, path)
 
 

@@ -1,4 +1,4 @@
-"""The frame of a run that tells most, and all that its log holds of it."""
+"""Select the most informative frame of a run, and read its messages."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from typing import NamedTuple
 from graphnav import Flow, Image, Plane, Potential, State, Steering
 from graphnav_view.signals import Signals
 
-LEAST_RATIO, MOST_RATIO = 0.03, 0.5
-"""Shares of obstacle between which a picture shows both, as the method assumes."""
+MIN_RATIO, MAX_RATIO = 0.03, 0.5
+"""Shares of obstacle at which a picture shows both obstacle and ground, as the method assumes."""
 
-MOST_SPIN_RADPS = 0.05
-"""The turning rate up to which a robot drives nearly straight."""
+MAX_SPIN_RADPS = 0.05
+"""Maximum turning rate of nearly straight driving."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """What a log holds of one stamp; None where it holds nothing."""
+    """The messages of one stamp in a log; None for missing ones."""
 
     utime: int
     image: Image | None
@@ -29,7 +29,7 @@ class Frame:
     steering: Steering | None
     state: State | None
     time_s: float = 0.0
-    """Since the log begins."""
+    """From the start of the log."""
 
     @property
     def shape_px(self) -> tuple[int, int]:
@@ -45,7 +45,7 @@ class Frame:
 
 
 class _Glance(NamedTuple):
-    """What decides whether a frame tells much; turn, push and spin without their sides."""
+    """The criteria for a keyframe; turn, push and spin are absolute values."""
 
     utime: int
     judged_ratio: float
@@ -66,16 +66,16 @@ def _glance(utime: int, plane: Plane, steering: Steering | None, state: State | 
     )
 
 
-def telling_utime(signals: Signals) -> int | None:
-    """Return the stamp of the frame to show, None where the log holds nothing that a camera saw.
+def keyframe_utime(signals: Signals) -> int | None:
+    """Return the stamp of the frame to show, None if the log has no camera data.
 
-    Of the frames whose share of obstacle lies between 3 and 50 %, and whose theta is at most a right angle, at which
-    the robot still drives: the one that is pushed aside hardest (the repulsive force's largest component to a side, to
-    a hundredth; the earliest of equals). Theta itself would favour frames in which the forces nearly cancel. Frames in
-    which the robot still drives nearly straight go first: they show what made it turn, not what turning made of it.
+    Among the frames whose share of obstacle lies between 3 and 50 %, and whose theta is at most a right angle, at which
+    the robot still drives: the one with the largest sideways component of the repulsive force (to a hundredth; the
+    earliest of equals). Theta itself would favour frames in which the forces nearly cancel. Frames in which the robot
+    still drives nearly straight are preferred: they show the cause of a turn, not its effect.
 
-    Without such a frame, the one whose share is nearest to a quarter. In either case frames of which less was judged
-    than of the median frame (but for a tenth of it) do not count. Without a plane, the middle frame of the flow, else
+    Without such a frame, the one whose share is nearest to a quarter. In either case frames with fewer judged
+    cells than 0.9 of the median frame do not count. Without a plane, the middle frame of the flow, else
     of the images.
     """
     glances = [
@@ -85,9 +85,9 @@ def telling_utime(signals: Signals) -> int | None:
     if glances:
         enough = 0.9 * median(glance.judged_ratio for glance in glances)
         seen = [glance for glance in glances if glance.judged_ratio >= enough]
-        shared = [g for g in seen if LEAST_RATIO <= g.obstacle_ratio <= MOST_RATIO and g.turn_rad <= math.pi / 2]
+        shared = [g for g in seen if MIN_RATIO <= g.obstacle_ratio <= MAX_RATIO and g.turn_rad <= math.pi / 2]
         if shared:
-            straight = [glance for glance in shared if glance.spin_radps <= MOST_SPIN_RADPS]
+            straight = [glance for glance in shared if glance.spin_radps <= MAX_SPIN_RADPS]
             return max(straight or shared, key=lambda g: (round(g.push, 2), -g.utime)).utime
         return min(seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
     for kind in (Flow, Image):
@@ -98,7 +98,7 @@ def telling_utime(signals: Signals) -> int | None:
 
 
 def frame_at(signals: Signals, utime: int) -> Frame:
-    """Return all that the log holds of one stamp."""
+    """Return the messages of one stamp."""
     return Frame(
         utime=utime,
         image=signals.at(Image, utime),
@@ -112,18 +112,18 @@ def frame_at(signals: Signals, utime: int) -> Frame:
 
 
 def frame_texts(frame: Frame) -> list[str]:
-    """Return what was judged in a frame, for its headline: the share of obstacle and the steering angle."""
+    """Return the share of obstacle and the steering angle of a frame, for its headline."""
     words = [] if frame.plane is None else [f"obstacle {frame.plane.obstacle_ratio:.0%}"]
     return words if frame.steering is None else [*words, f"θ = {theta_text(frame.steering.theta_rad)}"]
 
 
 def theta_text(theta_rad: float) -> str:
-    """Return a steering angle as people read it: degrees and the side."""
+    """Return a steering angle in degrees, with the side."""
     degrees = round(math.degrees(theta_rad))
     return "0°" if degrees == 0 else f"{abs(degrees)}° {'left' if degrees > 0 else 'right'}"
 
 
 def from_forward(theta_rad: float) -> str:
-    """Return a steering angle as a sentence says it."""
+    """Return a steering angle as part of a sentence."""
     text = theta_text(theta_rad)
     return "0°, straight forward" if text == "0°" else f"{text} of forward"

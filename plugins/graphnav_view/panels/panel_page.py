@@ -14,7 +14,7 @@ from graphnav_view import style
 _COLUMNS = 4
 _WIDTH_IN, _GAP_IN, _SIDE_IN = 3.1, 0.4, 0.3
 _HEAD_IN, _TITLE_IN, _CAPTION_IN, _FOOT_IN = 0.66, 0.3, 0.48, 0.06
-_LEAST_RATIO, _MOST_RATIO = 0.4, 1.2
+_MIN_RATIO, _MAX_RATIO = 0.4, 1.2
 _LETTERS_PER_IN = 13
 
 
@@ -30,7 +30,7 @@ class Panel:
 
 def draw_page(panels: Sequence[Panel], height_ratio: float, headline: str, about: str) -> Figure:
     """Return a figure with the panels, four in a row, ``height_ratio`` times as high as wide."""
-    height = _WIDTH_IN * min(max(height_ratio, _LEAST_RATIO), _MOST_RATIO)
+    height = _WIDTH_IN * min(max(height_ratio, _MIN_RATIO), _MAX_RATIO)
     cell = _TITLE_IN + height + _CAPTION_IN
     columns = min(_COLUMNS, len(panels))
     page_width = 2 * _SIDE_IN + columns * (_WIDTH_IN + _GAP_IN) - _GAP_IN

@@ -14,7 +14,7 @@ from graphnav_view.panels.keyframe import Frame
 
 _ARROWS_ACROSS = 16
 _FIELD = "#27476e"
-_MOST_POINTS = 1500
+_MAX_POINTS = 1500
 _MEAN = "#2a9d8f"
 
 
@@ -58,8 +58,8 @@ def draw_gradient(axes: Axes, frame: Frame) -> str:
     picked = (slice(every // 2, rows, every), slice(every // 2, cols, every))
     at = (np.mgrid[picked] + 0.5) * potential.step_px - 0.5
     away = -potential.gradient[picked]
-    most = float(np.hypot(away[..., 0], away[..., 1]).max(initial=0.0))  # a field may be too small for any arrow
-    if most > 0:
+    longest = float(np.hypot(away[..., 0], away[..., 1]).max(initial=0.0))  # a field may be too small for any arrow
+    if longest > 0:
         axes.quiver(
             at[1],
             at[0],
@@ -68,13 +68,13 @@ def draw_gradient(axes: Axes, frame: Frame) -> str:
             angles="xy",
             scale_units="xy",
             pivot="mid",
-            scale=most / (every * potential.step_px * 1.25),
+            scale=longest / (every * potential.step_px * 1.25),
             width=0.007,
             color=_FIELD,
             headwidth=3.6,
             headlength=4.2,
         )
-    return f"away from the obstacle (gray);\nlongest arrow {most:.2f} per cell"
+    return f"away from the obstacle (gray);\nlongest arrow {longest:.2f} per cell"
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Principal:
 def principal(cloud: Doubles, published: Doubles | None) -> Principal:
     """Return the direction v1 of the gradients that point away from the obstacle, signed as their mean.
 
-    About their centroid [OI, eq. 7] or about zero: whichever gives the eigenvalues that the steering ``published``.
+    About their centroid [OI, eq. 7] or about zero: whichever gives the eigenvalues ``published`` by the steering.
     """
     mean = cloud.mean(axis=0)
     second = cloud.T @ cloud / len(cloud)
@@ -107,12 +107,12 @@ def draw_cloud(axes: Axes, frame: Frame) -> str:
     potential, steering = frame.potential, frame.steering
     assert potential is not None
     cloud = (-potential.gradient.reshape(-1, 2) * np.array([1.0, -1.0])).astype(np.float64)
-    most = float(np.hypot(cloud[:, 0], cloud[:, 1]).max())
+    longest = float(np.hypot(cloud[:, 0], cloud[:, 1]).max())
     axes.axhline(0, color="#c8c8c8", lw=0.8, zorder=0)
     axes.axvline(0, color="#c8c8c8", lw=0.8, zorder=0)
-    shown = cloud[:: max(1, len(cloud) // _MOST_POINTS)]
+    shown = cloud[:: max(1, len(cloud) // _MAX_POINTS)]
     axes.scatter(shown[:, 0], shown[:, 1], s=7, color=_FIELD, alpha=0.45, linewidths=0, zorder=2)
-    _limits(axes, most)
+    _limits(axes, longest)
     axes.set_xticks([])
     axes.set_yticks([])
     axes.text(
@@ -137,11 +137,11 @@ def draw_cloud(axes: Axes, frame: Frame) -> str:
         color=style.QUIET,
         path_effects=style.halo(),
     )
-    if most == 0:
+    if longest == 0:
         return "no obstacle: every gradient is zero"
     found = principal(cloud, None if steering is None else steering.eigenvalues)
     mean = cloud.mean(axis=0)
-    tip = found.direction * most * 0.98
+    tip = found.direction * longest * 0.98
     axes.annotate(
         "",
         (tip[0], tip[1]),
@@ -149,7 +149,7 @@ def draw_cloud(axes: Axes, frame: Frame) -> str:
         zorder=4,
         arrowprops={"arrowstyle": "-|>", "color": style.REPULSIVE, "lw": 2.2, "shrinkA": 0, "shrinkB": 0},
     )
-    side = np.array([-found.direction[1], found.direction[0]]) * most * 0.14
+    side = np.array([-found.direction[1], found.direction[0]]) * longest * 0.14
     x, y = tip * 0.86 + (side if side[1] >= 0 else -side)
     axes.text(
         x,
@@ -166,14 +166,14 @@ def draw_cloud(axes: Axes, frame: Frame) -> str:
     axes.plot(*mean, marker="D", ms=7, color=_MEAN, mec="white", mew=1.0, zorder=5)
     first, second = found.eigenvalues
     ratio = "∞" if second <= 1e-9 * first else f"{first / second:.1f}"
-    caption = "one point a cell, potential per cell; diamond: mean;\n"
+    caption = "one point per cell, potential per cell; diamond: mean;\n"
     return caption + f"v$_1$: first principal direction, λ$_1$/λ$_2$ = {ratio}"
 
 
-def _limits(axes: Axes, most: float) -> None:
-    """Show everything up to ``most`` with equal scales in the shape that the axes have."""
+def _limits(axes: Axes, max_abs: float) -> None:
+    """Show everything up to ``max_abs`` with equal scales in the shape of the axes."""
     box = axes.get_window_extent()
     shape = box.width / box.height
-    half = 1.12 * (most or 1.0)
+    half = 1.12 * (max_abs or 1.0)
     axes.set_xlim(-half * max(shape, 1.0), half * max(shape, 1.0))
     axes.set_ylim(-half / min(shape, 1.0), half / min(shape, 1.0))

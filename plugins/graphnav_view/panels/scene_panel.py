@@ -1,4 +1,4 @@
-"""The scene panel: the robot and what is around it, from above, its heading up."""
+"""The scene panel: the robot and its surroundings from above, heading up."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphnav_view import style
 from graphnav_view.maps.floorplan import draw_bodies
 from graphnav_view.track import Track
 
-_LEAST_HEIGHT_M, _MOST_HEIGHT_M = 2.0, 12.0
+_MIN_HEIGHT_M, _MAX_HEIGHT_M = 2.0, 12.0
 _SEEN = (0x2A / 255, 0x9D / 255, 0xF4 / 255)
 _VIEWS = 2.0
 """Height of the panel in reaches of the camera."""
@@ -22,7 +22,7 @@ _VIEWS = 2.0
 
 @dataclass(frozen=True)
 class Scene:
-    """The world, the whole path, and where and when on it the robot is."""
+    """The world, the entire path, and the pose and time of the robot on it."""
 
     world: Map
     track: Track
@@ -57,13 +57,13 @@ def draw_scene(axes: Axes, scene: Scene) -> str:
     axes.set_xticks([])
     axes.set_yticks([])
     _scale_bar(axes, half_width, behind)
-    return "from above, heading up; blue: what the camera sees\nof the floor; line: path, dotted: still to come"
+    return "from above, heading up; blue: the camera's view\nof the floor; line: path, dotted: still to come"
 
 
 def _extent(axes: Axes, world: Map) -> tuple[float, float, float]:
     """Return metres shown ahead, behind, and to each side, in the shape of the axes."""
     reach = float(world.footprint_m[:, 0].max()) if len(world.footprint_m) else 1.0
-    height = min(max(_VIEWS * reach, 8.0 * world.robot_radius_m, _LEAST_HEIGHT_M), _MOST_HEIGHT_M)
+    height = min(max(_VIEWS * reach, 8.0 * world.robot_radius_m, _MIN_HEIGHT_M), _MAX_HEIGHT_M)
     box = axes.get_window_extent()
     behind = 0.36 * height
     return height - behind, behind, height * box.width / box.height / 2

@@ -39,7 +39,7 @@ class Stretch:
         return np.full((*self._tile, 3), _BLANK, np.uint8)
 
     def resized(self, grid: npt.NDArray[Any], step_px: int, interpolation: int = cv2.INTER_NEAREST) -> npt.NDArray[Any]:
-        """Return a grid of step ``step_px`` at the size that the picture has in the tile."""
+        """Return a grid of step ``step_px`` resized to the picture in the tile."""
         rows, cols = grid.shape[:2]
         covered = (max(1, round(cols * step_px * self.per_px)), max(1, round(rows * step_px * self.per_px)))
         large = cv2.resize(np.ascontiguousarray(grid), covered, interpolation=interpolation)[: self.rows, : self.cols]
@@ -84,7 +84,7 @@ def camera_tile(stretch: Stretch, camera: Bytes, steering: Steering | None, widt
 
 
 def flow_tile(stretch: Stretch, flow: Flow | None, full_px: float, *, with_wheel: bool = True) -> Bytes:
-    """Return the flow in colour, the colour wheel and what full colour means."""
+    """Return the flow in colour, with the colour wheel and its scale."""
     if flow is None:
         return stretch.blank()
     colours = flow_rgb(flow.uv_px, flow.valid, full_px)
@@ -102,7 +102,7 @@ def flow_tile(stretch: Stretch, flow: Flow | None, full_px: float, *, with_wheel
 
 
 def plane_tile(stretch: Stretch, camera: Bytes | None, plane: Plane | None) -> Bytes:
-    """Return the dominant map over the picture: obstacle red, what was not judged dark."""
+    """Return the dominant map over the picture: obstacle red, unjudged cells dark."""
     if plane is None:
         return stretch.blank() if camera is None else stretch.placed(camera // 2)
     obstacle = stretch.resized((plane.obstacle != 0).astype(np.uint8), plane.step_px)
@@ -117,7 +117,7 @@ def plane_tile(stretch: Stretch, camera: Bytes | None, plane: Plane | None) -> B
 
 
 def potential_tile(stretch: Stretch, potential: Potential | None) -> Bytes:
-    """Return the obstacle potential, its least black and its greatest white."""
+    """Return the obstacle potential, minimum black and maximum white."""
     if potential is None:
         return stretch.blank()
     values = potential.potential

@@ -14,7 +14,7 @@ from graphnav_view.maps.floorplan import MOVING, OBSTACLE, WALL, bounds_m, moved
 from graphnav_view.video.lettering import write
 
 _SHIFT = 4
-"""Binary digits of a pixel that lines are placed to."""
+"""Fractional bits of pixel coordinates of lines."""
 _MARGIN_M = 0.25
 _SMALL_PX = 160
 """In a smaller view lines are thin and the robot is drawn nearer to its own size."""
@@ -23,7 +23,8 @@ _SMALL_PX = 160
 class TopView:
     """Draws the map with the path, x to the right and y up.
 
-    ``path_m`` (n, 2) and ``moving`` (n, m, 3), poses of the moving obstacles: what has to be in view beside the world.
+    ``path_m`` (n, 2) and ``moving`` (n, m, 3), poses of the moving obstacles: content that must be in view besides the
+    world.
     """
 
     def __init__(
@@ -78,7 +79,7 @@ class TopView:
         return tile
 
     def _scale_bar(self, tile: Bytes) -> None:
-        """Draw a metre into the lower left corner, on its own ground."""
+        """Draw a scale of one metre into the lower left corner, on its own background."""
         length, low = round(self._per_m), tile.shape[0] - 12
         write(tile, "1 m", (12, low - 6), (20, 20, 20), ground=style.rgb(style.FLOOR))
         cv2.line(tile, (12, low), (12 + length, low), (20, 20, 20), 3)

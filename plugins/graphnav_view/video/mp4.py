@@ -53,7 +53,7 @@ def _write(video: VideoFrames, path: Path) -> int:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Let OpenCV print nothing meanwhile: what is wrong is said once, by an exception."""
+    """Silence OpenCV in the block: exceptions report its errors."""
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:

@@ -21,7 +21,7 @@ from graphnav_view.video.map_tile import TopView
 Messages = Mapping[type, Any]
 
 _TILE_COLS = 480
-_LEAST_TILE_ROWS, _MOST_TILE_ROWS = 240, 480
+_MIN_TILE_ROWS, _MAX_TILE_ROWS = 240, 480
 _HEAD_PX, _FOOT_PX, _GAP_PX = 26, 34, 4
 _PAGE, _INK, _FAINT = (24, 26, 30), (240, 240, 240), (170, 174, 180)
 _KINDS = (Image, Flow, Plane, Potential, Steering, Twist, State)
@@ -34,7 +34,7 @@ _SCALE_FRAMES = 25
 def video_frames(signals: Signals, from_s: float = -math.inf, until_s: float = math.inf) -> VideoFrames | None:
     """Return the video's frames at the rate of the camera; None where the log has no images in that span.
 
-    ``from_s``, ``until_s``: seconds since the log begins, both included.
+    ``from_s``, ``until_s``: seconds from the start of the log, both included.
     """
     stamps = signals.stamps(Image)
     shown = {utime for utime in stamps if from_s <= signals.at_s(utime) <= until_s}
@@ -47,12 +47,12 @@ def video_frames(signals: Signals, from_s: float = -math.inf, until_s: float = m
 def _frames(signals: Signals, shown: AbstractSet[int]) -> Iterator[tuple[int, Bytes]]:
     """Yield the frames of some stamps with their stamps, (rows, cols, 3) RGB, both even.
 
-    The last tile is drawn from the beginning on: the path on the map begins where the run did.
+    The last tile is drawn from the start of the run, so that its path is complete.
     """
     image = signals.first(Image)
     assert image is not None
     picture_rows, picture_cols = (n * image.step_px for n in image.pixels.shape[:2])
-    tile_rows = round(min(max(_TILE_COLS * picture_rows / picture_cols, _LEAST_TILE_ROWS), _MOST_TILE_ROWS) / 2) * 2
+    tile_rows = round(min(max(_TILE_COLS * picture_rows / picture_cols, _MIN_TILE_ROWS), _MAX_TILE_ROWS) / 2) * 2
     tiles = _tiles(signals, Stretch(picture_rows, picture_cols, tile_rows, _TILE_COLS))
     page = _Page([title for title, _ in tiles], tile_rows, _TILE_COLS)
     last = max(shown)

@@ -1,1 +1,1 @@
-"""What stands on the floor: prisms, outlines, moving obstacles."""
+"""Geometry of bodies on the floor: prisms, outlines, moving obstacles."""

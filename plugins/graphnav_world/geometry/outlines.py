@@ -1,4 +1,4 @@
-"""Outlines from above: what shapes on the floor look like as polygons, and their convex parts.
+"""Outlines of shapes on the floor as polygons, and their convex parts.
 
 Outlines are float64 (n, 2) in metres, counterclockwise, without repeating the first vertex.
 """
@@ -15,7 +15,7 @@ from graphnav.arrays import Doubles
 
 CIRCLE_SIDES = 16
 SHARPEST_MITRE = 4.0
-"""How far, in half thicknesses, the corner of a wall may reach out."""
+"""Maximum extent of a wall's corner, in half thicknesses."""
 
 
 def circle(x_m: float, y_m: float, radius_m: float, sides: int = CIRCLE_SIDES) -> Doubles:
@@ -51,7 +51,7 @@ def counterclockwise(outline: Doubles) -> Doubles:
 
 
 def crosses_itself(outline: Doubles) -> bool:
-    """Whether two sides of a closed outline that are no neighbours touch."""
+    """Whether two non-adjacent sides of a closed outline touch."""
     n = len(outline)
     sides = [(outline[i], outline[(i + 1) % n]) for i in range(n)]
     pairs = ((i, j) for i in range(n) for j in range(i + 2, n) if (i, j) != (0, n - 1))
@@ -68,7 +68,7 @@ def contains(outline: Doubles, x_m: float, y_m: float) -> bool:
 
 
 def distance(outline: Doubles, x_m: float, y_m: float) -> float:
-    """Return how far a point is from an outline's area, zero inside."""
+    """Return the distance of a point from an outline's area, zero inside."""
     if contains(outline, x_m, y_m):
         return 0.0
     a, b = outline, np.roll(outline, -1, axis=0)
@@ -79,7 +79,7 @@ def distance(outline: Doubles, x_m: float, y_m: float) -> float:
 
 def convex_parts(outline: Doubles) -> list[Doubles]:
     """Return convex polygons that tile a simple counterclockwise outline (triangles if it is not convex)."""
-    if _least_turn(outline) >= 0:
+    if _min_turn(outline) >= 0:
         return [outline]
     left = list(range(len(outline)))
     parts = []
@@ -108,7 +108,7 @@ class Strip:
     @property
     def is_folded(self) -> bool:
         """Whether the line bends within less than the thickness, so that the inner rim runs backwards."""
-        return any(_least_turn(piece) < -1e-12 for piece in self.pieces)
+        return any(_min_turn(piece) < -1e-12 for piece in self.pieces)
 
     @property
     def outline(self) -> Doubles:
@@ -136,8 +136,8 @@ def _turn(a: Doubles, b: Doubles, c: Doubles) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def _least_turn(outline: Doubles) -> float:
-    """Return the least turn at a vertex; it is negative where the outline is not convex."""
+def _min_turn(outline: Doubles) -> float:
+    """Return the minimum turn at a vertex; negative if the outline is not convex."""
     before, after = np.roll(outline, 1, axis=0), np.roll(outline, -1, axis=0)
     return min(_turn(*corner) for corner in zip(before, outline, after, strict=True))
 

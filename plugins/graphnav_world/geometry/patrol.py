@@ -11,10 +11,10 @@ from graphnav.arrays import Doubles
 
 @dataclass(frozen=True)
 class Patrol:
-    """Where an obstacle is at any time; it does not turn.
+    """The position of an obstacle at any time; it does not turn.
 
-    ``through_m``: float64 (n, 2), in W. ``around``: from the last point straight on to the first; else it goes back
-    the way it came. ``ahead_m``: how far along it is at time zero.
+    ``through_m``: float64 (n, 2), in W. ``around``: from the last point straight on to the first; else it
+    returns along the same path. ``ahead_m``: its distance along the path at time zero.
     """
 
     through_m: Doubles

@@ -1,4 +1,4 @@
-"""What stands on the floor, as upright prisms, and their faces as flat arrays for the renderer.
+"""Bodies on the floor as upright prisms, and their faces as flat arrays for the renderer.
 
 A *face* is one plane polygon with one texture; it is drawn as one or more convex quads (*prims*).
 """
@@ -22,7 +22,7 @@ AMBIENT = 0.6
 
 
 class Kind(IntEnum):
-    """What a body is, as `Map` says it."""
+    """The kind of a body, as in `Map`."""
 
     WALL = 0
     OBSTACLE = 1
@@ -31,7 +31,7 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True)
 class Body:
-    """An upright prism. A moving one is written in its own frame, whose origin its patrol carries around.
+    """An upright prism. A moving one is given in its own frame, whose origin moves along its patrol.
 
     ``parts``: convex outlines that tile it. ``sides``: the vertical faces as (from, to) pairs, (n, 2, 2), running
     counterclockwise around the body.
@@ -90,7 +90,7 @@ class Faces:
 
 
 def shade(normal: Doubles) -> float:
-    """Return how bright a face with this outward normal is: ambient and diffuse light, 1 for the floor."""
+    """Return the brightness of a face with this outward normal: ambient and diffuse light, 1 for the floor."""
     lambert = max(0.0, float(normal @ SUN_W))
     return (AMBIENT + (1 - AMBIENT) * lambert) / (AMBIENT + (1 - AMBIENT) * float(SUN_W[2]))
 
@@ -118,7 +118,7 @@ class _Collected:
 
 
 def faces_of(bodies: Sequence[Body], rng: np.random.Generator) -> Faces:
-    """Return the faces of all bodies; ``rng`` draws where on its texture each body begins."""
+    """Return the faces of all bodies; ``rng`` draws the texture offset of each body."""
     found = _Collected()
     for index, body in enumerate(bodies):
         start = rng.uniform(0.0, 20.0, 2)

@@ -1,1 +1,1 @@
-"""Render what the camera sees, with the exact truth."""
+"""Render the camera image with exact ground truth."""

@@ -1,4 +1,4 @@
-"""One picture that holds all textures of a world with all their mip levels."""
+"""Texture atlas: all textures of a world with all their mip levels in one picture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from graphnav.arrays import Bytes, Floats
 from graphnav_world.rendering.textures import BLOCK, TEXEL_M, Texture
 
-FEWEST_LEVELS, MOST_LEVELS = 6, 8
+MIN_LEVELS, MAX_LEVELS = 6, 8
 """Mip levels: texels of 0.16 m are coarse enough for what lies within 6 m, those of 0.64 m up to the horizon."""
 PAD = 2
 LARGEST_TEXELS = 3072
@@ -36,7 +36,7 @@ class Atlas:
         textures: Sequence[Texture],
         floor_size: tuple[int, int],
         rng: np.random.Generator,
-        levels: int = FEWEST_LEVELS,
+        levels: int = MIN_LEVELS,
     ) -> None:
         self.levels = levels
         sizes = [floor_size] + [BODY_TEXELS] * (len(textures) - 1)

@@ -14,7 +14,7 @@ FARTHEST_FLOOR_M = 20.0
 
 @dataclass(frozen=True)
 class Camera:
-    """Where the camera sits and how it maps rays to pixels.
+    """Mounting and projection of the camera.
 
     C has x right, y down, z along the optical axis. The centre of pixel (r, c) has coordinates x = c, y = r; the
     optical axis meets the middle of the picture. ``tilt_deg`` is measured from the horizontal, down.
@@ -33,7 +33,7 @@ class Camera:
 
     @property
     def center_px(self) -> tuple[float, float]:
-        """Where the optical axis meets the picture: x, y."""
+        """Principal point: x, y."""
         return (self.cols - 1) / 2, (self.rows - 1) / 2
 
     @property
@@ -60,9 +60,9 @@ class Camera:
         return pixels
 
     def footprint_m(self) -> Doubles:
-        """Return the outline on the floor of what the camera sees, (4, 2) in R.
+        """Return the outline of the camera's view on the floor, (4, 2) in R.
 
-        Cut at 20 m: a camera that sees the horizon sees without end.
+        Cut at 20 m: the view of a camera that sees the horizon is unbounded.
         """
         cx, cy = (self.cols / 2) / self.focal_px, (self.rows / 2) / self.focal_px
         corners = np.array([[-cx, cy, 1.0], [cx, cy, 1.0], [cx, -cy, 1.0], [-cx, -cy, 1.0]]) @ self.R_RC.T

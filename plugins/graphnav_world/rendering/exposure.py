@@ -1,4 +1,4 @@
-"""Motion blur: where the robot is while the shutter is open."""
+"""Motion blur: poses of the robot while the shutter is open."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from graphnav_world.vehicle import Pose
 
 VIEWS = 5
-"""Views that a blurred picture is the mean of, the frame's own in their middle; they must be few pixels apart."""
+"""Number of views averaged in a blurred picture, the frame's own in the middle; they must be few pixels apart."""
 
 
 def moments(pose: Pose, exposure_s: float) -> list[tuple[float, tuple[float, float, float]]]:

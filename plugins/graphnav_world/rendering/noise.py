@@ -1,4 +1,4 @@
-"""Image noise, drawn fast."""
+"""Fast image noise."""
 
 from __future__ import annotations
 

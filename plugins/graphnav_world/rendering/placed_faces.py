@@ -1,4 +1,4 @@
-"""A world's faces as one camera pose at one time sees them."""
+"""The faces of a world relative to the camera at one time."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Placed:
 
     @classmethod
     def at(cls, camera: Camera, faces: Faces, x_m: float, y_m: float, yaw_rad: float, time_s: float = 0.0) -> Placed:
-        """Return what a robot at this pose has before its camera at this time."""
+        """Return the faces relative to the camera of a robot at this pose and time."""
         R_WC, eye = camera.pose(x_m, y_m, yaw_rad)
         quads, offset, u, v = faces.quads, faces.offset, faces.u, faces.v
         moving = tuple(

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from graphnav.arrays import Bytes, Doubles, Floats, Ints
 from graphnav_world.geometry.scene import Faces
-from graphnav_world.rendering.atlas import FEWEST_LEVELS, MOST_LEVELS, Atlas
+from graphnav_world.rendering.atlas import MAX_LEVELS, MIN_LEVELS, Atlas
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.noise import normal_noise
 from graphnav_world.rendering.placed_faces import Placed
@@ -24,17 +24,17 @@ STRETCH = 2.0
 
 
 def level_count(camera: Camera) -> int:
-    """Return how many mip levels a world needs, so that its floor does not alias where this camera sees it."""
+    """Return the number of mip levels that prevent aliasing of the floor in this camera."""
     rays = camera.rays()
     depth = camera.height_m / np.maximum(rays @ -camera.R_RC[2], 1e-3)
     long_m = depth**2 * np.square(rays).sum(axis=-1) / (camera.focal_px * camera.height_m * STRETCH)
     needed = math.ceil(math.log2(long_m.max() / TEXEL_M)) + 1
-    return min(max(needed, FEWEST_LEVELS), MOST_LEVELS)
+    return min(max(needed, MIN_LEVELS), MAX_LEVELS)
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A picture and what is known of it.
+    """A picture and its ground truth.
 
     ``pixels``: uint8 (rows, cols), gray. ``face``: int32 (rows, cols), -1 for the floor and above the horizon.
     ``depth_m``: float32 (rows, cols), along the optical axis, infinite above the horizon. ``obstacle``: uint8 (rows,
@@ -50,7 +50,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class _View:
-    """What one pose sees: flat arrays of the pixels, of which ``bodies`` are no floor, and gray (rows, cols)."""
+    """The view of one pose: flat arrays of the pixels, of which ``bodies`` are not floor, and gray (rows, cols)."""
 
     seen: Visible
     face: Ints
@@ -90,13 +90,13 @@ class Renderer:
         *,
         meanwhile: Sequence[Placed] = (),
         light: float = 1.0,
-        noise_sigma: float = 0.0,
+        noise_sigma_gray: float = 0.0,
         rng: np.random.Generator | None = None,
     ) -> Frame:
         """Return the frame seen from ``now``, with the flow since ``before``.
 
-        ``meanwhile``: where else the camera was while the shutter was open; the picture is the mean of what all see,
-        the rest is of ``now`` alone. ``rng`` draws the image noise.
+        ``meanwhile``: other camera poses while the shutter was open; the picture is the mean of all, the rest is of
+        ``now`` alone. ``rng`` draws the image noise.
         """
         shape = self._camera.rows, self._camera.cols
         view = self._view(now)
@@ -104,8 +104,8 @@ class Renderer:
         for moment in meanwhile:
             gray += self._view(moment).gray
         gray *= np.float32(light / (1 + len(meanwhile)))
-        if noise_sigma and rng is not None:
-            gray += normal_noise(gray.shape, noise_sigma, rng)
+        if noise_sigma_gray and rng is not None:
+            gray += normal_noise(gray.shape, noise_sigma_gray, rng)
         flow = None if before is None else self._flow(now, before, view)
         return Frame(
             pixels=cv2.convertScaleAbs(np.maximum(gray, 0, out=gray)).reshape(shape),
@@ -125,7 +125,7 @@ class Renderer:
         return _View(seen, face, bodies, depth, self._shaded(placed, face, depth, bodies))
 
     def _prepare_floor(self) -> None:
-        """Compute what the floor's pixels keep while the robot moves: their place in R, mip level and blend."""
+        """Compute the constants of the floor's pixels: position in R, mip level and blend."""
         inverse = self._zbuffer.floor_inverse_depth
         self._sky = inverse <= 0
         self._horizon = bool(self._sky.any())
@@ -162,8 +162,8 @@ class Renderer:
             blend = blend.copy()
             of_bodies = self._body_places(now, face[bodies].astype(np.intp), depth[bodies], bodies)
             blend[bodies] = of_bodies[2]
-            for whole, part in zip((fine_px, coarse_px), of_bodies, strict=False):
-                whole.view(np.complex64).reshape(-1)[bodies] = part.view(np.complex64).reshape(-1)
+            for full, part in zip((fine_px, coarse_px), of_bodies, strict=False):
+                full.view(np.complex64).reshape(-1)[bodies] = part.view(np.complex64).reshape(-1)
         fine = cv2.remap(self._atlas.pixels, fine_px, None, cv2.INTER_LINEAR)
         coarse = cv2.remap(self._atlas.pixels, coarse_px, None, cv2.INTER_LINEAR)
         gray: Floats = cv2.subtract(coarse, fine, dtype=cv2.CV_32F)
@@ -177,7 +177,7 @@ class Renderer:
         return gray
 
     def _floor_places(self, now: Placed) -> tuple[Floats, Floats]:
-        """Return where on the atlas every pixel's floor point lies, (rows, cols, 2), on the finer and coarser level."""
+        """Return the atlas position of every pixel's floor point, (rows, cols, 2), on the finer and coarser level."""
         c, s = now.heading
         period = self._atlas.period_m[0]
         x, y = (now.eye_W[:2] - self._floor_origin_m) % period
@@ -240,5 +240,5 @@ class Renderer:
 
 
 def _wrap(coordinate: Floats, period: np.float32) -> None:
-    """Bring texture coordinates into [0, period), in place."""
+    """Wrap texture coordinates to [0, period), in place."""
     coordinate -= np.floor(coordinate * (np.float32(1.0) / period)) * period

@@ -1,4 +1,4 @@
-"""Textures from layered noise: they tile without a seam, each seed gives another one."""
+"""Textures from layered noise that tile without a seam, different for each seed."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ LARGEST_GRAIN = 7
 BLOCK = 2**LARGEST_GRAIN
 """Widths and heights of textures, in texels, are multiples of this."""
 OCTAVE_GAIN = 1.15
-"""How much stronger noise of twice the grain is."""
+"""Amplitude ratio of noise of twice the grain."""
 RIM = 4
-"""Texels around a texture that blur and interpolation reach for."""
+"""Border of a texture for blur and interpolation, in texels."""
 BLUR_PX, BLUR_GAIN = 1.0, 3.545
 """Blur that makes noise of two texels' grain, and what restores its standard deviation (2 sqrt(pi) sigma)."""
 
 
 @dataclass(frozen=True)
 class Texture:
-    """How a surface looks: mean gray and standard deviation, both of 255, and the size of its largest grains.
+    """Appearance of a surface: mean gray and standard deviation, both of 255, and the size of its largest grains.
 
     Grains of more than 0.64 m count as 0.64 m.
     """

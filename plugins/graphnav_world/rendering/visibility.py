@@ -1,4 +1,4 @@
-"""Which face every pixel sees: exact spans of convex quads, resolved by depth."""
+"""Visibility: the face seen by every pixel, from exact spans of convex quads, resolved by depth."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LEVEL_RATIO, TINY = 1e-9, 1e-30
 
 @dataclass(frozen=True)
 class Visible:
-    """What the pixels see, flat, row by row.
+    """The faces seen by the pixels, flat, row by row.
 
     ``prim``: int32 (pixels,), -1 for the floor (and above the horizon). ``inverse_depth``: float32 (pixels,), 1/m
     along the optical axis, 0 above the horizon.
@@ -48,7 +48,7 @@ class ZBuffer:
         self.floor_inverse_depth: Floats = np.maximum(floor, 0.0).astype(np.float32).reshape(-1)
 
     def render(self, quads_C: Doubles, normal_C: Doubles, distance_m: Doubles) -> Visible:
-        """Return what every pixel sees of quads in C, float64 (prims, 4, 3).
+        """Return the visible quads of every pixel, given quads in C, float64 (prims, 4, 3).
 
         ``normal_C``: outward normals (prims, 3). ``distance_m``: of the eye before the planes; only prims with a
         positive one face the camera.

@@ -276,7 +276,7 @@ def test_a_command_of_many_packets_is_forwarded_and_one_without_bound_is_not(mak
 def test_what_is_no_motor_channel_is_a_mistake(make: Make, name: str) -> None:
     with pytest.raises(KeyError):
         make(motor(name)).send("other", b"")
-    with pytest.raises(ValueError, match="two motor channels have one name"):
+    with pytest.raises(ValueError, match="two motor channels have the same name"):
         make(motor(name), motor(name))
 
 

@@ -132,26 +132,28 @@ def test_a_gray_jpeg_is_gray() -> None:
 
 
 def test_a_jpeg_without_huffman_tables_as_webcams_send_them() -> None:
-    whole = jpeg(smooth())
-    stripped, at = bytearray(whole[:2]), 2
-    while whole[at + 1] != 0xDA:
-        end = at + 2 + int.from_bytes(whole[at + 2 : at + 4])
-        stripped += b"" if whole[at + 1] == 0xC4 else whole[at:end]
+    complete = jpeg(smooth())
+    stripped, at = bytearray(complete[:2]), 2
+    while complete[at + 1] != 0xDA:
+        end = at + 2 + int.from_bytes(complete[at + 2 : at + 4])
+        stripped += b"" if complete[at + 1] == 0xC4 else complete[at:end]
         at = end
-    stripped += whole[at:]
-    assert len(stripped) < len(whole)
-    assert np.array_equal(ADAPTER.from_lcm(mjpeg(bytes(stripped))).pixels, ADAPTER.from_lcm(mjpeg(whole)).pixels)
+    stripped += complete[at:]
+    assert len(stripped) < len(complete)
+    assert np.array_equal(ADAPTER.from_lcm(mjpeg(bytes(stripped))).pixels, ADAPTER.from_lcm(mjpeg(complete)).pixels)
 
 
 def test_padding_after_a_jpeg_does_no_harm() -> None:
-    whole = jpeg(smooth())
-    assert np.array_equal(ADAPTER.from_lcm(mjpeg(whole + bytes(500))).pixels, ADAPTER.from_lcm(mjpeg(whole)).pixels)
+    complete = jpeg(smooth())
+    assert np.array_equal(
+        ADAPTER.from_lcm(mjpeg(complete + bytes(500))).pixels, ADAPTER.from_lcm(mjpeg(complete)).pixels
+    )
 
 
 def test_the_orientation_that_a_jpeg_asks_for_does_not_turn_it() -> None:
     exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
-    whole = jpeg(smooth())
-    turned = whole[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2) + exif + whole[2:]
+    complete = jpeg(smooth())
+    turned = complete[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2) + exif + complete[2:]
     assert ADAPTER.from_lcm(mjpeg(turned)).pixels.shape == (48, 64, 3)
 
 
@@ -161,7 +163,7 @@ def with_size(data: bytes, rows: int, cols: int) -> bytes:
     return data[:at] + rows.to_bytes(2) + cols.to_bytes(2) + data[at + 4 :]
 
 
-WHOLE = jpeg(smooth())
+COMPLETE = jpeg(smooth())
 BAD: dict[str, tuple[dict[str, Any], str]] = {
     "too few bytes": (fields(GRAY_PIXELS, GRAY, data=GRAY_PIXELS.reshape(-1)[:-1]), "23 bytes of pixels"),
     "too many bytes": (fields(GRAY_PIXELS, GRAY, data=np.zeros(25, np.uint8)), "25 bytes of pixels"),
@@ -173,23 +175,23 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "negative height": (fields(GRAY_PIXELS, GRAY, height=-4), "has no pixels"),
     "no width": (fields(GRAY_PIXELS, GRAY, width=0), "has no pixels"),
     "absurd size": (fields(GRAY_PIXELS, GRAY, width=2**31 - 1, height=2**31 - 1), "larger than 64 million"),
-    "absurd JPEG": (mjpeg(WHOLE, width=60_000, height=60_000), "larger than 64 million"),
+    "absurd JPEG": (mjpeg(COMPLETE, width=60_000, height=60_000), "larger than 64 million"),
     "other format": (fields(GRAY_PIXELS, 1448695129), r"pixelformat 1448695129 \(YUYV\) is not supported"),
     "no format": (fields(GRAY_PIXELS, -2), "pixelformat -2 is not supported"),
     "not a JPEG": (mjpeg(b"RIFF" + bytes(100)), "not a JPEG"),
     "empty JPEG": (mjpeg(b""), "not a JPEG"),
-    "two bytes": (mjpeg(WHOLE[:2]), "truncated"),
-    "half a header": (mjpeg(WHOLE[:100]), "truncated"),
-    "no segment": (mjpeg(WHOLE[:2] + b"\xff\xe0\0\0" + WHOLE[2:]), "header of the JPEG is damaged"),
-    "short frame header": (mjpeg(WHOLE[:2] + b"\xff\xc0\0\x04\0\0" + WHOLE[2:]), "header of the JPEG is damaged"),
-    "no marker": (mjpeg(WHOLE[:2] + b"abcd" + WHOLE[2:]), "header of the JPEG is damaged"),
-    "a scan without a frame": (mjpeg(WHOLE[:2] + WHOLE[WHOLE.index(b"\xff\xda") :]), "JPEG"),
-    "half a JPEG": (mjpeg(WHOLE[: len(WHOLE) // 2]), "truncated"),
-    "all but the end": (mjpeg(WHOLE[:-2]), "truncated"),
-    "another size": (mjpeg(WHOLE, cols=32, rows=24), "announces 32x24 pixels, its JPEG has 64x48"),
-    "a bomb": (mjpeg(with_size(WHOLE, 65_000, 65_000)), "65000x65000 pixels is larger"),
-    "no rows": (mjpeg(with_size(WHOLE, 0, 64)), "has no pixels"),
-    "nothing but a header": (mjpeg(WHOLE[: WHOLE.index(b"\xff\xda")] + b"\xff\xda\0\x02\xff\xd9"), "cannot be decoded"),
+    "two bytes": (mjpeg(COMPLETE[:2]), "truncated"),
+    "half a header": (mjpeg(COMPLETE[:100]), "truncated"),
+    "no segment": (mjpeg(COMPLETE[:2] + b"\xff\xe0\0\0" + COMPLETE[2:]), "header of the JPEG is damaged"),
+    "short frame header": (mjpeg(COMPLETE[:2] + b"\xff\xc0\0\x04\0\0" + COMPLETE[2:]), "header of the JPEG is damaged"),
+    "no marker": (mjpeg(COMPLETE[:2] + b"abcd" + COMPLETE[2:]), "header of the JPEG is damaged"),
+    "a scan without a frame": (mjpeg(COMPLETE[:2] + COMPLETE[COMPLETE.index(b"\xff\xda") :]), "JPEG"),
+    "half a JPEG": (mjpeg(COMPLETE[: len(COMPLETE) // 2]), "truncated"),
+    "all but the end": (mjpeg(COMPLETE[:-2]), "truncated"),
+    "another size": (mjpeg(COMPLETE, cols=32, rows=24), "declares 32x24 pixels, but its JPEG has 64x48"),
+    "a bomb": (mjpeg(with_size(COMPLETE, 65_000, 65_000)), "65000x65000 pixels is larger"),
+    "no rows": (mjpeg(with_size(COMPLETE, 0, 64)), "has no pixels"),
+    "only a header": (mjpeg(COMPLETE[: COMPLETE.index(b"\xff\xda")] + b"\xff\xda\0\x02\xff\xd9"), "cannot be decoded"),
 }
 
 
@@ -201,9 +203,9 @@ def test_what_holds_no_picture_says_why(name: str) -> None:
 
 
 def test_a_jpeg_of_four_channels_is_refused() -> None:
-    at = WHOLE.index(b"\xff\xc0") + 9
+    at = COMPLETE.index(b"\xff\xc0") + 9
     with pytest.raises(ValueError, match="4 channels"):
-        ADAPTER.from_lcm(mjpeg(WHOLE[:at] + b"\x04" + WHOLE[at + 1 :]))
+        ADAPTER.from_lcm(mjpeg(COMPLETE[:at] + b"\x04" + COMPLETE[at + 1 :]))
 
 
 @pytest.mark.parametrize("shape", [(4,), (4, 6, 2), (4, 6, 4), (4, 6, 3, 1)])
@@ -219,7 +221,7 @@ FORMATS = st.one_of(st.sampled_from([GRAY, RGB, BGR, MJPEG]), INT32)
 @st.composite
 def jpegs(draw: st.DrawFn) -> bytes:
     """Draw a JPEG with bytes of its header changed, cut off, or put in."""
-    data = bytearray(WHOLE)
+    data = bytearray(COMPLETE)
     for place, value in draw(st.lists(st.tuples(st.integers(0, 640), st.integers(0, 255)), max_size=4)):
         data[place] = value
     return bytes(data[: draw(st.integers(0, len(data)))])

@@ -58,7 +58,7 @@ GOOD: dict[str, Any] = {
 
 
 class Driven:
-    """A guard that is fired every 50 ms, with good inputs but for those that are given."""
+    """A guard that is fired every 50 ms, with good inputs except the given ones."""
 
     def __init__(self, **parameters: Any) -> None:
         self.guard = Guard(**parameters)
@@ -197,7 +197,7 @@ def test_an_image_with_texture_is_seen_through_noise_and_in_colour() -> None:
     gray = textured(noise=20.0)
     colour = Image(pixels=np.repeat(gray.pixels[..., None], 3, axis=-1))
     assert causes(Driven()(image=fresh(gray))) == causes(Driven()(image=fresh(colour))) == []
-    assert causes(Driven(min_contrast=0.0)(image=fresh(flat(255)))) == []
+    assert causes(Driven(min_contrast_gray=0.0)(image=fresh(flat(255)))) == []
 
 
 def test_all_round_obstacle_forbids_going_forward_but_not_turning() -> None:

@@ -67,7 +67,7 @@ def test_reset_forgets_the_last_command() -> None:
         stage.step(asked(0.0), Stamp(100_000))
 
 
-def test_after_a_gap_the_low_pass_begins_anew() -> None:
+def test_after_a_gap_the_low_pass_restarts() -> None:
     stage = Nonholonomic(max_speed_mps=T_M, max_turn_radps=R_M, smoothing_s=10.0)
     stage.reset(seed=0)
     for k in range(4):

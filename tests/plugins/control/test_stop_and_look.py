@@ -119,7 +119,7 @@ def test_a_turn_of_nothing_is_refused() -> None:
         StopAndLook(turn_ratio=0.0)
 
 
-def test_after_a_gap_it_looks_anew() -> None:
+def test_after_a_gap_it_looks_again() -> None:
     stage = StopAndLook(settle_s=0.2, look_frames=1, turn_ratio=1.0, max_turn_radps=0.5)
     twists = drive(stage, lambda _: 1.5, 6)
     assert twists[-1].omega_radps > 0.0

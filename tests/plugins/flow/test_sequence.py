@@ -57,7 +57,7 @@ def test_a_reset_forgets_everything(estimator: type[Stage], warped_pair: Callabl
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("gap_us", [310_000, 0, -50_000, 3_600_000_000])
-def test_after_a_gap_and_after_a_stamp_that_does_not_advance_flow_begins_anew(
+def test_after_a_gap_and_after_a_stamp_that_does_not_advance_flow_restarts(
     estimator: type[Stage], gap_us: int, warped_pair: Callable[..., Pair]
 ) -> None:
     pair, stage = warped_pair(lambda x, y: (x + 1.3, y)), started(estimator)

@@ -12,7 +12,7 @@ from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 from graphnav_flow.truth import Truth
-from graphnav_flow.validity import came_from_inside, least_eigenvalue, texture
+from graphnav_flow.validity import came_from_inside, min_eigenvalue, texture
 
 import graphnav
 from graphnav import Stage
@@ -46,12 +46,12 @@ def test_the_margin_counts_pixel_centres(margin_px: float) -> None:
     assert np.array_equal(came_from_inside(uniform(0.0, 0.0), margin_px), expected)
 
 
-def test_the_least_eigenvalue_is_numpys() -> None:
+def test_the_smaller_eigenvalue_is_that_of_numpy() -> None:
     rng = np.random.default_rng(0)
     root = rng.standard_normal((5, 7, 2, 2)).astype(np.float32)
     matrices = root @ np.swapaxes(root, -1, -2)
-    least = least_eigenvalue(*(np.ascontiguousarray(matrices[..., i, j]) for i, j in ((0, 0), (0, 1), (1, 1))))
-    assert least == pytest.approx(np.linalg.eigvalsh(matrices)[..., 0], abs=1e-5)
+    smaller = min_eigenvalue(*(np.ascontiguousarray(matrices[..., i, j]) for i, j in ((0, 0), (0, 1), (1, 1))))
+    assert smaller == pytest.approx(np.linalg.eigvalsh(matrices)[..., 0], abs=1e-5)
 
 
 def test_texture_of_noise_is_half_its_variance() -> None:

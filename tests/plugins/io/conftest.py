@@ -23,7 +23,7 @@ def frame(number: int, rows: int = 48, cols: int = 64) -> Bytes:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder of twelve PNG pictures, frame_1.png to frame_12.png, beside a text."""
+    """A folder of twelve PNG pictures, frame_1.png to frame_12.png, and a text file."""
     path = tmp_path / "frames"
     path.mkdir()
     for number in range(1, 13):

@@ -1,4 +1,4 @@
-"""Folders of pictures become images; what is wrong with one is said in one line."""
+"""Folders of pictures become images; errors are reported in one line."""
 
 from __future__ import annotations
 
@@ -108,14 +108,14 @@ def test_a_size_beside_a_scale_is_refused(folder: Path) -> None:
 def test_a_first_picture_that_is_none_is_refused_before_the_run(folder: Path) -> None:
     first = folder / "frame_1.png"
     first.write_text("no picture")
-    assert refusal(Images(path=folder)) == f"'{first}' is no picture that OpenCV can read"
+    assert refusal(Images(path=folder)) == f"'{first}' is not a picture that OpenCV can read"
 
 
 BROKEN: dict[str, tuple[Callable[[bytes], bytes], str]] = {
-    "text": (lambda _: b"no picture", "is no picture that OpenCV can read"),
+    "text": (lambda _: b"no picture", "is not a picture that OpenCV can read"),
     "empty": (lambda _: b"", "is empty"),
-    "cut": (lambda data: data[: len(data) // 2], "is cut off"),
-    "garbled": (lambda data: data[:50] + bytes(20) + data[70:], "is no picture that OpenCV can read"),
+    "cut": (lambda data: data[: len(data) // 2], "is truncated"),
+    "garbled": (lambda data: data[:50] + bytes(20) + data[70:], "is not a picture that OpenCV can read"),
 }
 
 
@@ -143,7 +143,7 @@ def test_a_jpeg_that_was_cut_off_is_not_shown_half_gray(tmp_path: Path, capfd: p
     cv2.imwrite(str(file), noise)
     Images(path=file).check()
     file.write_bytes(file.read_bytes()[:-200])
-    assert refusal(Images(path=file)) == f"'{file}' is cut off"
+    assert refusal(Images(path=file)) == f"'{file}' is truncated"
     assert capfd.readouterr() == ("", "")
 
 

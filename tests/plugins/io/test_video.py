@@ -1,4 +1,4 @@
-"""Videos become images; what is wrong with one is said in one line."""
+"""Videos become images; errors are reported in one line."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_close_may_come_before_reset_and_twice(write_video: WriteVideo) -> None:
     source.close()
 
 
-CANNOT_READ = "is no whole video that OpenCV can read"
+CANNOT_READ = "is not a complete video that OpenCV can read"
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_a_file_that_was_cut_off_plays_what_is_there_then_says_so(
         played.extend(source.step() for _ in range(30))
     source.close()
     assert 0 < len(played) < 25
-    assert str(raised.value) == f"'{path}' ends after {len(played)} of 30 frames: it is cut off"
+    assert str(raised.value) == f"'{path}' ends after {len(played)} of 30 frames: it is truncated"
     assert capfd.readouterr() == ("", "")
 
 

@@ -186,7 +186,7 @@ def test_samples_out_of_order_and_repeated_are_dropped() -> None:
     expect_arc(motion(given, 200_000), 0.3, 0.5)
 
 
-def test_a_clock_that_was_set_back_begins_anew() -> None:
+def test_a_clock_that_was_set_back_restarts_the_track() -> None:
     stage, way = started(), drive(0.3, 0.5)
     hour_us = 3_600_000_000
     ahead = tuple((sent + hour_us, sample) for sent, sample in samples(way, REGULAR))

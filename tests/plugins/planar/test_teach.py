@@ -73,7 +73,7 @@ def test_terms_of_the_motion_need_the_motion(floor: Floor) -> None:
         stage.step(floor.flow(floor.uv_px(0.03, 0.0)))
 
 
-def test_cells_that_were_seldom_valid_are_not_taught(floor: Floor) -> None:
+def test_cells_that_were_rarely_valid_are_not_taught(floor: Floor) -> None:
     stage = Teach(terms=("mean",), every_frames=1)
     stage.reset(0)
     whole = floor.flow(floor.uv_px(0.03, 0.0))

@@ -111,7 +111,7 @@ def test_ground_on_one_line_tells_nothing() -> None:
     covered = np.ones_like(truth.obstacle)
     covered[60] = 0
     line = graphnav.Truth(obstacle=covered, depth_m=truth.depth_m, flow_px=truth.flow_px, interval_us=100_000)
-    assert not Truth(least_ground_ratio=0.001).step(line).planar_valid.any()
+    assert not Truth(min_ground_ratio=0.001).step(line).planar_valid.any()
 
 
 def test_the_stage_keeps_its_contract() -> None:

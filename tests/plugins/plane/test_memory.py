@@ -1,4 +1,4 @@
-"""What the last frames left is carried along with the picture and steadies what is seen."""
+"""Residuals of the last frames move along with the picture and steady the result."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_cells_that_are_not_valid_are_zero_and_are_not_remembered() -> None:
     assert np.abs(memory.mean(field(1), ALL, STILL)).max() < 10
 
 
-def test_another_grid_begins_anew() -> None:
+def test_another_grid_restarts() -> None:
     memory = Memory(0.5)
     memory.mean(np.ones((4, 4, 2), np.float32), np.ones((4, 4), np.bool_), np.zeros((4, 4, 2), np.float32))
     assert np.array_equal(memory.mean(field(1), ALL, STILL), field(1))

@@ -26,7 +26,7 @@ SOURCES = {
 
 DIRECT = {"cubic": closed_form.rotation, "gauss": robust_contrast.rotation}
 GAUSS = [("gauss", kind) for kind in SOURCES if kind != "two flat"]
-"""Its contrast is greatest where samples are sparse: flat sources are not what it looks for."""
+"""Its contrast is maximal for sparse samples: it does not look for flat sources."""
 
 
 def mixed(kind: str, seed: int, n: int = 4000) -> tuple[Doubles, Doubles]:

@@ -111,7 +111,7 @@ def test_turns_on_the_spot_to_a_goal_behind() -> None:
 
 
 def test_costs_are_distances_where_nothing_is_near() -> None:
-    way = Way(world(), comfort_m=0.25, dread=4.0)
+    way = Way(world(), comfort_m=0.25, wall_cost=4.0)
     # Sixteen directions: a way on the grid is at most 1 / cos(13.3 deg) = 2.8 % longer than the straight one.
     for x, y in ((0.0, 0.0), (1.0, 0.4), (-0.5, -0.3)):
         straight_m = 4.5 + 0.1 - x

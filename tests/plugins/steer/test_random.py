@@ -26,7 +26,7 @@ def test_headings_follow_from_the_seed_alone(make_plane: MakePlane) -> None:
     assert headings(free, seed=3) != headings(free, seed=4)
 
 
-def test_reset_begins_the_same_draws_anew(make_plane: MakePlane) -> None:
+def test_reset_restarts_the_same_draws(make_plane: MakePlane) -> None:
     plane, stage = make_plane(np.zeros((30, 40))), Random()
     drawn = []
     for _ in range(2):

@@ -48,7 +48,7 @@ CHANNELS: dict[str, type[Message]] = {
 
 @dataclass
 class Drive:
-    """What to make up: how long, how it ends, what is left out."""
+    """A synthetic run: its length, its end, its omissions."""
 
     frames: int = 40
     seed: int = 7

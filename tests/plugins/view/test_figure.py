@@ -33,7 +33,7 @@ def test_a_log_is_drawn_into_a_new_folder(record: Record, tmp_path: Path) -> Non
 def test_what_cannot_be_drawn_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, said: str
 ) -> None:
-    (tmp_path / "text").write_text("this is no log, but a text of some length")
+    (tmp_path / "text").write_text("this is not a log, but a string of some length")
     assert main(["figure", str(tmp_path / name)]) != 0
     told = capsys.readouterr().err
     assert said.format(tmp_path) in told
@@ -49,7 +49,7 @@ def test_a_full_disk_is_said_and_no_half_picture_is_left(
     with disk_of(1000):
         assert main(["figure", str(tmp_path), "-o", str(out), *words]) == 1
     assert capsys.readouterr().err == (
-        f"cannot draw into {out}: File too large\n  make room, then run: graphnav figure {tmp_path} -o {out}\n"
+        f"cannot draw into {out}: File too large\n  free space, then run: graphnav figure {tmp_path} -o {out}\n"
     )
     assert list(out.iterdir()) == []
 
@@ -63,6 +63,6 @@ def test_what_was_drawn_before_stays_where_the_disk_is_full(
     capsys.readouterr()
     with disk_of(1000):
         assert main(["figure", str(tmp_path)]) == 1
-    assert capsys.readouterr().err.endswith(f"  make room, then run: graphnav figure {tmp_path}\n")
+    assert capsys.readouterr().err.endswith(f"  free space, then run: graphnav figure {tmp_path}\n")
     assert (tmp_path / "map.png").read_bytes() == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.png", "panels.png", "run.lcmlog"]

@@ -81,7 +81,7 @@ def test_an_svg_is_drawn_in_lines_not_in_pixels(record: Record, tmp_path: Path) 
         (["--at", "9s"], "there is no frame at 9 s\n  the log has frames from 0.00 s to 1.10 s\n"),
         (
             ["--every", "0.1s", "--from", "3s"],
-            "there are no frames in that span\n  the log has frames from 0.00 s to 1.10 s\n",
+            "there are no frames in this span\n  the log has frames from 0.00 s to 1.10 s\n",
         ),
         (["--from", "3s"], "--from and --until are for a contact sheet\n  add --every 0.5s, or leave them out\n"),
     ],
@@ -124,7 +124,7 @@ def test_what_no_camera_saw_cannot_be_drawn(record: Record, tmp_path: Path, caps
     record(frames=12, without=("robot.image", "flow.flow", "plane.plane"))
     for words in (["--at", "0.5s"], ["--every", "0.5s"]):
         assert main(["figure", str(tmp_path), *words]) == 2
-        assert "holds nothing to draw" in capsys.readouterr().err
+        assert "contains nothing to draw" in capsys.readouterr().err
 
 
 def test_the_earlier_of_two_frames_as_near_is_taken() -> None:

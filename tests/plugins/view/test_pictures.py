@@ -1,4 +1,4 @@
-"""What is drawn comes from the log alone, and the same log draws the same bytes."""
+"""Pictures depend on the log alone, and the same log gives the same bytes."""
 
 import subprocess
 import sys

@@ -19,7 +19,7 @@ AHEAD = Twist(v_mps=0.4, omega_radps=0.0)
 
 
 def drive(map_file: Path, twist: Twist = AHEAD, ticks: int = 8, **params: Any) -> list[WorldOutputs]:
-    world = Pymunk(map=map_file, **{"noise_sigma": 0.0} | params)
+    world = Pymunk(map=map_file, **{"noise_sigma_gray": 0.0} | params)
     world.reset(3)
     return [world.step(Latest(twist, TICK_S), Stamp(round(k * TICK_S * 1e6))) for k in range(ticks)]
 

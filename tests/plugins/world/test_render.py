@@ -163,7 +163,8 @@ def test_noise_has_the_asked_spread_and_comes_from_the_seed(world: Make) -> None
     placed = Placed.at(CAMERA, faces, 0.0, 0.0, 0.0)
     clean = renderer.render(placed, None).pixels.astype(float)
     one, same, other = (
-        renderer.render(placed, None, noise_sigma=5.0, rng=np.random.default_rng(seed)).pixels for seed in (1, 1, 2)
+        renderer.render(placed, None, noise_sigma_gray=5.0, rng=np.random.default_rng(seed)).pixels
+        for seed in (1, 1, 2)
     )
     assert (one == same).all()
     assert (one != other).any()

@@ -136,7 +136,7 @@ def test_a_seed_decides_map_pixels_and_noise(maps: Path) -> None:
 
 
 def test_what_the_robot_does_changes_neither_map_nor_textures(maps: Path) -> None:
-    world = Pymunk(map=maps / "corridor_ccw.yaml", noise_sigma=0.0)
+    world = Pymunk(map=maps / "corridor_ccw.yaml", noise_sigma_gray=0.0)
     straight, _ = drive(world, Twist(v_mps=0.3, omega_radps=0.0), 5)
     turning, _ = drive(world, Twist(v_mps=0.1, omega_radps=1.0), 5)
     assert straight[0].map is not None
@@ -151,7 +151,7 @@ def test_every_map_that_ships_passes_its_check(name: str, maps: Path) -> None:
 
 
 def test_a_missing_map_is_shown_at_its_parameter(tmp_path: Path) -> None:
-    with pytest.raises(ParamError, match="'map' names no file") as caught:
+    with pytest.raises(ParamError, match="'map' is not a file") as caught:
         Pymunk(map=tmp_path / "none.yaml").check()
     assert caught.value.param == "map"
 

@@ -17,7 +17,7 @@ FAMILY = "door"
 
 
 class Seen(NamedTuple):
-    """What the sensor publishes."""
+    """Outputs of the sensor."""
 
     flow: Flow
     twist: Twist

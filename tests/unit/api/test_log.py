@@ -110,7 +110,7 @@ def test_an_array_that_changes_its_shape_is_told(tmp_path: Path, run_toy: RunToy
         log.stack("sensor.flow", "uv_px")
     assert str(error.value) == (
         "'uv_px' of 'sensor.flow' has shape (4, 6, 2) first, and (5, 6, 2) at 0.4 s\n"
-        "  choose start_s and end_s so that all are alike, or read them one by one"
+        "  choose start_s and end_s so that all shapes are equal, or read messages one by one"
     )
     assert log.stack("sensor.flow", "uv_px", end_s=0.4).values.shape == (4, 4, 6, 2)
     assert list(log.to_pandas("sensor.flow").columns) == ["interval_us", "step_px"]
@@ -155,7 +155,7 @@ def test_an_array_that_changes_its_shape_is_told(tmp_path: Path, run_toy: RunToy
         ),
         (
             lambda log: log.stack("graphnav.about", "channels"),
-            "'channels' of 'graphnav.about' does not hold numbers\n  read the messages one by one",
+            "'channels' of 'graphnav.about' is not numeric\n  read the messages one by one",
         ),
     ],
 )
@@ -233,7 +233,7 @@ def test_a_damaged_message_is_left_out_and_told(
         assert len(log.damage) == 1
         assert log.damage[0].startswith("1 of 11 messages of 'sensor.twist' cannot be decoded: ")
     assert len(caplog.messages) == 1
-    assert caplog.messages[0].endswith("it is left out, and Log.damage counts them")
+    assert caplog.messages[0].endswith("it is skipped and counted in Log.damage")
 
 
 def test_a_log_whose_description_is_damaged_is_read_by_fingerprints(log_file: Path, tmp_path: Path) -> None:

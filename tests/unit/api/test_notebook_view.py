@@ -1,4 +1,4 @@
-"""What a notebook shows of a run: its pictures and metrics, and nothing that a stage wrote as markup."""
+"""Runs in a notebook: pictures and metrics, with strings of stages escaped."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def plugin(folder: Path, given: str, name: str = "test.stop_t", file: str = "min
 
 
 def refused(*paths: Path) -> str:
-    """Return what is said of the adapters of files, their folder left out."""
+    """Return the error for the adapters of files, without their folder."""
     catalog = Catalog()
     for path in paths:
         catalog.add_file(path)

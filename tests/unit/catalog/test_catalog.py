@@ -34,7 +34,7 @@ def plugin(folder: Path, text: str, name: str = "my_stage.py") -> Path:
 
 
 def refused(path: Path) -> str:
-    """Return what is said of a file that cannot be used, its folder left out."""
+    """Return the error for a file that cannot be used, without its folder."""
     with pytest.raises(CatalogError) as caught:
         Catalog().add_file(path)
     return str(caught.value).replace(f"{path.parent}/", "")
@@ -96,7 +96,7 @@ def test_a_missing_file(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_no_python(tmp_path: Path) -> None:
-    assert refused(plugin(tmp_path, "", "stages.txt")).startswith("plugin stages.txt: it is no Python file")
+    assert refused(plugin(tmp_path, "", "stages.txt")).startswith("plugin stages.txt: not a Python file")
 
 
 def test_a_syntax_error_has_its_line(tmp_path: Path) -> None:
@@ -130,9 +130,9 @@ def test_a_hook_that_nobody_calls(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ("return 3", "graphnav_stages() returns no list\n  return [MyStage]"),
-        ("return [3]", "graphnav_stages() returns 3, which is no Stage class"),
-        ("raise OSError('no disk')", "graphnav_stages() failed: OSError: no disk\n  mend the plugin"),
+        ("return 3", "graphnav_stages() does not return a list\n  return [MyStage]"),
+        ("return [3]", "graphnav_stages() returns 3, which is not a Stage class"),
+        ("raise OSError('no disk')", "graphnav_stages() failed: OSError: no disk\n  fix the plugin"),
     ],
 )
 def test_a_hook_that_returns_something_else(tmp_path: Path, body: str, said: str) -> None:
@@ -154,7 +154,7 @@ def test_a_constructor_that_raises_is_told_at_its_stage(tmp_path: Path) -> None:
     with pytest.raises(UserError) as caught:
         load_graph(tmp_path / "g.yaml", catalog).make_stages()
     assert str(caught.value).replace(f"{tmp_path}/", "") == (
-        "g.yaml:2:3: my_stage.same cannot be made: OSError: no such port\n  mend the plugin"
+        "g.yaml:2:3: my_stage.same cannot be made: OSError: no such port\n  fix the plugin"
     )
 
 

@@ -16,7 +16,7 @@ from graphnav.record import LogWriter
     ("words", "error"),
     [
         (["replay"], "does not hold the graph that produced it: no readable 'graphnav.about'"),
-        (["figure"], "holds nothing to draw"),
+        (["figure"], "contains nothing to draw"),
         (["export", "--to", "csv", "-o", "tables"], "holds no messages"),
     ],
 )

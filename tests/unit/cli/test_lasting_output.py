@@ -24,7 +24,7 @@ stages:
 
 
 def left_by_its_reader(*words: str | Path, lines: int = 0, stderr: int = subprocess.PIPE) -> tuple[int, str]:
-    """Return the status of a command whose output nobody reads after some lines, and what it says to stderr."""
+    """Return the status of a command whose output is not read after some lines, and its stderr."""
     with subprocess.Popen([GRAPHNAV, *words], stdout=subprocess.PIPE, stderr=stderr, text=True) as process:
         assert process.stdout is not None
         for _ in range(lines):

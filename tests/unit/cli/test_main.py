@@ -37,8 +37,8 @@ def test_options_may_stand_between_words(log: Path, capsys: pytest.CaptureFixtur
     ("words", "said"),
     [
         (["echo", "twist", "-n", "0"], "argument -n: '0' is not an integer above 0"),
-        (["hz", "twist", "--for", "-1"], "argument --for: '-1' is no number of seconds above 0"),
-        (["spy", "--once", "--for", "nan"], "argument --for: 'nan' is no number of seconds above 0"),
+        (["hz", "twist", "--for", "-1"], "argument --for: '-1' is not a number of seconds above 0"),
+        (["spy", "--once", "--for", "nan"], "argument --for: 'nan' is not a number of seconds above 0"),
     ],
 )
 def test_nothing_is_listened_for_less_than_a_moment(
@@ -66,4 +66,4 @@ def test_a_full_disk_behind_the_terminal_is_said(
     with io.TextIOWrapper(io.FileIO("/dev/full", "w"), write_through=True) as full:
         monkeypatch.setattr(sys, "stdout", full)
         assert main(words) == 1
-    assert capsys.readouterr().err == "cannot go on: No space left on device\n"
+    assert capsys.readouterr().err == "stopped: No space left on device\n"

@@ -89,13 +89,13 @@ def printed(before: str, capsys: pytest.CaptureFixture[str]) -> str:
 def test_nothing_is_overwritten(existing: str, capsys: pytest.CaptureFixture[str]) -> None:
     Path(existing).write_text("mine")
     assert main(["new-stage", "plane", "my_detector"]) == 2
-    assert capsys.readouterr().err.startswith(f"{existing} is there already\n")
+    assert capsys.readouterr().err.startswith(f"{existing} already exists\n")
     assert [(p.name, p.read_text()) for p in Path().iterdir()] == [(existing, "mine")]
 
 
 def test_a_name_that_is_taken_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new-stage", "plane", "ica"]) == 2
-    assert capsys.readouterr().err == "'plane.ica' is there already\n  choose another name\n"
+    assert capsys.readouterr().err == "'plane.ica' already exists\n  choose another name\n"
 
 
 @pytest.mark.parametrize("name", ["run_", "my_2d", "a__b"])

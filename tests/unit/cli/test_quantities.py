@@ -1,4 +1,4 @@
-"""Sizes and times as people write them."""
+"""Sizes and times are parsed and formatted with units."""
 
 from __future__ import annotations
 

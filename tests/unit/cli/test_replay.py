@@ -150,7 +150,7 @@ def test_the_log_of_the_replay(folder: Path, capsys: pytest.CaptureFixture[str])
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--cold"], "--cold begins at --from with fresh state, but there is no --from\n  add --from S\n"),
+        (["--cold"], "--cold starts at --from with fresh state, but there is no --from\n  add --from S\n"),
         (["--from", "9s"], "run/run.lcmlog ends at 2.00 s\n  --from 9 is after the end\n"),
         (["--play", "sum"], "no stage is left to step: every channel is played\n  leave out some of --play\n"),
         (["--play", "sun.twist"], "--play: the graph has no channel 'sun.twist'\n  did you mean 'sum.twist'?\n"),

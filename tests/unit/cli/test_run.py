@@ -55,7 +55,7 @@ def words(tmp_path: Path) -> list[str]:
 
 
 def no_constant(word: str) -> None:
-    raise AssertionError(f"{word} is no JSON")
+    raise AssertionError(f"{word} is not JSON")
 
 
 def test_json_is_the_summary_and_where_it_is(
@@ -77,8 +77,8 @@ def test_json_is_the_summary_and_where_it_is(
         (["--seed", "-1"], "--seed: 'seed' is -1, but must be >= 0 and <= 4294967295\n"),
         (["--until", "0"], "--until: 'until_s' is 0, but must be > 0 and <= 1000000000\n"),
         (["--until", "nan"], "--until: 'until_s' must be a number or null, not nan\n"),
-        (["--pace", "-1"], "--pace is -1, but must be above 0\n  leave it out to run as fast as it goes\n"),
-        (["--pace", "inf"], "--pace is inf, but must be above 0\n  leave it out to run as fast as it goes\n"),
+        (["--pace", "-1"], "--pace is -1, but must be above 0\n  remove it to run as fast as possible\n"),
+        (["--pace", "inf"], "--pace is inf, but must be above 0\n  remove it to run as fast as possible\n"),
     ],
 )
 def test_an_option_out_of_bounds_is_refused_before_anything_runs(
@@ -123,7 +123,7 @@ def graphnav_draw(recording, folder, video):
     ("error", "status", "said"),
     [
         ("OSError(28, 'No space left on device')", 1, "cannot draw into {out}: No space left on device"),
-        ("KeyboardInterrupt", 130, "the pictures are not all drawn; for them run: graphnav figure {out}"),
+        ("KeyboardInterrupt", 130, "some pictures were not drawn; to draw them, run: graphnav figure {out}"),
     ],
 )
 def test_why_a_run_failed_is_said_even_if_it_cannot_be_drawn(

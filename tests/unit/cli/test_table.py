@@ -1,4 +1,4 @@
-"""What a run prints is whole, however narrow the terminal is."""
+"""The output of a run is complete on any terminal width."""
 
 from __future__ import annotations
 

@@ -33,13 +33,13 @@ def test_a_model_that_is_there_is_kept_unless_forced(tmp_path: Path, capsys: pyt
     path = tmp_path / "model.lcmlog"
     path.write_text("precious")
     assert main([*TEACH, "-o", str(path)]) == 2
-    assert capsys.readouterr().err == (f"{path} is there already\n  choose another file, or replace it with --force\n")
+    assert capsys.readouterr().err == (f"{path} already exists\n  choose another file, or replace it with --force\n")
     assert path.read_text() == "precious"
 
 
 def test_too_short_a_drive_teaches_nothing_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*TEACH, "--until", "0.3", "-o", str(tmp_path / "model.lcmlog")]) == 2
-    assert "published no planar model\n  let it run longer with --until\n" in capsys.readouterr().err
+    assert "did not publish a planar model\n  run it longer with --until\n" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -61,7 +61,7 @@ def test_ctrl_c_saves_no_model_that_is_half_taught(tmp_path: Path) -> None:
     os.killpg(teaching.pid, signal.SIGINT)
     assert teaching.communicate(timeout=60) == (
         "",
-        f"stopped: teaching was not over, and nothing is written to {path}\n",
+        f"interrupted: teaching was not finished, and {path} is not written\n",
     )
     assert teaching.returncode == 130
     assert path.read_text() == "precious"

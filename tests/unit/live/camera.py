@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass, field
 
-from graphnav.live.inputs.sender import SenderMonitor, Verdict
+from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
 
 EPOCH_US = 1_760_000_000_000_000
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from graphnav.live.inputs.sender import SenderMonitor
+from graphnav.live.inputs.sender_monitor import SenderMonitor
 
 from .camera import Camera, reasons
 
@@ -55,7 +55,7 @@ def test_a_sudden_delay_ends_in_a_burst() -> None:
     late = camera.send(1, 2.0)
     burst = camera.send(40, 0.0)
     assert not any(reasons(camera.verdicts))
-    assert not any(verdict.begins_anew for verdict in (*late, *burst))
+    assert not any(verdict.is_restart for verdict in (*late, *burst))
     ages = [camera.arrival_s - verdict.birth_s for verdict in burst]
     assert ages == sorted(ages, reverse=True)
     camera.send(5)

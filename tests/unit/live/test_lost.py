@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.live.inputs.sender import SenderMonitor
+from graphnav.live.inputs.sender_monitor import SenderMonitor
 
 from .camera import Camera
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.live.inputs.sender import SenderMonitor
+from graphnav.live.inputs.sender_monitor import SenderMonitor
 
 from .camera import Camera, reasons
 
@@ -16,7 +16,7 @@ from .camera import Camera, reasons
 def test_a_jittered_camera_is_accepted() -> None:
     camera = Camera(SenderMonitor(), jitter_s=0.02)
     assert not any(reasons(camera.send(500)))
-    assert not any(verdict.begins_anew for verdict in camera.verdicts)
+    assert not any(verdict.is_restart for verdict in camera.verdicts)
     assert camera.monitor.accepted == 500
     assert not camera.monitor.fault(camera.arrival_s)
     assert camera.monitor.rate_hz(camera.arrival_s) == pytest.approx(20, rel=0.1)
@@ -71,7 +71,7 @@ def test_a_jump_that_passes_changes_nothing(jump_s: float, is_counting: bool) ->
     assert camera.monitor.age_s(camera.arrival_s) == 0
     assert camera.monitor.fault(camera.arrival_s)
     assert not camera.monitor.fault(camera.arrival_s + 0.5)
-    assert not any(verdict.begins_anew for verdict in after)
+    assert not any(verdict.is_restart for verdict in after)
 
 
 @pytest.mark.parametrize("jump_s", [3600.0, -3600.0])
@@ -82,7 +82,7 @@ def test_a_jump_that_stays_is_adopted_after_five_messages(jump_s: float, is_coun
     camera.offset_s = jump_s
     verdicts = camera.send(20)
     assert reasons(verdicts) == ["jumped"] * 4 + [""] * 16
-    assert [verdict.begins_anew for verdict in verdicts] == [False] * 4 + [True] + [False] * 15
+    assert [verdict.is_restart for verdict in verdicts] == [False] * 4 + [True] + [False] * 15
     assert camera.monitor.offset_s == pytest.approx(jump_s, abs=0.01)
     assert camera.monitor.age_s(camera.arrival_s) < 0.02
 
@@ -109,7 +109,7 @@ def test_a_gap_is_no_new_beginning() -> None:
     camera = Camera(SenderMonitor())
     camera.send(20)
     camera.pause(1.0)
-    assert not camera.send(1)[0].begins_anew
+    assert not camera.send(1)[0].is_restart
 
 
 def test_half_of_the_messages_lost_is_another_rate() -> None:
@@ -120,7 +120,7 @@ def test_half_of_the_messages_lost_is_another_rate() -> None:
         camera.seq += 1
         camera.send(1)
     assert not any(reasons(camera.verdicts))
-    assert not any(verdict.begins_anew for verdict in camera.verdicts)
+    assert not any(verdict.is_restart for verdict in camera.verdicts)
     assert camera.monitor.rate_hz(camera.arrival_s) == pytest.approx(10, rel=0.1)
 
 
@@ -146,7 +146,7 @@ def test_whatever_comes(steps: list[tuple[float, int | None, int]], max_age_s: f
         assert verdict.accepted == (not verdict.reason)
         assert verdict.birth_s <= arrival_s
         if verdict.accepted:
-            assert newest is None or verdict.utime > newest or verdict.begins_anew
+            assert newest is None or verdict.utime > newest or verdict.is_restart
             newest, newest_s = verdict.utime, arrival_s
         assert monitor.age_s(arrival_s + 0.5) >= arrival_s + 0.5 - newest_s
     assert monitor.accepted + monitor.rejected.total() == len(steps)

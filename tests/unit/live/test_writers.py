@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graphnav.live.inputs.sender import SenderMonitor, Verdict
+from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
 
 from .camera import Camera, reasons
 
@@ -67,7 +67,7 @@ def test_a_restarted_sender_is_adopted(down_s: float, n_before: int) -> None:
     camera.seq = 0
     verdicts = camera.send(40)
     adopted = next(k for k, verdict in enumerate(verdicts) if verdict.accepted)
-    assert verdicts[adopted].begins_anew
+    assert verdicts[adopted].is_restart
     assert not any(reasons(verdicts[adopted:]))
     assert (n_before + round(down_s * 20) + adopted) / 20 - end_s <= max(0.6, down_s + 0.15)
     assert camera.monitor.age_s(camera.arrival_s) == pytest.approx(0, abs=0.01)
@@ -88,7 +88,7 @@ def test_of_two_writers_the_second_is_adopted_once_the_first_is_silent() -> None
     _interleave(first, second, 10)
     verdicts = second.send(20)
     assert reasons(verdicts)[:4] == ["second writer"] * 4
-    assert sum(verdict.begins_anew for verdict in verdicts) == 1
+    assert sum(verdict.is_restart for verdict in verdicts) == 1
     assert not any(reasons(verdicts[8:]))
 
 

@@ -41,7 +41,7 @@ def test_silence_is_answered_for_a_second_then_once_an_age() -> None:
     assert rest[0] == pytest.approx(11.6, abs=2 * STOP_PERIOD_S)
 
 
-def test_a_command_ends_the_stops_and_starts_the_wait_anew() -> None:
+def test_a_command_ends_the_stops_and_restarts_the_wait() -> None:
     schedule = StopSchedule(0.3)
     schedule.command(10.0)
     stops_between(schedule, 10.0, 10.5)

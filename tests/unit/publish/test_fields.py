@@ -67,7 +67,7 @@ def test_an_array_gives_the_others_their_size() -> None:
             "twist_t",
             "v_mps: fast, omega_radps: .nan",
             (
-                "FIELDS:1:8: 'v_mps' is a number (double), but this is the string 'fast'\n  write a number\n"
+                "FIELDS:1:8: 'v_mps' must be a number (double), not the string 'fast'\n  write a number\n"
                 "FIELDS:1:27: 'omega_radps' is not finite: nan\n  write a finite number"
             ),
         ),
@@ -75,69 +75,66 @@ def test_an_array_gives_the_others_their_size() -> None:
             "twist_t",
             "5",
             (
-                "FIELDS must be a mapping, but this is the number 5\n"
+                "FIELDS must be a mapping, not the number 5\n"
                 "  write name: value; fields are utime, seq, v_mps, omega_radps"
             ),
         ),
         (
             "stop_t",
             "[now]",
-            (
-                "FIELDS must be a mapping, but this is a list\n"
-                "  write name: value; fields are utime, seq, engaged, reason"
-            ),
+            ("FIELDS must be a mapping, not a list\n  write name: value; fields are utime, seq, engaged, reason"),
         ),
         ("twist_t", "{v_mps: .inf}", "FIELDS:1:9: 'v_mps' is not finite: inf\n  write a finite number"),
-        ("twist_t", "v_mps: true", "FIELDS:1:8: 'v_mps' is a number (double), but this is true\n  write a number"),
+        ("twist_t", "v_mps: true", "FIELDS:1:8: 'v_mps' must be a number (double), not true\n  write a number"),
         (
             "twist_t",
             "seq: 9223372036854775808",
             (
-                "FIELDS:1:6: 'seq' is 9223372036854775808, but int64_t holds -9223372036854775808 to "
+                "FIELDS:1:6: 'seq' is 9223372036854775808, but the range of int64_t is -9223372036854775808 to "
                 "9223372036854775807\n"
-                "  write a number in this range"
+                "  write an integer in this range"
             ),
         ),
         (
             "twist_t",
             "seq: 1.0",
-            "FIELDS:1:6: 'seq' is an integer (int64_t), but this is the number 1.0\n  write an integer",
+            "FIELDS:1:6: 'seq' must be an integer (int64_t), not the number 1.0\n  write an integer",
         ),
         (
             "stop_t",
             "reason: 5, engaged: 1",
             (
-                "FIELDS:1:9: 'reason' is a string, but this is the number 5\n  put it in quotes\n"
-                "FIELDS:1:21: 'engaged' is a boolean, but this is the number 1\n  write true or false"
+                "FIELDS:1:9: 'reason' must be a string, not the number 5\n  put it in quotes\n"
+                "FIELDS:1:21: 'engaged' must be a boolean, not the number 1\n  write true or false"
             ),
         ),
         (
             "flow_t",
             "valid: [[1, 256]]",
-            "FIELDS:1:13: 'valid' is 256, but byte holds 0 to 255\n  write a number in this range",
+            "FIELDS:1:13: 'valid' is 256, but the range of byte is 0 to 255\n  write an integer in this range",
         ),
         (
             "flow_t",
             "uv_px: [[[1e39, 0]]]",
-            "FIELDS:1:11: 'uv_px' is 1e+39, but float holds at most 3.40282e+38\n  write less",
+            "FIELDS:1:11: 'uv_px' is 1e+39, but the maximum of float is 3.40282e+38\n  write a smaller number",
         ),
         (
             "flow_t",
             "valid: 1",
-            "FIELDS:1:8: 'valid' is an array byte[rows][cols], but this is the number 1\n  write [[value]]",
+            "FIELDS:1:8: 'valid' must be an array byte[rows][cols], not the number 1\n  write [[value]]",
         ),
         (
             "flow_t",
             "valid: [[1, 2], [3]]",
             "FIELDS:1:1: the lists in 'valid' differ in length\n  make them equal",
         ),
-        ("flow_t", "uv_px: [[[1]]]", "FIELDS:1:10: 'uv_px' holds 2 values here, not 1\n  write 2 values"),
+        ("flow_t", "uv_px: [[[1]]]", "FIELDS:1:10: 'uv_px' must hold 2 values here, not 1\n  write 2 values"),
         (
             "flow_t",
             "rows: 3, valid: [[1]]",
             (
                 "FIELDS: graphnav_lcm.flow_t.valid: expected shape (rows=3, cols=1), found (1, 1)\n"
-                "  give arrays the sizes that the type says"
+                "  give arrays the sizes that the type declares"
             ),
         ),
         (
@@ -159,7 +156,7 @@ def test_an_array_gives_the_others_their_size() -> None:
             "status_t",
             "stages: [x]",
             (
-                "FIELDS:1:10: graphnav_lcm.stage_status_t needs fields, but this is the string 'x'\n"
+                "FIELDS:1:10: graphnav_lcm.stage_status_t needs fields, not the string 'x'\n"
                 "  write name: value, name: value"
             ),
         ),

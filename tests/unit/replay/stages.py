@@ -66,7 +66,7 @@ class Mean(Stage):
     """The mean gray level with memory: a replay that begins later has another one."""
 
     gain: float = param(0.5, doc="weight of the newest picture")
-    offset: float = param(0.0, doc="is added from `since` on")
+    offset: float = param(0.0, doc="dimensionless: is added from `since` on", renamed_from="shift")
     since: int = param(0, doc="the first step that is changed")
 
     def reset(self, seed: int) -> None:

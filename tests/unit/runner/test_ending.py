@@ -1,4 +1,4 @@
-"""However a run ends, its log is whole and its summary says how."""
+"""However a run ends, its log is complete and its summary states the outcome."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def assert_stopped(process: subprocess.Popen[str], folder: Path, number: int) ->
     out, err = process.communicate(timeout=60)
     assert process.returncode == 130, out + err
     assert "Traceback" not in err
-    assert f"no pictures were drawn; for them run: graphnav figure {folder}" in err
+    assert f"no pictures were drawn; to draw them, run: graphnav figure {folder}" in err
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["outcome"] == "stopped"
     log = Recording(folder / "run.lcmlog")

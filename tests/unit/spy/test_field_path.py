@@ -217,7 +217,7 @@ def test_a_table_has_a_column_a_number(log: Path, capsys: pytest.CaptureFixture[
         *([f"{0.5 * k:.6f}", str(500_000 * k), str(k), str(0.25 * k), "nan"] for k in range(3)),
     ]
     out, err = echoed(capsys, "flow", log, "--csv", "-n", "2")
-    assert err == "left out: uv_px, valid; --field names elements of arrays\n"
+    assert err == "omitted: uv_px, valid; select elements of arrays with --field\n"
     assert rows_of(out)[0] == ["at_s", "utime", "seq", "interval_us", "step_px", "rows", "cols"]
     assert len(rows_of(out)) == 3
 
@@ -243,7 +243,7 @@ def test_strings_are_shown_without_what_a_terminal_obeys(log: Path, capsys: pyte
 def test_other_types_have_no_row_and_are_counted(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out, err = echoed(capsys, "mixed", log, "--csv")
     assert len(rows_of(out)) == 3
-    assert err == "1 messages left out: undecodable, or not graphnav_lcm.twist_t\n"
+    assert err == "1 messages skipped: undecodable, or not graphnav_lcm.twist_t\n"
     out, _ = echoed(capsys, "mixed", log, "--field", "v_mps")
     assert out.count("another type: it has no such fields") == 1
     lines = [json.loads(line) for line in echoed(capsys, "mixed", log, "--field", "v_mps", "--jsonl")[0].splitlines()]

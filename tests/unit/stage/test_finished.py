@@ -11,5 +11,5 @@ def test_the_outcome_is_kept_with_what_is_published_last() -> None:
 
 
 def test_another_word_is_refused() -> None:
-    with pytest.raises(ValueError, match="no source ends a run with 'failed': use goal, contact, end"):
+    with pytest.raises(ValueError, match="a source cannot end a run with 'failed': use goal, contact, end"):
         Finished("failed")  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Parameters take what graphs give, and say what they would take instead."""
+"""Parameters convert values of graphs, and errors name the expected type."""
 
 from pathlib import Path
 from typing import Any, Literal
@@ -9,7 +9,7 @@ from graphnav import ParamError
 from graphnav.stage import Param
 
 
-def declared(kind: Any, **bounds: float) -> Param:
+def declared(kind: Any, **bounds: Any) -> Param:
     return Param("x", kind, None, "doc", **bounds)
 
 
@@ -42,21 +42,21 @@ def test_what_is_given_becomes_the_declared_type(kind: Any, given: Any, value: A
 @pytest.mark.parametrize(
     ("kind", "given", "said"),
     [
-        (int, 2.0, "'x' must be a whole number, not 2.0"),
-        (int, True, "'x' must be a whole number, not true"),
+        (int, 2.0, "'x' must be an integer, not 2.0"),
+        (int, True, "'x' must be an integer, not true"),
         (float, True, "'x' must be a number, not true"),
-        (float, "1", "'x' must be a number, not the text '1'\n  leave the quotes out"),
+        (float, "1", "'x' must be a number, not the string '1'\n  remove the quotes"),
         (float, float("nan"), "'x' is nan, but must be finite"),
         (float, 10**400, "'x' is too large a number"),
-        (bool, "yes", "'x' must be true or false, not the text 'yes'\n  write true"),
+        (bool, "yes", "'x' must be true or false, not the string 'yes'\n  write true"),
         (bool, 0, "'x' must be true or false, not 0"),
-        (str, None, "'x' must be a text, not null"),
-        (Path, "", "'x' must be a path, not the text ''"),
+        (str, None, "'x' must be a string, not null"),
+        (Path, "", "'x' must be a path, not the string ''"),
         (Path, -1, "'x' must be a path, not -1"),
         (Literal["mad", "otsu"], 3, "'x' must be \"mad\" or \"otsu\", not 3"),
         (tuple[float, float], [1], "'x' must be [a number, a number], not a list of 1"),
-        (tuple[int, ...], {"a": 1}, "'x' must be a list, each a whole number, not a mapping"),
-        (float | None, "lots", "'x' must be a number or null, not the text 'lots'"),
+        (tuple[int, ...], {"a": 1}, "'x' must be a list, each an integer, not a mapping"),
+        (float | None, "lots", "'x' must be a number or null, not the string 'lots'"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_told(kind: Any, given: Any, said: str) -> None:

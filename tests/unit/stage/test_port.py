@@ -113,7 +113,9 @@ def test_a_field_that_is_no_parameter_is_told() -> None:
     from graphnav.stage import params_of
 
     cls = type("Wrong", (Stage,), {"__annotations__": {"alpha": float}, "alpha": 0.5})
-    with pytest.raises(DeclarationError, match=r"field 'alpha' of Wrong is no parameter: write alpha: \.\.\. = param"):
+    with pytest.raises(
+        DeclarationError, match=r"field 'alpha' of Wrong is not a parameter: write alpha: \.\.\. = param"
+    ):
         params_of(cls)
 
 

@@ -34,9 +34,18 @@ class NoSentence(Good):
 
 
 class WrongUnit(Stage):
-    """Its parameter names a unit that is written otherwise."""
+    """Its parameter names a unit that graphnav writes differently."""
 
     wait_ms: float = param(1.0, doc="how long")
+
+    def step(self, image: Image) -> Image:
+        return image
+
+
+class NoUnit(Stage):
+    """Its parameters are numbers of unknown unit."""
+
+    size: tuple[float, float] | None = param(None, doc="how large")
 
     def step(self, image: Image) -> Image:
         return image
@@ -67,7 +76,7 @@ class WritesInputs(Stage):
 
 
 class Forgetful(Stage):
-    """Its reset does not start anew."""
+    """Its reset does not restart it."""
 
     steps = 0
 
@@ -158,7 +167,7 @@ class Sensor(Stage):
 
 
 def test_stamps_of_an_output_have_to_repeat() -> None:
-    with pytest.raises(AssertionError, match="the same seed gave another output in step 1"):
+    with pytest.raises(AssertionError, match="the same seed gave a different output in step 1"):
         check_stage(Sensor, {"image": picture()})
 
 
@@ -170,11 +179,12 @@ def test_a_good_stage_passes() -> None:
     ("cls", "said"),
     [
         (NoDoc, "has no docstring"),
-        (NoSentence, "first line is no sentence"),
-        (WrongUnit, "parameter 'wait_ms' has no suffix of graphnav's units"),
-        (WrongDefault, "the default does not fit"),
+        (NoSentence, "is not a sentence"),
+        (WrongUnit, "parameter 'wait_ms' does not end in a unit suffix of graphnav"),
+        (NoUnit, "parameter 'size' has no unit suffix: add one, or say 'dimensionless' in its doc"),
+        (WrongDefault, "invalid default"),
         (NeverFires, "nothing fires it"),
-        (Forgetful, "the same seed gave another output in step 1"),
+        (Forgetful, "the same seed gave a different output in step 1"),
         (WrongType, "output 'image' is ndarray"),
         (BadMetrics, "metric 'share' of summary() is 'half'"),
         (Silent, "declares metrics, but has no summary()"),

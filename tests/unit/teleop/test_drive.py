@@ -116,7 +116,7 @@ class Typist:
 
 
 class Heard:
-    """What a session published on a bus of this process, with the time since its start."""
+    """Messages of a session on a bus of this process, with the time since its start."""
 
     def __init__(self, typist: Typist, rate_hz: float = 20) -> None:
         self.twists: list[tuple[float, float, float]] = []

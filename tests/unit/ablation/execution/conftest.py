@@ -45,9 +45,9 @@ class ToyStudy:
         """Run the command in this process."""
         return main(self.words(*more, **options))
 
-    def start(self, *more: str, most_kb: int | None = None, **options: Any) -> subprocess.Popen[str]:
-        """Start the command as the leader of a process group, no file of which may have more than ``most_kb``."""
-        limit = "unlimited" if most_kb is None else 2 * most_kb
+    def start(self, *more: str, max_kb: int | None = None, **options: Any) -> subprocess.Popen[str]:
+        """Start the command as the leader of a process group, no file of which may have more than ``max_kb``."""
+        limit = "unlimited" if max_kb is None else 2 * max_kb
         command = ["sh", "-c", f'ulimit -f {limit}; exec "$@"', "sh", str(GRAPHNAV), *self.words(*more, **options)]
         return subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True

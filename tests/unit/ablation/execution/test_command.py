@@ -25,7 +25,7 @@ GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 def test_many_runs_without_anybody_to_ask_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     assert study.run(seeds="0:501") == 2
     assert capsys.readouterr().err == (
-        "1002 runs are pending; cannot ask for confirmation: not a terminal\n  add --yes, or take fewer seeds\n"
+        "1002 runs are pending, and cannot ask for confirmation: not a terminal\n  add --yes, or use fewer seeds\n"
     )
     assert study.runs == {}
 
@@ -45,9 +45,9 @@ def test_many_runs_are_asked_for_with_the_time_that_they_take(study: Any, answer
         except OSError:  # so a terminal says that the other end is closed
             pass
     assert process.wait() == 0
-    assert b"one run is made first, to see how long it takes" in said
-    assert b"1001 runs are pending, which take about " in said
-    assert b"nothing more is run" in said
+    assert b"executing one run first, to measure its time" in said
+    assert b"1001 runs are pending, about " in said
+    assert b"no more runs" in said
     assert len(study.runs) == 1
 
 

@@ -79,7 +79,7 @@ def test_a_disk_that_refuses_ends_the_study_in_a_line_and_what_is_made_stays(
     assert study.run() == 1
     assert capsys.readouterr().err == (
         f"cannot write into {study.out}: Not a directory\n"
-        "  0 of 8 runs are made; fix this, and the same command goes on\n"
+        "  0 of 8 runs are finished; fix this and resume with the same command\n"
     )
     kept.unlink()
     (study.out / "kept").rename(kept)
@@ -90,12 +90,12 @@ def test_a_disk_that_refuses_ends_the_study_in_a_line_and_what_is_made_stays(
 
 def test_a_log_that_cannot_be_written_is_no_result(study: Any) -> None:
     long = {"vary": "robot.times=2000,3000"}
-    process = study.start("--set", "run.until_s=1e6", most_kb=64, **long)
+    process = study.start("--set", "run.until_s=1e6", max_kb=64, **long)
     _, said = process.communicate()
     assert process.returncode == 1
     assert said == (
         f"cannot write into {study.out / '.scratch'}: File too large\n"
-        "  0 of 8 runs are made; fix this, and the same command goes on\n"
+        "  0 of 8 runs are finished; fix this and resume with the same command\n"
     )
     assert study.run("--set", "run.until_s=1e6", **long) == 0
     assert len(study.rows) == 8

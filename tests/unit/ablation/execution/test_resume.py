@@ -24,7 +24,7 @@ def test_what_is_there_is_not_made_again(study: Any, capsys: pytest.CaptureFixtu
     assert len(first) == 4
     capsys.readouterr()
     assert study.run(seeds="0:4") == 0
-    assert "4 of 8 runs exist already" in capsys.readouterr().out
+    assert "4 of 8 runs are finished already" in capsys.readouterr().out
     assert first.items() <= study.runs.items()
     assert len(study.rows) == 8
     assert study.run(seeds="1:2") == 0
@@ -97,15 +97,18 @@ def test_a_metric_that_no_run_has_is_named(study: Any, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--report", "out", "--metrics", "a.b"], "--report takes a study as it is; --metrics would change nothing"),
-        (["toy", "--report", "out", "-o", "x"], "--report takes a study as it is; toy, -o would change nothing"),
-        (["--compare", "a", "b", "--seeds", "0:1"], "--compare takes a study as it is; --seeds would change nothing"),
-        (["--report", "out", "--compare", "a", "b"], "--report takes a study as it is; --compare would change nothing"),
+        (["--report", "out", "--metrics", "a.b"], "--report reads an existing study; --metrics would have no effect"),
+        (["toy", "--report", "out", "-o", "x"], "--report reads an existing study; toy, -o would have no effect"),
+        (["--compare", "a", "b", "--seeds", "0:1"], "--compare reads an existing study; --seeds would have no effect"),
+        (
+            ["--report", "out", "--compare", "a", "b"],
+            "--report reads an existing study; --compare would have no effect",
+        ),
     ],
 )
 def test_what_would_change_nothing_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["ablate", *words]) == 2
-    assert capsys.readouterr().err.startswith(f"{said}\n  leave ")
+    assert capsys.readouterr().err.startswith(f"{said}\n  remove ")
 
 
 def test_a_plugin_that_has_changed_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
@@ -164,7 +167,7 @@ def test_ctrl_c_ends_in_a_line_and_keeps_what_is_made(study: Any, wait_until: Wa
     os.killpg(process.pid, number)
     out, said = process.communicate()
     assert process.returncode == 130
-    assert (out, said) == ("", "stopped: 1 of 2 runs are made; the same command goes on\n")
+    assert (out, said) == ("", "stopped: 1 of 2 runs are finished; resume with the same command\n")
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
     assert not (study.out / ".scratch").exists()

@@ -49,7 +49,7 @@ def _drawing(study: StudyResults, cases: list[Case]) -> _Drawing:
     picture, reason = Markup(""), ""
     try:
         graph = study.graphs.get(base.folder) or graph_of(
-            base.graph_yaml.encode(), _FILE, study.catalog, is_recorded=True
+            base.graph_yaml.encode(), _FILE, study.catalog, is_record=True
         )
     except UserError as error:
         reason = str(replace(error.problems[0], hint=""))

@@ -17,7 +17,7 @@ from graphnav.ablation.results import Record
 from graphnav.errors import DrawingError, GraphnavError
 from graphnav.pictures import DRAWING_FAMILY, drawing
 from graphnav.record import Recording
-from graphnav.record.find_log import LOG
+from graphnav.run_folder import LOG
 from graphnav.runner import Outcome
 
 FOLDER = "paths"

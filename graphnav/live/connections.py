@@ -1,4 +1,4 @@
-"""What a live run opens towards other programs: what it hears, what it sends, what moves motors."""
+"""Open the connections of a live run to other programs: inputs, outputs and motor channels."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ def opened(
     wake: threading.Event,
     observer: Observer,
 ) -> Iterator[MotorSender | None]:
-    """Open what comes in and what leaves, and yield what sends the motor channels, if any do.
+    """Open inputs and outputs; yield the sender of the motor channels, None if there are none.
 
-    Whatever happens then, the motors are stopped first. ``observer`` counts what comes by on the motor channels.
-    Raises BusError where LCM cannot be opened.
+    On exit the motors are always stopped first. ``observer`` counts all messages on the motor channels.
+    Raises BusError if LCM cannot be opened.
     """
     with ExitStack() as cleanup:
         motor = {ref: target for ref, target in graph.outputs.items() if target.motor}

@@ -15,7 +15,7 @@ TOYS = HERE.parent / "errors" / "stages.py"
 GRAPHNAV = [sys.executable, "-c", "import sys; from graphnav.cli import main; sys.exit(main())"]
 
 GRAPH = """\
-about: A toy that a stranger's stages look at.
+about: A toy that third-party stages look at.
 run: {until_s: 0.5}
 stages:
   robot: {use: toy.robot, in: {command: wheels.twist}}

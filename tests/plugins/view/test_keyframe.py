@@ -3,12 +3,12 @@
 from collections.abc import Callable
 
 from graphnav_view.panels.keyframe import (
-    LEAST_RATIO,
-    MOST_RATIO,
-    MOST_SPIN_RADPS,
+    MAX_RATIO,
+    MAX_SPIN_RADPS,
+    MIN_RATIO,
     frame_at,
     from_forward,
-    telling_utime,
+    keyframe_utime,
     theta_text,
 )
 from graphnav_view.signals import Signals
@@ -21,14 +21,14 @@ Record = Callable[..., Recording]
 
 def test_it_is_pushed_aside_hardest_of_those_that_show_ground_and_obstacle_on_a_straight_way(record: Record) -> None:
     signals = Signals(record(frames=60))
-    utime = telling_utime(signals)
+    utime = keyframe_utime(signals)
     assert utime is not None
     frame = frame_at(signals, utime)
     assert frame.steering is not None
     pushes = {
         stamp: abs(steering.repulsive[0])
         for stamp, (plane, steering, state) in signals.joined(Plane, Steering, State)
-        if LEAST_RATIO <= plane.obstacle_ratio <= MOST_RATIO and abs(state.omega_radps) <= MOST_SPIN_RADPS
+        if MIN_RATIO <= plane.obstacle_ratio <= MAX_RATIO and abs(state.omega_radps) <= MAX_SPIN_RADPS
     }
     assert len(pushes) > 5
     assert utime in pushes
@@ -37,12 +37,12 @@ def test_it_is_pushed_aside_hardest_of_those_that_show_ground_and_obstacle_on_a_
 
 def test_without_planes_it_is_the_middle_one(record: Record) -> None:
     signals = Signals(record(frames=9, without=("plane.plane", "flow.flow")))
-    assert telling_utime(signals) == 400_000
+    assert keyframe_utime(signals) == 400_000
 
 
 def test_without_anything_seen_there_is_none(record: Record) -> None:
     unseen = ("plane.plane", "flow.flow", "robot.image", "steer.potential")
-    assert telling_utime(Signals(record(frames=3, without=unseen))) is None
+    assert keyframe_utime(Signals(record(frames=3, without=unseen))) is None
 
 
 def test_angles_read_as_degrees_and_side() -> None:

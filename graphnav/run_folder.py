@@ -1,0 +1,14 @@
+"""Names of the files in a run folder that other folders of graphnav look for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+LOG = "run.lcmlog"
+GRAPH = "graph.yaml"
+"""The graph as it ran, which runs again."""
+
+
+def is_graph_of_run(path: Path) -> bool:
+    """Return whether ``path`` is the graph of a run folder, written by graphnav, not by a user."""
+    return path.name == GRAPH and (path.parent / LOG).is_file()
