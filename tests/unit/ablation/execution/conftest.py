@@ -41,7 +41,7 @@ class ToyStudy:
         return [*words, "-j", str(jobs), "--gallery", "0", "-o", str(self.out), *more]
 
     def run(self, *more: str, **options: Any) -> int:
-        """Run the command in this process, which makes one run at a time: the fewer processes, the sooner it is done."""
+        """Run the command in this process, one run at a time: every process more takes a while to start."""
         return main(self.words(*more, **{"jobs": 1} | options))
 
     def start(self, *more: str, most_kb: int | None = None, **options: Any) -> subprocess.Popen[str]:
