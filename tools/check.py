@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import sysconfig
@@ -11,6 +12,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 CHECKED = ["graphnav", "plugins", "tests", "tools", "docs/conf.py"]
+WORKERS = 2 * (os.cpu_count() or 1)
+"""Processes of the tests: live ones mostly wait for what others send, so that two share a core."""
 
 STEPS: dict[str, list[str]] = {
     "format": [sys.executable, "-m", "ruff", "format", "--check", "--quiet", *CHECKED],
@@ -29,7 +32,7 @@ STEPS: dict[str, list[str]] = {
         "docs",
         "build/docs",
     ],
-    "tests": [sys.executable, "-m", "pytest", "-q", "-n", "auto"],
+    "tests": [sys.executable, "-m", "pytest", "-q", "-n", str(WORKERS), "--dist", "worksteal"],
 }
 
 

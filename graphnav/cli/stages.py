@@ -117,7 +117,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
         console.print(metrics)
     console.print()
     console.print("In a graph:")
-    console.print(_snippet(described), markup=False)
+    console.print(_snippet(described), markup=False, soft_wrap=True)
 
 
 def _reading(port: Mapping[str, Any]) -> str:

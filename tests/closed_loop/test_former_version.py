@@ -17,7 +17,7 @@ from graphnav.ablation.execution import read_plan
 from graphnav.ablation.results import pair_studies, read_records
 from graphnav.catalog import Catalog
 from graphnav.cli import main
-from graphnav.stage import params_of
+from graphnav.stage import UNDEFINED, former_names, metrics_of, params_of
 
 FORMER = Path(__file__).parents[1] / "fixtures" / "v0_1_0"
 RUN = FORMER / "run"

@@ -14,7 +14,7 @@ from graphnav.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
-SHORT = "run.until_s=4"
+SHORT = "run.until_s=2"
 
 
 def test_the_same_seed_gives_the_same_log_and_another_does_not(drive: Drive) -> None:
@@ -23,7 +23,7 @@ def test_the_same_seed_gives_the_same_log_and_another_does_not(drive: Drive) -> 
 
 
 def test_two_processes_at_once_write_the_same_log(tmp_path: Path) -> None:
-    words = ["run", "corridor_ccw", "--seed", "5", "--until", "4", "--no-tap", "--no-pictures"]
+    words = ["run", "corridor_ccw", "--seed", "5", "--until", "2", "--no-tap", "--no-pictures"]
     both = [
         subprocess.Popen([str(GRAPHNAV), *words, "-o", str(tmp_path / name)], stdout=subprocess.DEVNULL)
         for name in ("a", "b")

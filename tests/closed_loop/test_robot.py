@@ -54,11 +54,10 @@ def test_it_is_driven_to_the_goal(drive: Drive, graph: str, seed: int) -> None:
     assert summary.scores["drive"]["success"] == 1.0
 
 
-@pytest.mark.parametrize("seed", [8, 10])
-def test_the_navigation_drives_it_by_odometry_of_another_rate(drive: Drive, tmp_path: Path, seed: int) -> None:
+def test_the_navigation_drives_it_by_odometry_of_another_rate(drive: Drive, tmp_path: Path) -> None:
     path = tmp_path / "navigation.yaml"
     path.write_text(NAVIGATION)
-    summary, log = drive(str(path), seed)
+    summary, log = drive(str(path), 8)
     assert summary.outcome == "goal", summary.failure
     assert summary.scores["sight"]["balanced_accuracy_ratio"] > 0.8
     assert log.count("motion.motion") >= log.count("steer.steering") > 200

@@ -60,10 +60,14 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         stack.callback(scheduler.terminate)
         assert scheduler.stderr is not None
         address = next(found.group() for line in scheduler.stderr if (found := re.search(r"tcp://[\d.]+:\d+", line)))
+        workers = []
         for name in ("first", "second"):
             local = ["--local-directory", str(folder / name)]
-            worker = stack.enter_context(process("dask", "worker", address, "--nthreads", "1", *local))
-            stack.callback(worker.terminate)
+            workers.append(stack.enter_context(process("dask", "worker", address, "--nthreads", "1", *local)))
+            stack.callback(workers[-1].terminate)
+        for worker in workers:  # a study gives up where no worker comes for some seconds
+            assert worker.stderr is not None
+            assert any("Registered to" in line for line in worker.stderr)
         yield address
 
 
@@ -84,7 +88,7 @@ def wait_until(condition: Callable[[], bool], study: subprocess.Popen[str]) -> N
     """Wait until a condition holds or the study has ended, for at most a minute."""
     deadline = time.monotonic() + 60
     while not condition() and study.poll() is None and time.monotonic() < deadline:
-        os.sched_yield()
+        time.sleep(0.005)
 
 
 def finished(folder: Path, *words: str) -> bytes:
@@ -122,7 +126,7 @@ def test_a_stage_that_kills_its_process_kills_no_worker_of_a_cluster(tmp_path: P
 
 def test_kill_9_at_any_moment_changes_no_result(undisturbed: bytes, tmp_path: Path) -> None:
     out = tmp_path / "killed"
-    for made in range(1, 4):
+    for made in (1, 3):
         study = start(out, "-j", "2")
         wait_until(lambda: len(list(out.glob("runs/*/*/*"))) >= made, study)  # noqa: B023 - called before it changes
         os.killpg(study.pid, signal.SIGKILL)

@@ -15,6 +15,8 @@ from graphnav.catalog import Catalog
 from graphnav.cli import COMMANDS
 from graphnav.graph import shipped_graphs
 
+from .conftest import patient, shortened
+
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"^```sh\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
@@ -26,7 +28,7 @@ def test_the_commands_run(block: str, tmp_path: Path, request: pytest.FixtureReq
         request.getfixturevalue("group")
     path = f"{sysconfig.get_path('scripts')}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
-        ["bash", "-eu", "-o", "pipefail", "-c", block],
+        ["bash", "-eu", "-o", "pipefail", "-c", patient(shortened(block))],
         cwd=tmp_path,
         env={**os.environ, "PATH": path},
         capture_output=True,

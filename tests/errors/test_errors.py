@@ -1,5 +1,6 @@
-"""Every broken graph here and every broken study in ``studies`` is refused with exactly the text beside it.
+"""Every broken graph and every broken study in the folders here is refused with exactly the text beside it.
 
+The folders say what is wrong. Files that the cases need are in folders below, as ``extends/extended``.
 Lines ``# --set ...`` at the head of a graph are given to ``graphnav check``. The first line of a study says its
 command, ``.`` for the file itself: ``# ablate . --seeds 0:5``, which is also what is meant without such a line.
 To write the texts anew, and then read them::
@@ -17,17 +18,17 @@ from graphnav.cli import main
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-GRAPHS, STUDIES = HERE, HERE / "studies"
-CASES = [case for folder in (GRAPHS, STUDIES) for case in sorted(folder.glob("*.yaml"))]
+STUDIES = HERE / "studies"
+CASES = sorted(HERE.glob("*/*.yaml"))
 OPTION, COMMAND = "# --set ", "# ablate "
 
 
 def words_of(case: Path) -> list[str]:
     """Return the command line that refuses a case, for its folder."""
     lines = case.read_bytes().decode("utf-8", "replace").splitlines()
-    if case.parent == GRAPHS:
+    if case.parent != STUDIES:
         options = [word for line in lines if line.startswith(OPTION) for word in ("--set", line.removeprefix(OPTION))]
-        return ["check", case.name, "--plugin", "stages.py", *options]
+        return ["check", case.name, "--plugin", "../stages.py", *options]
     typed = lines[0].removeprefix(COMMAND) if lines and lines[0].startswith(COMMAND) else ". --seeds 0:5"
     words = [case.name if word == "." else word for word in typed.split()]
     return ["ablate", *words, "--plugin", "../stages.py", "--plugin", "stages.py"]
@@ -50,8 +51,11 @@ def test_refused_with_the_golden_message(case: Path) -> None:
 
 
 def test_every_text_has_its_case() -> None:
-    texts = [text for folder in (GRAPHS, STUDIES) for text in sorted(folder.glob("*.txt"))]
-    assert [text.with_suffix(".yaml") for text in texts] == CASES
+    assert [text.with_suffix(".yaml") for text in sorted(HERE.glob("*/*.txt"))] == CASES
+
+
+def test_every_case_is_in_a_folder_that_says_what_is_wrong() -> None:
+    assert list(HERE.glob("*.yaml")) == []
 
 
 if __name__ == "__main__":

@@ -107,7 +107,7 @@ def expected(recording: Recording, channel: str) -> list[dict[str, Any]]:
     ]
 
 
-@settings(derandomize=True, deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(derandomize=True, deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(rows=st.lists(st.fixed_dictionaries(EVERY), min_size=1, max_size=4))
 def test_scalars_come_back_as_they_were(
     codec_types: ModuleType, tmp_path_factory: pytest.TempPathFactory, rows: list[dict[str, Any]]

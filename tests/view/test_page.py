@@ -59,6 +59,8 @@ def page(browser: Browser, serve: Serve, log: Path) -> Browser:
     with served.source.lock:
         served.source.pause()
         served.source.seek(3.9)
+    browser.open("about:blank")  # else the page of the test before, whose server is gone, asks for it again
+    browser.wait_for("location.href === 'about:blank'")
     browser.requests.clear()
     browser.complaints.clear()
     browser.open(served.url)

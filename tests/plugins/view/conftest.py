@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -122,11 +123,8 @@ def _to_world(points: Doubles, pose: Doubles) -> Doubles:
 
 def _tick(k: int, drive: Drive) -> dict[str, Message]:
     pose = _pose(k)
-    floor = _floor_points(pose)
-    found: dict[str, Message] = {} if k else {"robot.map": _world(drive)}
-    found["robot.image"] = Image(pixels=_picture(floor))
     last = k == drive.frames - 1
-    found["robot.state"] = State(
+    state = State(
         x_m=math.nan if k in drive.lost else pose[0],
         y_m=pose[1],
         yaw_rad=pose[2],
@@ -137,13 +135,20 @@ def _tick(k: int, drive: Drive) -> dict[str, Message]:
         at_goal=drive.at_goal and last,
         moving=np.array([_moving_pose(k)] * drive.moving).reshape(-1, 3),
     )
+    around: dict[str, Message] = {} if k else {"robot.map": _world(drive)}
+    return around | {"robot.state": state} | _seen(k)
+
+
+@lru_cache(maxsize=128)
+def _seen(k: int) -> dict[str, Message]:
+    """Return what the camera sees in a frame and what is made of it, which is the same in every drive."""
+    floor = _floor_points(_pose(k))
+    image = Image(pixels=_picture(floor))
     if k == 0:
-        return found
-    found["flow.flow"] = Flow(uv_px=_flow(floor, _pose(k - 1)), valid=_margin(4), interval_us=PERIOD_US)
+        return {"robot.image": image}
     plane = _plane(floor)
-    found["plane.plane"] = plane
-    found |= _steered(plane)
-    return found
+    flow = Flow(uv_px=_flow(floor, _pose(k - 1)), valid=_margin(4), interval_us=PERIOD_US)
+    return {"robot.image": image, "flow.flow": flow, "plane.plane": plane} | _steered(plane)
 
 
 def _moving_pose(k: int) -> list[float]:

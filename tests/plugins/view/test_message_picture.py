@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import fields, replace
 from typing import Any
@@ -20,6 +19,8 @@ from graphnav.errors import DrawingError
 from graphnav.messages import Planar, Truth
 from graphnav.pictures import Pictures
 
+from .conftest import Drive, write_log
+
 KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth)
 Messages = dict[type[Message], Message]
 
@@ -30,10 +31,10 @@ def pictures() -> Pictures:
     return Pictures(Catalog())
 
 
-@pytest.fixture
-def drive(record: Callable[..., Recording]) -> Messages:
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Messages:
     """Return the last message of each kind of a drive, a planar flow and truth beside them."""
-    recording = record()
+    recording = Recording(write_log(tmp_path_factory.mktemp("drive") / "run.lcmlog", Drive()))
     found: Messages = {}
     for name in recording.channels:
         message = recording.message(name, -1)[2]

@@ -35,7 +35,7 @@ def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "toy.yaml").write_text(GRAPH)
     shutil.copy(TOYS, tmp_path / "my_toys.py")
-    return {"study": "toy", "vary": VARY, "plugins": ["my_toys.py"], "seeds": range(4), "jobs": 2, "gallery": 0}
+    return {"study": "toy", "vary": VARY, "plugins": ["my_toys.py"], "seeds": range(4), "jobs": 1, "gallery": 0}
 
 
 def test_it_is_the_study_of_the_command(toy: dict[str, Any], tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """``graphnav stages`` tells everything that a graph may say of a stage."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,15 @@ def test_the_snippet_is_a_graph_once_it_is_wired(
     text = snippet.replace("STAGE.PORT", "flow.flow") + others
     graph = graph_of(text.encode(), tmp_path / "graph.yaml", toys)
     assert graph.node("toy").params == {n: p.default for n, p in params_of(toys.stage("toy.detector")).items()}
+
+
+def test_a_path_is_never_wrapped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plugin = Path(shutil.copy(TOYS, tmp_path / "toys_with_a_name_as_long_as_it_may_be.py"))
+    monkeypatch.setenv("COLUMNS", "40")
+    assert main(["stages", "toy.detector", "--plugin", str(plugin)]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == f"toy.detector, a stage of {plugin}"
 
 
 def test_json_holds_the_same(capsys: pytest.CaptureFixture[str]) -> None:

@@ -57,7 +57,7 @@ def test_ctrl_c_saves_no_model_that_is_half_taught(tmp_path: Path) -> None:
     teaching = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True, env=env)
     deadline = time.monotonic() + 60
     while teaching.poll() is None and time.monotonic() < deadline and not has_model(scratch):
-        os.sched_yield()
+        time.sleep(0.005)
     os.killpg(teaching.pid, signal.SIGINT)
     assert teaching.communicate(timeout=60) == (
         "",
