@@ -28,8 +28,8 @@ def renamed_parameters() -> list[tuple[str, str]]:
     """Return the former and the present names of all parameters of the installed stages."""
     catalog = Catalog()
     stages = [catalog.stage(f"{family}.{name}") for family in catalog.families() for name in catalog.names(family)]
-    params = [param for stage in stages for param in params_of(stage).values() if param.renamed_from]
-    return [(param.renamed_from, param.name) for param in params]
+    params = [param for stage in stages for param in params_of(stage).values()]
+    return [(param.renamed_from, param.name) for param in params if param.renamed_from]
 
 
 @pytest.fixture
