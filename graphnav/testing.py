@@ -105,7 +105,7 @@ def _check_declaration(cls: type[Stage]) -> None:
             try:
                 param.parse(param.default)
             except ParamError as error:
-                raise AssertionError(f"{cls.__qualname__}: the default does not fit: {error}") from error
+                raise AssertionError(f"{cls.__qualname__}: invalid default: {error}") from error
     _check_metrics(cls)
 
 

@@ -121,7 +121,7 @@ def load_with(
 
 def _refuse_changes(overrides: Sequence[Override], plugins: Sequence[Path]) -> None:
     if overrides or plugins:
-        raise UserError.of("set and plugins change a graph while it is loaded", "give them to graphnav.load")
+        raise UserError.of("set and plugins have no effect on a loaded graph", "pass them to graphnav.load")
 
 
 def with_run_options(graph: Graph, options: Mapping[str, object], written: Mapping[str, str] | None = None) -> Graph:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from graphnav.html_templates import rendered
+from graphnav.render.html_templates import rendered
 from graphnav.runner.recording.summary import Summary
 from graphnav.stage import Metric
 

@@ -17,9 +17,9 @@ _MAX_ROWS = 100
 
 
 def losses(recorder: Recorder) -> Iterator[str]:
-    """Yield what was lost, and where; nothing if nothing was."""
+    """Yield the losses by cause, if there are any."""
     if lost := recorder.statistics.lost:
-        yield f"{counted(lost, 'message')} lost (missing numbers)"
+        yield f"{counted(lost, 'message')} lost (missing sequence numbers)"
     if recorder.dropped_packets:
         yield f"{counted(recorder.dropped_packets, 'packet')} dropped by the kernel"
     if recorder.dropped:

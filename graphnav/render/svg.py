@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from markupsafe import Markup
 
 from graphnav.graph import Graph
-from graphnav.html_templates import rendered
 from graphnav.render.boxes import boxes_of
 from graphnav.render.geometry import HEAD, geometry_of
+from graphnav.render.html_templates import rendered
 
 
 def svg_of(graph: Graph, notes: Mapping[str, str] | None = None) -> Markup:

@@ -15,7 +15,7 @@ from reference_pages import PAGES
 
 from .conftest import DOCS, blocks, page_script, shell, write_files
 
-ELSEWHERE = {"howto/robot.md", "howto/adapters.md", "howto/teach.md"}
+ELSEWHERE = {"howto/robot.md", "howto/adapters.md", "howto/teach.md", "reference/maps.md"}
 """Pages whose commands run in tests of their own."""
 RUN = [
     page

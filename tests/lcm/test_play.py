@@ -269,7 +269,7 @@ def test_the_log_of_lcm_logger_is_played_and_told(
     rows = [" ".join(line.split()[:3]) for line in out.splitlines()]
     assert [row for row in rows if row.startswith(("twist", "FOREIGN"))] == [
         "FOREIGN unknown, fingerprint",
-        "twist graphnav_lcm.twist_t 20",
+        "twist twist_t 20",
     ]
 
 

@@ -227,13 +227,13 @@ def test_lcm_logplayer_plays_what_was_recorded(start: Start, tmp_path: Path, gro
     wait_until(lambda: len(received(path)) == 40)
     process.end()
     listener = lcm.LCM(group)
-    received: list[bytes] = []
-    listener.subscribe("twist", lambda _, data: received.append(data)).set_queue_capacity(0)
+    played: list[bytes] = []
+    listener.subscribe("twist", lambda _, data: played.append(data)).set_queue_capacity(0)
     player = subprocess.Popen([TOOLS / "lcm-logplayer", "--lcm-url", group, path], stdout=subprocess.DEVNULL)
-    while len(received) < 40 and listener.handle_timeout(10_000):
+    while len(played) < 40 and listener.handle_timeout(10_000):
         pass
     assert player.wait(30) == 0
-    assert received == sent
+    assert played == sent
 
 
 def test_files_are_split_and_rotated(start: Start, tmp_path: Path) -> None:

@@ -327,7 +327,7 @@ def test_a_run_that_has_not_begun_is_waited_for(group: str, publishing: Publish)
     with subprocess.Popen(command, stdin=screen, stdout=screen, stderr=screen, env=WIDE) as process:
         os.close(screen)
         shown = b""
-        while b"waiting for it; Ctrl-C ends" not in shown:
+        while b"waiting for it; Ctrl-C exits" not in shown:
             shown += os.read(terminal, 65536)
         assert f"no run on {group} within 0.2 s".encode() in shown
         with publishing(("graphnav.status", STATUS)):

@@ -14,7 +14,7 @@ from jinja2.nodes import Filter, ScopedEvalContextModifier
 from markupsafe import Markup
 
 import graphnav
-from graphnav import html_templates
+from graphnav.render import html_templates
 
 CORE = Path(graphnav.__file__).parent
 TEMPLATES = sorted(path for path in CORE.rglob("templates/*") if path.suffix in {".html", ".svg"})

@@ -24,7 +24,7 @@ def test_it_prints_where_the_page_is_and_ends_with_ctrl_c(log: Path) -> None:
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         line = process.stdout.readline()
-        found = re.fullmatch(rf"{re.escape(str(log))} is shown at (http://127\.0\.0\.1:\d+/)  \(Ctrl-C ends\)\n", line)
+        found = re.fullmatch(rf"{re.escape(str(log))} is shown at (http://127\.0\.0\.1:\d+/)  \(Ctrl-C exits\)\n", line)
         assert found, line
         with urllib.request.urlopen(found[1], timeout=30) as response:
             assert b"<title>graphnav view</title>" in response.read()

@@ -28,7 +28,7 @@ def test_it_prints_where_it_serves_and_ends_when_it_is_asked_to(
         assert process.stdout is not None
         line = process.stdout.readline()
         found = re.fullmatch(
-            rf"{re.escape(str(log))} is served to Foxglove at (ws://127\.0\.0\.1:\d+)  \(Ctrl-C ends\)\n", line
+            rf"{re.escape(str(log))} is served to Foxglove at (ws://127\.0\.0\.1:\d+)  \(Ctrl-C exits\)\n", line
         )
         assert found, line
         with FoxgloveClient(found[1]) as client:

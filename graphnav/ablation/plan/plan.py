@@ -139,6 +139,7 @@ class Plan:
         """Write it as JSON; the overrides of a case are a mapping of targets to values."""
         data = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         data["cases"] = [_case_json(case) for case in self.cases]
+        data["declared"] = {name: dataclasses.asdict(metric) for name, metric in self.declared.items()}
         path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
     @classmethod

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from graphnav.api.logs.log_channel import LogChannel
 from graphnav.errors import shown_name
-from graphnav.html_templates import rendered
+from graphnav.render.html_templates import rendered
 
 
 def log_html(path: Path, channels: Iterable[LogChannel], damage: Iterable[str]) -> Markup:

@@ -16,7 +16,7 @@ from graphnav.ablation.results import Comparison, Record, Row, in_plan_order, me
 from graphnav.api.extras import import_pandas
 from graphnav.api.result_folder import KeptFolder
 from graphnav.api.studies.study_files import StudyFiles
-from graphnav.html_templates import rendered
+from graphnav.render.html_templates import rendered
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -97,5 +97,5 @@ def _count(name: str, value: object, minimum: int) -> int | None:
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, int) or value < minimum:
-        raise wrong_type(name, value, f"an integer from {minimum} on", f"write {name}=2")
+        raise wrong_type(name, value, f"an integer of at least {minimum}", f"write {name}=2")
     return value

@@ -127,10 +127,11 @@ class _Reader:
 
 
 def _wired(boxes: list[Box]) -> tuple[Box, ...]:
-    """Return the boxes without wires from missing writers; the first one becomes a source if there is no other."""
+    """Return the boxes, one a key, without wires from missing writers; one becomes a source if there is no other."""
+    boxes = [*{box.key: box for box in boxes}.values()]
     written = {port.channel.ref for box in boxes for port in box.outputs}
     kept: list[Box] = []
-    for box in {box.key: box for box in boxes}.values():
+    for box in boxes:
         inputs = [p if p.channel and p.channel.ref in written else replace(p, channel=None) for p in box.inputs]
         kept.append(replace(box, inputs=tuple(inputs)))
     if not any(box.kind in ("source", "input") for box in kept):

@@ -38,6 +38,6 @@ def test_the_clearance_is_told_where_there_is_something_to_be_clear_of(record: C
     assert track is not None
     path, clearance = drive_texts(world, track)
     assert path.startswith("path 0.")
-    assert clearance == "least clearance 0.20 m"
+    assert clearance == "minimum clearance 0.20 m"
     empty = replace(world, kind=world.kind[:0], height_m=world.height_m[:0], vertices_m=world.vertices_m[:0])
     assert drive_texts(empty, track) == [path]

@@ -71,7 +71,7 @@ def test_an_open_loop_shows_the_potential_instead_of_the_map(record: Record, tmp
 
 
 def test_a_log_without_images_says_what_to_record(record: Record, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="holds no images"):
+    with pytest.raises(UserError, match="does not contain images"):
         graphnav_draw(record(frames=3, without=("robot.image",)), tmp_path, True, ".png")
 
 

@@ -158,7 +158,7 @@ start_inside_an_obstacle straight_way_is_free too_large too_many_pillars too_thi
 """Every number is right by itself, but not the geometry: what touches, crosses, leaves no way, or does not fit."""
 
 STUDIES_THAT_A_SCHEMA_REFUSES = """
-axis_a_text graph_and_graphs graphs_of_all_kinds key_of_before key_unknown no_graphs nothing_varies seeds_negative
+axis_a_text former_names graph_and_graphs graphs_of_all_kinds key_unknown no_graphs nothing_varies seeds_negative
 seeds_of_all_kinds seeds_one_number study_a_list types value_a_mapping vary_a_list within_a_mapping
 """.split()  # noqa: SIM905
 """Wrong in themselves. What the others name (graphs, stages, axes, metrics) or repeat, no schema of the file knows."""

@@ -120,5 +120,5 @@ def test_a_field_that_is_no_parameter_is_told() -> None:
 
 
 def test_messages_name_their_lcm_type() -> None:
-    with pytest.raises(DeclarationError, match="message Bare names no LCM type"):
+    with pytest.raises(DeclarationError, match="message Bare does not name its LCM type"):
         type("Bare", (Message,), {})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
-from graphnav import html_templates
+from graphnav.render import html_templates
 
 
 def rendered(template: str, /, **values: object) -> Markup:
