@@ -57,4 +57,4 @@ def test_only_the_engine_makes_markup() -> None:
         if isinstance(node.func, ast.Name) and node.func.id == "Markup"
         if not (len(node.args) == 1 and isinstance(node.args[0], ast.Constant))
     }
-    assert makers == {"html_templates.py"}
+    assert makers == {"render/html_templates.py"}

@@ -49,8 +49,8 @@ _OF_OTHERS = {
 def python_page() -> str:
     """Return the page; a public name that is in no group stands in a group of its own."""
     grouped = {name for names in _GROUPS.values() for name in names}
-    messages = [name for name in graphnav.__all__ if _is_message(name)]
-    rest = [name for name in graphnav.__all__ if name not in {*grouped, *messages, "__version__"}]
+    messages = [name for name in dir(graphnav) if _is_message(name)]
+    rest = [name for name in dir(graphnav) if name not in {*grouped, *messages, "__version__"}]
     groups = {**_GROUPS, **({_FURTHER: tuple(rest)} if rest else {})}
     parts = ["\n\n".join([f"## {title}", *map(_section, names)]) for title, names in groups.items()]
     hooks = (value for value in vars(graphnav.hooks).values() if hasattr(value, "graphnav_spec"))

@@ -158,7 +158,7 @@ def _case_json(case: Case) -> dict[str, Any]:
 
 
 def _case(data: dict[str, Any], place: Place) -> Case:
-    """Return a case of a plan; before 0.2.0 its overrides were strings for ``--set``."""
+    """Return a case of a plan; before 0.3.0 its overrides were strings for ``--set``."""
     fields = {key: _tuple(value) for key, value in data.items()}
     if "sets" in fields:
         overrides = [parse_override(text, place) for text in fields.pop("sets")]
