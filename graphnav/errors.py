@@ -77,7 +77,7 @@ class GraphnavError(Exception):
 
     @property
     def cause(self) -> str:
-        """What went wrong without the time at which it did: the same for errors of one kind."""
+        """Message without the time of the error: the same for errors of one kind."""
         return str(self)
 
 
@@ -130,7 +130,7 @@ class StageError(GraphnavError):
 
     @property
     def cause(self) -> str:
-        """What went wrong without the time at which it did."""
+        """Message without the time of the error."""
         return f"stage '{self.stage}' ({self.use}) failed: {self.what}"
 
 

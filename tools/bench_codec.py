@@ -63,10 +63,10 @@ def main() -> int:
         + "".join(f"{head:>12}" for head in ("encode us", "lcm-gen", "ratio", "decode us", "lcm-gen", "ratio"))
     )
     for name, (message, times) in CASES.items():
-        figures = measure(message, times)
-        ratios[name] = (figures[1] / figures[0], figures[3] / figures[2])
-        columns = (*figures[:2], ratios[name][0], *figures[2:], ratios[name][1])
-        print(f"{name:14}" + "".join(f"{figure:12.1f}" for figure in columns))
+        times_us = measure(message, times)
+        ratios[name] = (times_us[1] / times_us[0], times_us[3] / times_us[2])
+        columns = (*times_us[:2], ratios[name][0], *times_us[2:], ratios[name][1])
+        print(f"{name:14}" + "".join(f"{value:12.1f}" for value in columns))
     encode_ratio, decode_ratio = ratios["flow 640x480"]
     return 0 if encode_ratio >= ENCODE_AT_LEAST and decode_ratio >= DECODE_AT_LEAST else 1
 

@@ -129,10 +129,10 @@ def measure(turns: int = 3, duration_s: float = 15.0) -> dict[str, dict[str, flo
                 answers["graph"] += play(events)[_WARM_UP:]
             with running([sys.executable, str(BARE), URL]):
                 answers["bare"] += play(events)[_WARM_UP:]
-    return {name: _figures(found) for name, found in answers.items()}
+    return {name: _statistics(found) for name, found in answers.items()}
 
 
-def _figures(found: Sequence[Answer]) -> dict[str, float]:
+def _statistics(found: Sequence[Answer]) -> dict[str, float]:
     since_image_s = [one.since_image_s for one in found]
     return {
         "p50": statistics.median(since_image_s) * 1e3,
@@ -145,10 +145,10 @@ def _figures(found: Sequence[Answer]) -> dict[str, float]:
 def main() -> int:
     """Print both and their ratio; return 1 if it is above what is asked."""
     found = measure()
-    for name, figures in found.items():
+    for name, values in found.items():
         print(
-            f"{name:6} p50 {figures['p50']:.2f} ms, p99 {figures['p99']:.2f} ms since the image, "
-            f"p50 {figures['complete']:.2f} ms since image and odometry; {figures['answers']} answers"
+            f"{name:6} p50 {values['p50']:.2f} ms, p99 {values['p99']:.2f} ms since the image, "
+            f"p50 {values['complete']:.2f} ms since image and odometry; {values['answers']} answers"
         )
     ratio = found["graph"]["p50"] / found["bare"]["p50"]
     print(f"{'ok  ' if ratio <= MAX_RATIO else 'MISS'} ratio of the medians {ratio:.3f}, at most {MAX_RATIO}")

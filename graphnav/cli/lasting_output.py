@@ -14,7 +14,7 @@ from typing import Any
 def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
     """Discard output after the reader has left, so that the command still completes its other work.
 
-    ``for_a_reader``: whether the command does nothing but print; then a ReaderLeftError ends it.
+    ``for_a_reader``: whether the command only prints; then a ReaderLeftError ends it.
     """
     old = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = new = tuple(_lasting(stream, for_a_reader=for_a_reader) for stream in old)

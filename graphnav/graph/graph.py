@@ -15,7 +15,7 @@ from graphnav.stage import Metric, Stage, metrics_of
 
 @dataclass(frozen=True)
 class Graph:
-    """What is left of a graph when nothing is wrong with it."""
+    """A checked graph: stages with their parameters, wires and firing order."""
 
     path: Path
     about: str
@@ -27,7 +27,7 @@ class Graph:
     """By reference (``stage.port``), in the file's order."""
     run: RunOptions
     notices: tuple[str, ...] = ()
-    """What swaps rewired, pruned and set to defaults, and what is accepted but not used."""
+    """Changes made by swaps (rewired, pruned, set to defaults), and entries that are accepted but not used."""
     deploy: Mapping[str, Any] = field(default_factory=dict)
     """Which processes the stages would run in; lockstep does not use it."""
     inputs: Mapping[str, InputChannel] = field(default_factory=dict)
@@ -54,7 +54,7 @@ class Graph:
 
     @property
     def metrics(self) -> Mapping[str, Mapping[str, Metric]]:
-        """What each stage that reports metrics declares of them, by the names of stage and metric."""
+        """Declared metrics of each stage that reports any, by the names of stage and metric."""
         found = {node.name: metrics_of(node.stage_class) for node in self.nodes}
         return {name: declared for name, declared in found.items() if declared}
 

@@ -54,7 +54,7 @@ class InputChannel:
     """A channel that another program writes, or a recorded one that is played at its stamps."""
 
     channel: Channel
-    """What stages consume: its ``ref`` and its ``name`` in logs are the name that the graph gives the input."""
+    """The consumed channel: its ``ref`` and its ``name`` in logs are the name that the graph gives the input."""
     name: str
     """The LCM channel that is listened to; of a log, the channel in it."""
     lcm_class: type
@@ -62,7 +62,7 @@ class InputChannel:
     type_name: str
     """``package.type_t``"""
     adapter: Adapter | None
-    """What turns it into the channel's message, None where the message class wraps the type itself."""
+    """Converts the type into the channel's message; None where the message class wraps the type itself."""
     max_age_s: float | None
     """Older than this, the input counts as lost; None: a few of its periods."""
     log: Path | None
@@ -75,13 +75,13 @@ class InputChannel:
 
     @property
     def sender(self) -> str:
-        """Who stamps its messages: inputs of one sender may have equal stamps, those of two never do."""
+        """Origin of its stamps: inputs of one sender may have equal stamps, those of two never do."""
         return self.channel.stage if self.log is None else str(self.log)
 
 
 @dataclass(frozen=True)
 class OutputChannel:
-    """A channel that leaves a live graph for other programs, whole."""
+    """A channel that a live graph sends to other programs, with everything that sending needs."""
 
     channel: Channel
     name: str
@@ -89,7 +89,7 @@ class OutputChannel:
     lcm_class: type
     type_name: str
     adapter: Adapter | None
-    """What turns the channel's message into the type on the wire, None where it is sent as it is."""
+    """Converts the channel's message into the type on the wire; None where it is sent as it is."""
     motor: bool
     """Whether it moves something, so that a stop must follow when the run ends or hangs."""
     max_age_s: float
@@ -104,9 +104,9 @@ class Setting:
     """A parameter's value and where it came from."""
 
     value: Any
-    """What the stage gets: the declared type, paths resolved."""
+    """The value that the stage gets: of the declared type, paths resolved."""
     written: Any
-    """What was written: paths as the user gave them."""
+    """The value as the graph gives it, paths not resolved."""
     anywhere: Any
     """The same with paths that hold in any folder."""
     origin: Origin

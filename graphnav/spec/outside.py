@@ -19,7 +19,7 @@ MIN_EVERY_MS, MAX_EVERY_MS = 1, 60_000
 STOP_AFTER_S = 0.5
 """Silence of a motor channel that is answered by stops, unless the graph sets it."""
 MAX_STOP_AFTER_S = 5.0
-"""What moves for longer without a command is not under control."""
+"""Upper limit of a motor output's ``max_age_s``: a robot without commands for longer is not under control."""
 MAX_INPUT_AGE_S = 60.0
 
 

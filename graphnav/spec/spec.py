@@ -52,7 +52,7 @@ class StageSpec:
     unwired: set[str] = field(default_factory=set)
     """Inputs that are known to be open, which has been said."""
     unclear: bool = False
-    """Whether something is wrong with ``in`` or ``with`` as a whole, so that what seems missing may be in it."""
+    """Whether a key is unknown, or ``in`` or ``with`` is not a mapping: entries that seem missing may be in it."""
 
 
 @dataclass

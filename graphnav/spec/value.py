@@ -26,7 +26,7 @@ class Value:
 
     @property
     def kind(self) -> str:
-        """What it is, as people say it."""
+        """Description of the value for error messages: ``a list``, ``the number 3``."""
         match self.data:
             case dict():
                 return "a mapping"

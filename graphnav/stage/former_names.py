@@ -1,6 +1,6 @@
 """Names of version 0.1.0 and what they are called now.
 
-Applied to what earlier versions recorded: run folders, logs, study folders. In files that people write, a former name
+Applied to what earlier versions recorded: run folders, logs, study folders. In graphs, maps and studies, a former name
 is refused with the new one as the suggestion.
 """
 

@@ -14,7 +14,7 @@ Ending = Literal["goal", "contact", "end"]
 """The outcomes with which a source ends a run."""
 
 Role = Literal["method", "baseline", "oracle"]
-"""What a stage is in a comparison: a method, a baseline that a method has to beat, an oracle that sees the truth."""
+"""Role of a stage in a comparison: a method, a baseline that a method has to beat, an oracle that sees the truth."""
 
 
 @dataclass_transform(kw_only_default=True, eq_default=False)
@@ -31,7 +31,7 @@ class Stage:
     """
 
     role: ClassVar[Role] = "method"
-    """What tables mark it as."""
+    """Its role in comparisons, shown in tables."""
     metrics: ClassVar[tuple[Metric, ...]] = ()
     """The metrics that `summary` returns."""
     is_guard: ClassVar[bool] = False

@@ -29,7 +29,7 @@ def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
 def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Longs, Longs]:
     """Return how many true pixels of each cell are obstacle and how many are ground, both ``shape``.
 
-    The same as repeating each cell over its pixels: cells at the rim that are cut off count what is there. Pixels
+    The same as repeating each cell over its pixels: cells cut off at the rim count their remaining pixels. Pixels
     above the horizon are neither.
 
     Raises

@@ -147,8 +147,8 @@ def _split(pixels: Longs, judged: Bools, called: Bools) -> Longs:
     return np.array([pixels[judged & ~called].sum(), pixels[judged & called].sum()])
 
 
-def _share(part: int, whole: int) -> float | None:
-    return part / whole if whole else None
+def _share(part: int, total: int) -> float | None:
+    return part / total if total else None
 
 
 def _mean(one: float | None, other: float | None) -> float | None:

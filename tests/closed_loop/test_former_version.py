@@ -1,4 +1,4 @@
-"""What version 0.1.0 recorded stays readable: a log, a run folder and a study, under the names of today.
+"""Recordings of version 0.1.0 stay readable under the names of today: a log, a run folder and a study.
 
 ``tests/fixtures/v0_1_0`` was made by that version with the two YAML files in it: ``graphnav ablate study.yaml`` (of
 which the logs and pictures were removed) and ``graphnav run small_drive --until 1.5``.
@@ -87,7 +87,7 @@ def test_a_study_compares_with_one_of_today(
 
 
 def _has_the_same_cells(former: list[dict[str, str]], today: list[dict[str, str]]) -> None:
-    """Check that today's results have the former cells, but for what is undefined of drives that did not arrive.
+    """Check that today's results have the former cells, except values undefined for drives that did not arrive.
 
     Only outcomes are compared by value: the others depend on the processor.
     """

@@ -43,7 +43,7 @@ def test_the_commands_of_the_page_run(page: str, tmp_path: Path, group: str) -> 
     assert [line for line in _shown(page) if not _is_printed(line, printed)] == []
     ends = {name: json.loads((tmp_path / name / "summary.json").read_text())["outcome"] for name in ENDS.get(page, {})}
     assert ends == ENDS.get(page, {})
-    shutil.rmtree(tmp_path)  # logs of whole drives
+    shutil.rmtree(tmp_path)  # logs of complete drives
 
 
 def _shown(page: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""What the pages of maps and studies show can be read, planned and driven."""
+"""Examples on the pages of maps and studies can be read, planned and driven."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ def test_every_part_that_the_page_shows_can_be_read(text: str) -> None:
     part = yaml.safe_load(text)
     within = {"circle": "goal", "box": "goal", "polygon": "goal", "moves": "obstacles", "arc": "walls"}
     where = next((within[name] for name in reversed(part) if name in within), "")
-    whole = {
+    complete = {
         "": part,
         "goal": {"goal": part},
         "obstacles": {"obstacles": [part]},
         "walls": {"walls": [{"along": [part]}]},
     }
     known = {"textures": {"brick": {"mean": 90}}, "start": {"at_m": [0, 0]}}
-    _, problems = MAP.parse(yaml.safe_dump(known | whole[where]).encode(), "page")
+    _, problems = MAP.parse(yaml.safe_dump(known | complete[where]).encode(), "page")
     assert not problems
 
 

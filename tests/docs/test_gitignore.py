@@ -1,4 +1,4 @@
-"""What the commands of the documents leave in a clone is no change to commit."""
+"""Files that the documented commands leave in a clone are ignored by git."""
 
 from __future__ import annotations
 

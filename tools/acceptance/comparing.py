@@ -35,22 +35,22 @@ def controls_item(seeds: Sequence[int], jobs: int) -> bool:
     detectors = study("detectors", seeds, jobs)
     at = {"planar": "planar.motion"}
     for graph in DRIVES:
-        found = sorted(set(_figures(detectors, graph, {**at, "plane": "plane.all_ground"}, "sight.auroc").tolist()))
+        found = sorted(set(_metrics(detectors, graph, {**at, "plane": "plane.all_ground"}, "sight.auroc").tolist()))
         checks.append(_said(f"{graph}: plane.all_ground scores AUROC {found}, exactly 0.5", good=found == [0.5]))
-        prior = _figures(detectors, graph, {**at, "plane": "plane.row_prior"}, "sight.auroc")
+        prior = _metrics(detectors, graph, {**at, "plane": "plane.row_prior"}, "sight.auroc")
         say(f"     {graph}: plane.row_prior scores AUROC {np.mean(prior):.3f} (the prior's)")
         for plane in _values(detectors, "plane") - {"plane.truth"}:
-            for figure in ("sight.auroc", "drive.success"):
-                bound = _figures(detectors, graph, {**at, "plane": "plane.truth"}, figure)
-                other = _figures(detectors, graph, {**at, "plane": plane}, figure)
-                checks.append(_bounded(f"{graph}: {figure} of {plane}", other, bound))
+            for metric in ("sight.auroc", "drive.success"):
+                bound = _metrics(detectors, graph, {**at, "plane": "plane.truth"}, metric)
+                other = _metrics(detectors, graph, {**at, "plane": plane}, metric)
+                checks.append(_bounded(f"{graph}: {metric} of {plane}", other, bound))
     flows = study("flows", seeds, jobs)
     for speed in sorted(_values(flows, "speed")):
         for flow in sorted(_values(flows, "flow") - {"truth"}):
-            for figure, sign in (("sense.epe_px", -1.0), ("residual_sight.auroc", 1.0)):
-                bound = _figures(flows, "measure_flow", {"speed": speed, "flow": "truth"}, figure)
-                other = _figures(flows, "measure_flow", {"speed": speed, "flow": flow}, figure)
-                checks.append(_bounded(f"{speed}: {figure} of {flow}", sign * other, sign * bound))
+            for metric, sign in (("sense.epe_px", -1.0), ("residual_sight.auroc", 1.0)):
+                bound = _metrics(flows, "measure_flow", {"speed": speed, "flow": "truth"}, metric)
+                other = _metrics(flows, "measure_flow", {"speed": speed, "flow": flow}, metric)
+                checks.append(_bounded(f"{speed}: {metric} of {flow}", sign * other, sign * bound))
     return all(checks)
 
 
@@ -62,8 +62,8 @@ def targets_item(seeds: Sequence[int], jobs: int) -> bool:
         chosen = {"plane": "plane.ica", "planar": planar}
         for graph in DRIVES:
             checks.append(_share(runs, graph, chosen, "arrived", 0.9 if graph == "pillars" else 0.98))
-            truth = _figures(runs, graph, {"plane": "plane.truth", "planar": "planar.motion"}, "drive.success")
-            checks.append(_bounded(f"{graph}: plane.truth", truth, _figures(runs, graph, chosen, "drive.success")))
+            truth = _metrics(runs, graph, {"plane": "plane.truth", "planar": "planar.motion"}, "drive.success")
+            checks.append(_bounded(f"{graph}: plane.truth", truth, _metrics(runs, graph, chosen, "drive.success")))
     return all(checks)
 
 
@@ -85,12 +85,12 @@ def _values(runs: Iterable[Run], axis: str) -> set[str]:
     return {run[axis] for run in runs}
 
 
-def _figures(runs: Iterable[Run], graph: str, labels: dict[str, str], figure: str) -> Doubles:
+def _metrics(runs: Iterable[Run], graph: str, labels: dict[str, str], metric: str) -> Doubles:
     """Return a metric of every world, in the order of the seeds; NaN if a run has none."""
-    return np.array([float(run[figure] or "nan") for run in _chosen(runs, graph, labels)])
+    return np.array([float(run[metric] or "nan") for run in _chosen(runs, graph, labels)])
 
 
-def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, least: float) -> bool:
+def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, min_share: float) -> bool:
     """Report the number of worlds in which the drive arrived without contact, or failed to."""
     who = f"{graph}: {' + '.join(labels.values())}"
     ends = [run["outcome"] == "goal" for run in _chosen(runs, graph, labels)]
@@ -98,15 +98,15 @@ def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, l
         return _said(f"{who}: there is no run", good=False)
     count = sum(ends) if what == "arrived" else len(ends) - sum(ends)
     low, high = wilson(count, len(ends))
-    text = f"{who} {what} in {count} of {len(ends)} worlds [{low:.2f}, {high:.2f}], at least {least:g}"
-    return _said(text, good=count >= least * len(ends))
+    text = f"{who} {what} in {count} of {len(ends)} worlds [{low:.2f}, {high:.2f}], at least {min_share:g}"
+    return _said(text, good=count >= min_share * len(ends))
 
 
 def _bounded(what: str, values: Doubles, bound: Doubles) -> bool:
     """Say whether the paired difference from what bounds it is not plainly above zero (95 %, bootstrap over worlds)."""
     difference = (values - bound)[~np.isnan(values - bound)]
     if not len(difference):
-        return _said(f"{what}: no world has the figure", good=False)
+        return _said(f"{what}: no world has the metric", good=False)
     low, high = bootstrap(difference)
     return _said(f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]", good=low <= 0.0)
 

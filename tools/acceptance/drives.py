@@ -40,11 +40,6 @@ class Drives:
             words.append(f"{outcome} {count}" + (f" (seeds {' '.join(seeds)})" if place else ""))
         return ", ".join(words)
 
-    def figures(self, stage: str, figure: str) -> list[float]:
-        """Return a metric of every drive that has it."""
-        found = (summary["scores"].get(stage, {}).get(figure) for summary in self.summaries)
-        return [value for value in found if value is not None]
-
 
 def drive(graph: str, seed: int, sets: Sequence[str] = (), folder: Path | None = None) -> Summary:
     """Run one drive and return its summary; raise RuntimeError where the command itself failed."""

@@ -14,9 +14,9 @@ MIN_SHARE = 0.95
 CORRIDORS = ("corridor_ccw", "corridor_cw")
 ROWS: list[tuple[str, tuple[str, ...], str, float]] = [
     *(
-        (graph, (f"plane=plane.{plane}",), "goal", least)
+        (graph, (f"plane=plane.{plane}",), "goal", min_share)
         for graph in CORRIDORS
-        for plane, least in (("ica", 0.95), ("affine", 0.95), ("truth", 1.0))
+        for plane, min_share in (("ica", 0.95), ("affine", 0.95), ("truth", 1.0))
     ),
     ("pillars", ("plane=plane.ica",), "goal", 0.85),
     ("pillars", ("plane=plane.truth",), "goal", 1.0),
@@ -28,15 +28,15 @@ ROWS: list[tuple[str, tuple[str, ...], str, float]] = [
 def drives_item(seeds: Sequence[int], jobs: int) -> bool:
     """Drive every row; print counts with 95 % intervals, failures by seed, and the sign of the steering."""
     passed = True
-    for graph, sets, wanted, least in ROWS:
+    for graph, sets, wanted, min_share in ROWS:
         drives = drive_all(graph, seeds, sets, jobs)
         count = succeeded(drives, wanted)
         low, high = wilson(count, len(seeds))
-        good = count >= round(least * len(seeds))
+        good = count >= round(min_share * len(seeds))
         passed &= good
         say(
             f"{'ok  ' if good else 'MISS'} {graph:13} {' '.join(sets) or 'as it ships':20} {wanted}: {count} of "
-            f"{len(seeds)} [{low:.2f}, {high:.2f}], at least {least:g}; {drives.outcomes()}"
+            f"{len(seeds)} [{low:.2f}, {high:.2f}], at least {min_share:g}; {drives.outcomes()}"
         )
     return passed
 
@@ -58,8 +58,8 @@ def sign_item(seeds: Sequence[int], jobs: int) -> bool:
     counts = []
     for graph in CORRIDORS:
         for summary in drive_all(graph, seeds, (), jobs).summaries:
-            figures = summary["scores"]["heading"]
-            counts.append((figures["frames"], figures["frames"] * figures.get("right_sign_ratio", 0.0)))
+            heading = summary["scores"]["heading"]
+            counts.append((heading["frames"], heading["frames"] * heading.get("right_sign_ratio", 0.0)))
     frames, right = np.array(counts).T
     share = right.sum() / frames.sum()
     drawn = np.random.default_rng(0).integers(0, len(counts), (DRAWS, len(counts)))

@@ -48,12 +48,12 @@ def _peak_mb(until_s: float) -> float:
 def heard_item(_seeds: Sequence[int], _jobs: int) -> bool:
     """Print the share of the messages that lcm-logger gets: full with a large buffer, thinned with a stock one."""
     passed = True
-    for tap, buffer, least in (("full", "&recv_buf_size=2097152", None), ("thin", "", 0.99)):
+    for tap, buffer, min_share in (("full", "&recv_buf_size=2097152", None), ("thin", "", 0.99)):
         ours, theirs, wrong = _logged(tap, buffer)
         share = theirs / ours
-        good = not wrong and (least is None or share >= least)
+        good = not wrong and (min_share is None or share >= min_share)
         passed &= good
-        wanted = "" if least is None else f", at least {least}"
+        wanted = "" if min_share is None else f", at least {min_share}"
         mark = "ok  " if good else "MISS"
         say(f"{mark} --tap {tap}: lcm-logger got {theirs} of {ours} ({share:.4f}{wanted}), {wrong} differ")
     return passed

@@ -36,13 +36,13 @@ class Left(NamedTuple):
 
     n_events: int
     n_damaged: int
-    n_torn_bytes: int
+    n_truncated_bytes: int
     last_us: int
 
 
 def killed(folder: Path, drawn: random.Random) -> Iterator[tuple[bool, str]]:
     """Kill a recording at random moments; yield whether what is left of it is complete to its last event."""
-    n_good, n_events, torn, unwritten_s = 0, 0, 0, 0.0
+    n_good, n_events, n_truncated, unwritten_s = 0, 0, 0, 0.0
     for number in range(_N_KILLS):
         log, url = folder / f"killed-{number}.lcmlog", group_url(201 + number)
         with _recording(log, url) as process, _flood(url):
@@ -54,11 +54,11 @@ def killed(folder: Path, drawn: random.Random) -> Iterator[tuple[bool, str]]:
         left = _left(log)
         behind_s = (killed_us - left.last_us) / 1e6 if left.n_events else 0.0
         n_good += left.n_damaged == 0 and behind_s <= _MAX_UNWRITTEN_S
-        n_events, torn = n_events + left.n_events, torn + bool(left.n_torn_bytes)
+        n_events, n_truncated = n_events + left.n_events, n_truncated + bool(left.n_truncated_bytes)
         unwritten_s = max(unwritten_s, behind_s)
     what = (
         f"record killed with -9 at {_N_KILLS} random moments: {n_good} logs readable to the last complete event, "
-        f"{n_events} events in all, {torn} ended within one; the last event was {unwritten_s:.2f} s old at most"
+        f"{n_events} events in all, {n_truncated} ended within one; the last event was {unwritten_s:.2f} s old at most"
     )
     yield n_good == _N_KILLS and n_events > 0, what
 
@@ -90,10 +90,10 @@ def _full(what: str, log: Path, url: str, max_bytes: int | None = None) -> tuple
     left = _left(log)
     told = [line for line in said.decode().splitlines()[2:] if log.name in line]
     good = process.returncode == 1 and bool(told) and took_s <= _MAX_TOLD_S
-    good = good and left.n_damaged == left.n_torn_bytes == 0 and left.n_events > 0
+    good = good and left.n_damaged == left.n_truncated_bytes == 0 and left.n_events > 0
     return good, (
         f"record onto {what}: ended with status {process.returncode} {took_s:.1f} s after {_FULL_BYTES} bytes, "
-        f"{left.n_events} events readable, {left.n_torn_bytes} bytes behind them; it said: {' / '.join(told)}"
+        f"{left.n_events} events readable, {left.n_truncated_bytes} bytes behind them; it said: {' / '.join(told)}"
     )
 
 
@@ -107,8 +107,8 @@ def _await_size(log: Path, process: subprocess.Popen[bytes]) -> float:
 def _left(log: Path) -> Left:
     with Recording(log) as recording:
         stamps = [event.utime for event in recording.events()]
-        torn = recording.truncated.n_bytes if recording.truncated else 0
-        return Left(len(stamps), len(recording.damaged), torn, stamps[-1] if stamps else 0)
+        n_truncated = recording.truncated.n_bytes if recording.truncated else 0
+        return Left(len(stamps), len(recording.damaged), n_truncated, stamps[-1] if stamps else 0)
 
 
 @contextmanager

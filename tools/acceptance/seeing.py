@@ -19,7 +19,7 @@ from graphnav.runner.recording.run_recorded import run_recorded
 Scores = dict[str, Plane]
 
 DETECTORS = ("ica", "affine", "homography", "residual")
-FIGURES = (
+METRICS = (
     "auroc",
     "iou_ratio",
     "balanced_accuracy_ratio",
@@ -35,7 +35,7 @@ DRAWS = 1000
 
 
 def sees_item(seeds: Sequence[int], jobs: int) -> bool:
-    """Print every detector's figures over both corridors, all frames pooled, beside those of its twin.
+    """Print every detector's metrics over both corridors, all frames pooled, beside those of its twin.
 
     The 95 % intervals are bootstrapped over drives, because frames of one drive are not independent.
     """
@@ -44,16 +44,16 @@ def sees_item(seeds: Sequence[int], jobs: int) -> bool:
     for detector in DETECTORS:
         own = [scores[f"{detector}_score"] for scores in drives]
         twin = pooled([scores[f"{detector}_twin_score"] for scores in drives]).summary()
-        figures = pooled(own).summary()
-        say(f"     {detector}: {figures['frames']:.0f} frames of {len(drives)} drives")
-        for figure in FIGURES:
-            low, high = bootstrap(own, figure)
-            target = TARGETS.get((detector, figure))
-            good = target is None or figures[figure] >= target
+        metrics = pooled(own).summary()
+        say(f"     {detector}: {metrics['frames']:.0f} frames of {len(drives)} drives")
+        for metric in METRICS:
+            low, high = bootstrap(own, metric)
+            target = TARGETS.get((detector, metric))
+            good = target is None or metrics[metric] >= target
             passed &= good
             mark = "    " if target is None else "ok  " if good else "MISS"
             wanted = "" if target is None else f", at least {target:g}"
-            say(f"{mark}   {figure:31} {figures[figure]:.3f} [{low:.3f}, {high:.3f}]{wanted}; twin {twin[figure]:.3f}")
+            say(f"{mark}   {metric:31} {metrics[metric]:.3f} [{low:.3f}, {high:.3f}]{wanted}; twin {twin[metric]:.3f}")
     return passed
 
 
@@ -78,21 +78,21 @@ def floor_item(seeds: Sequence[int], jobs: int) -> bool:
 
 def pooled(scores: Sequence[Plane]) -> Plane:
     """Return what all of ``scores`` counted together."""
-    whole = Plane()
-    whole.reset(0)
+    pooled_score = Plane()
+    pooled_score.reset(0)
     for score in scores:
-        whole.merge(score)
-    return whole
+        pooled_score.merge(score)
+    return pooled_score
 
 
-def bootstrap(scores: Sequence[Plane], figure: str) -> tuple[float, float]:
-    """Return the 95 % percentile interval of a pooled figure over draws of drives (seed 0)."""
+def bootstrap(scores: Sequence[Plane], metric: str) -> tuple[float, float]:
+    """Return the 95 % percentile interval of a pooled metric over draws of drives (seed 0)."""
     rng = np.random.default_rng(0)
     values = []
-    for _ in range(DRAWS if figure not in {"auroc", "recall_at_5_false_alarms_ratio"} else DRAWS // 10):
+    for _ in range(DRAWS if metric not in {"auroc", "recall_at_5_false_alarms_ratio"} else DRAWS // 10):
         drawn = pooled([scores[k] for k in rng.integers(0, len(scores), len(scores))]).summary()
-        if figure in drawn:
-            values.append(drawn[figure])
+        if metric in drawn:
+            values.append(drawn[metric])
     return float(np.quantile(values, 0.025)), float(np.quantile(values, 0.975))
 
 

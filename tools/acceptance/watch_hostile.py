@@ -100,8 +100,8 @@ def _is_bounded(name: str, memory_mb: Sequence[float]) -> bool:
     growth_mb = max(memory_mb[len(memory_mb) // 10 :]) - warm
     middle, last = memory_mb[len(memory_mb) // 2], memory_mb[-1]
     text = f"{memory_mb[0]:.0f} MB before, {warm:.0f} after a tenth, {middle:.0f} in the middle, {last:.0f} at the end"
-    most = f"at most {growth_mb:+.0f} MB after the first tenth (limit {MAX_GROWTH_MB:+.0f})"
-    return _said(f"{name}: memory {text}; {most}", good=growth_mb <= MAX_GROWTH_MB)
+    growth = f"at most {growth_mb:+.0f} MB after the first tenth (limit {MAX_GROWTH_MB:+.0f})"
+    return _said(f"{name}: memory {text}; {growth}", good=growth_mb <= MAX_GROWTH_MB)
 
 
 def _said(text: str, *, good: bool) -> bool:

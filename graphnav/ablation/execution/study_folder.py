@@ -33,7 +33,7 @@ class StudyFolder:
     Raises
     ------
     UserError
-        It cannot be made, is somebody else's, or another process works in it.
+        It cannot be created or written, holds files but no study, or is in use by another process.
     """
 
     def __init__(self, path: Path) -> None:

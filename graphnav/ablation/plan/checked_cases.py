@@ -31,7 +31,7 @@ class CheckedCase:
 
     @property
     def identity(self) -> object:
-        """What determines its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
+        """Key of its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
         nodes = tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in self.graph.nodes)
         return self.name, nodes, repr(self.graph.run)
 

@@ -1,4 +1,4 @@
-"""Turn names that people choose into names of folders."""
+"""Turn user-chosen names into names of folders."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _OTHER = re.compile(r"[^A-Za-z0-9._+=-]+")
 
 
 def folder_names(texts: Iterable[str], called: Callable[[str], str] = str) -> dict[str, str]:
-    """Return a folder's name for each text: letters that every file system takes, no two alike in any case of letters.
+    """Return a folder name for each string: portable characters, unique even where letter case is ignored.
 
-    A name is made of what ``called`` says of its text. Where texts would share one, or it had to be cut, it ends in a
-    hash of the text.
+    A name is made of the label that ``called`` returns for the string. Where strings would share a name, or it had to
+    be shortened, it ends in a hash of the string.
     """
     found = {text: _slug(called(text)) for text in texts}
     times = Counter(name.casefold() for name in found.values())

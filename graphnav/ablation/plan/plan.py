@@ -83,7 +83,7 @@ class Plan:
     within: tuple[str, ...] = ()
     """Axes that are conditions, within which variants are compared."""
     declared: Mapping[str, Metric] = field(default_factory=dict)
-    """What the stages of the cases declare of their metrics, by ``stage.metric``."""
+    """Metrics that the stages of the cases declare, by ``stage.metric``."""
     plugins: tuple[str, ...] = ()
     """Files given with ``--plugin`` and those that the graphs name, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)

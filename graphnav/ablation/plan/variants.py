@@ -23,7 +23,7 @@ class Variant:
     name: str
     """All its choices, unique in its study."""
     called: str
-    """Its name in tables: its choices but for conditions, unique among those under the same conditions."""
+    """Its name in tables: its choices except conditions, unique among variants under the same conditions."""
     condition: str
     """Its choices of the axes within which variants are compared; empty where there are none."""
     choices: Mapping[str, Choice]
@@ -55,7 +55,7 @@ def expand(study: Study) -> tuple[Variant, ...]:
     Raises
     ------
     UserError
-        There are more than anybody compares.
+        There are more variants than the limit.
     """
     _check_size(study)
     short, rows = _short_labels(study.axes), _rows(study)

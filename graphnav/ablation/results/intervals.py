@@ -62,7 +62,7 @@ def bootstrap(values: Doubles) -> Interval:
     if n >= NORMAL_FROM:
         half = Z * float(values.std()) / math.sqrt(n)
         return Interval(mean - half, mean + half)
-    # Whole counts, not shares: resamples of nothing but zeros have a mean of exactly 0.
+    # Integer counts, not shares: a resample of zeros has a mean of exactly 0.
     means = np.einsum("ij,j->i", _resamples(n), values) / n
     low, high = np.quantile(means, [0.025, 0.975])
     return Interval(float(low), float(high))

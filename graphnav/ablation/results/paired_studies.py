@@ -58,7 +58,7 @@ class PairedStudies:
 
     @property
     def different_versions(self) -> Mapping[str, tuple[str, str]]:
-        """What the studies ran with where it differs: name, of the first, of the second; empty where unknown."""
+        """Versions that differ: by name, those of the first and second study; empty where unknown."""
         a, b = self.plan_a.versions, self.plan_b.versions
         return {
             name: (a.get(name, ""), b.get(name, ""))

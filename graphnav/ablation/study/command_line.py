@@ -85,7 +85,7 @@ def _split(texts: Sequence[str]) -> list[str]:
 
 
 def _not_replaced(old: Sequence[Override], new: Sequence[Override]) -> list[Override]:
-    """Return the overrides of ``old`` but for those all of whose targets are set by ``new``."""
+    """Return the overrides of ``old`` without those all of whose targets are set by ``new``."""
     targets = {target for override in new for target in override.target.each}
     return [override for override in old if not targets.issuperset(override.target.each)]
 

@@ -24,7 +24,7 @@ class StudyKeys(Record):
     one_of = ("graph", "graphs")
     renamed = dict(former_names.STUDY_KEYS)  # noqa: RUF012
 
-    about: str = key("", doc="the question that it answers, for people")
+    about: str = key("", doc="the question that the study answers; not evaluated")
     graph: Names | None = key(
         None, doc="one graph: a file beside the study, or the name of one that ships", hint="write graph: corridor_ccw"
     )

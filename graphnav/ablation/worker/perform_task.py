@@ -72,7 +72,7 @@ def _draw(catalog: Catalog, scratch: Path) -> None:
 
 
 class _Study:
-    """What this process keeps of a study from run to run: the catalog, and every graph that it has loaded."""
+    """Cache of a study in this process from run to run: the catalog and every graph loaded so far."""
 
     def __init__(self, catalog: Catalog) -> None:
         self.catalog = catalog

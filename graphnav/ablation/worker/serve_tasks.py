@@ -14,7 +14,7 @@ from graphnav.ablation.worker.perform_task import perform
 from graphnav.ablation.worker.task import Result, Task
 
 IDLE_S = 60.0
-"""A process without work for this long ends itself: on a cluster nothing else tells it that the study is over."""
+"""A process that is idle for this long exits: on a cluster it is not notified of the end of the study."""
 
 
 def serve(fd: int) -> None:

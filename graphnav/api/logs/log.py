@@ -74,9 +74,9 @@ class Log:
 
     @property
     def damage(self) -> tuple[str, ...]:
-        """What is lost: bytes that are not events, a truncated end, and messages that could not be decoded so far."""
-        torn = self._recording.truncated
-        lost = [*map(str, self._recording.damaged), *([f"truncated: {torn}"] if torn else [])]
+        """Lost data: bytes that are not events, a truncated end, and messages that could not be decoded so far."""
+        truncated = self._recording.truncated
+        lost = [*map(str, self._recording.damaged), *([f"truncated: {truncated}"] if truncated else [])]
         for channel, errors in self._undecodable.items():
             n_all = self._recording.count(channel)
             what = f"{len(errors)} of {n_all} messages of '{shown_name(channel)}' cannot be decoded"

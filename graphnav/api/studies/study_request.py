@@ -28,7 +28,7 @@ class StudyRequest:
     one_at_a_time: bool
     plugins: Sequence[Path]
     problems: Sequence[Problem] = ()
-    """What is wrong with options that were read before."""
+    """Problems of options that were parsed before."""
 
     def check(self, catalog: Catalog, command: str = "") -> CheckedStudy:
         """Return the checked study, with the versions that its runs depend on; ``command`` makes it again.

@@ -70,7 +70,7 @@ class StudyRun:
 
 
 class StudyObserver(Protocol):
-    """Who asked for a study: accepts its runs, sees them made, reads what is told."""
+    """Observer of a study: accepts its runs, follows their progress, receives messages."""
 
     def accept(self, run: StudyRun) -> Sequence[Job] | None:
         """Return the runs to make of those that are pending, or None to make none and end here."""

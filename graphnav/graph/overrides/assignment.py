@@ -19,7 +19,7 @@ _USE = "write family.stage, as 'graphnav stages' lists them"
 
 @dataclass(frozen=True)
 class Assignment:
-    """What an override changes of one stage, or of the run."""
+    """A change that an override makes to one stage or to the run."""
 
     kind: Kind
     stage: str

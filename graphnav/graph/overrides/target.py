@@ -16,7 +16,7 @@ HINT = "write stage=family.stage, stage.parameter=value, stage.in.port=stage.por
 
 @dataclass(frozen=True)
 class Target:
-    """What an override changes."""
+    """The target of an override: the part of a graph that it changes."""
 
     kind: TargetKind
     """A stage, a stage to add, a parameter or a time of a stage, an input of a stage, an option of the run."""

@@ -24,13 +24,13 @@ _SECTIONS = ("channels", "deploy", "inputs", "outputs", "queues")
 
 @dataclass(frozen=True)
 class Merged:
-    """What the files of a graph say together, and what has to be rewired when its words are known."""
+    """Merged files of a graph, with the stages whose wires may have to be changed."""
 
     value: Value
     swapped: Collection[str] = ()
     """Stages that use another stage than in an extended file."""
     removed: dict[str, Place] = field(default_factory=dict)
-    """Stages and inputs that are removed, and where that is said."""
+    """Stages and inputs that are removed, with the place of the removal."""
     given: Collection[tuple[str, str]] = ()
     """(stage, input port) of the wires that are given with the swaps."""
     read_before: frozenset[str] = frozenset()
@@ -38,7 +38,7 @@ class Merged:
 
 
 def merge_files(files: Sequence[GraphFile], catalog: Catalog, problems: list[Problem], notices: list[str]) -> Merged:
-    """Return what the files of a graph say together, the first one extended by the others in turn.
+    """Return the files of a graph merged into one, the first extended by the others in turn.
 
     Mappings are merged key by key; what is not a mapping is replaced. Null removes a stage, a wire or an entry of a
     section. A stage whose ``use`` changes is swapped as ``--set`` would swap it.

@@ -36,7 +36,7 @@ class StageMerge:
         self.swapped: dict[str, None] = {}
         """Stages whose ``use`` changed, in order."""
         self.removed: dict[str, Place] = {}
-        """Stages and inputs that are null in a later file, and where that is said."""
+        """Stages and inputs that are null in a later file, with the place of the null."""
         self.given: set[tuple[str, str]] = set()
         """(stage, input port) of the wires that are given since the last swap."""
         self.read_before: set[str] = set()

@@ -1,4 +1,4 @@
-"""What the JSON Schema of graphs lets a graph say that extends another one, or that brings plugins."""
+"""Variants of the JSON Schema of graphs: for a graph that extends another one, or that brings plugins."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from graphnav.spec import Schema
 FAMILY_STAGE = r"^[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*$"
 _NULL: Schema = {"type": "null"}
 _CONDITIONS = ("required", "allOf", "anyOf", "dependentSchemas")
-"""What may make a key of a mapping necessary."""
+"""Keywords that may make a key of a mapping required."""
 _KEPT = ("about", "extends", "plugins", "run")
 """Keys that mean the same where a graph extends another."""
 

@@ -8,7 +8,7 @@ from graphnav.errors import Problem
 from graphnav.graph.node import InputChannel, Node
 
 Origins = frozenset[tuple[str, str]]
-"""Who stamps: the kind of each ("source", "input" or "timer") and its name."""
+"""Origins of stamps: the kind of each ("source", "input" or "timer") and its name."""
 
 
 def check_stamps(

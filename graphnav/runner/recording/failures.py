@@ -35,7 +35,7 @@ class Failures:
 
     @property
     def cause(self) -> str:
-        """What failed, without when: the causes, a line each."""
+        """The causes of all failures without their times, one per line."""
         return "\n".join(error.cause for error in self._found)
 
     def __str__(self) -> str:

@@ -20,7 +20,7 @@ _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm
 
 @dataclass(frozen=True)
 class StageSteps:
-    """What one stage did: ``dropped`` counts sets of inputs that stayed incomplete.
+    """Statistics of one stage: ``dropped`` counts sets of inputs that stayed incomplete.
 
     ``missed``: steps that took longer than the stage's deadline, None where it has none.
     """
@@ -35,7 +35,7 @@ class StageSteps:
 
 @dataclass(frozen=True)
 class Summary:
-    """What ``summary.json`` holds; ``failure`` says what ended a failed run, ``scores`` are the metrics by stage."""
+    """Content of ``summary.json``: ``failure`` is the error of a failed run, ``scores`` are the metrics by stage."""
 
     outcome: str
     failure: str

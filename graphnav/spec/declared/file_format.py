@@ -26,7 +26,7 @@ class FileFormat(Generic[R]):
     title: str
     """Of the reference page."""
     doc: str
-    """What the reference page begins with, in Markdown: units, frames, a complete example."""
+    """Introduction of the reference page, in Markdown: units, frames, a complete example."""
 
     def read(self, path: Path) -> tuple[R | None, list[Problem]]:
         """Return what a file says, and everything that is wrong with single values, each with its place.

@@ -14,7 +14,7 @@ from graphnav.spec.value import Entry, Value
 
 R = TypeVar("R", bound=Record)
 WRONG: Final = object()
-"""What is read from a value that is wrong."""
+"""Stands for a value that has an error."""
 
 
 @dataclass(frozen=True)

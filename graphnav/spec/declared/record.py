@@ -52,7 +52,7 @@ class Record:
     """
 
     noun: ClassVar[str] = "this mapping"
-    """What messages call one of it: "a wall"."""
+    """Noun for one such mapping in error messages: "a wall"."""
     one_of: ClassVar[tuple[str, ...]] = ()
     """Keys of which exactly one is given."""
     renamed: ClassVar[Mapping[str, str]] = MappingProxyType({})

@@ -73,7 +73,7 @@ class MapKeys(Record):
 
     noun = "a map"
 
-    about: str = key("", doc="what the map is, in a line, for people")
+    about: str = key("", doc="the map in one line; not evaluated")
     textures: Mapping[str, TextureKeys] | None = key(None, doc="how surfaces look, by name")
     view: View | None = key(None, doc="light and noise")
     corridor: CorridorKeys | None = key(None, doc="a bent corridor with its start and its goal")

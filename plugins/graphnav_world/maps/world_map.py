@@ -27,8 +27,8 @@ class WorldMap:
 def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
     """Return the map that this seed draws.
 
-    A map with draws is drawn anew until the robot fits at the start, a path leads to the goal and, where the map
-    asks for it, the straight way is blocked.
+    A map with random parts is drawn again until the robot fits at the start, a path leads to the goal and, where the
+    map requires it, the straight path is blocked.
 
     Raises
     ------

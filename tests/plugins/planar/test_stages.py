@@ -94,8 +94,8 @@ def test_the_mean_of_half_the_interval_is_half_as_long(floor: Floor, model: Plan
     stage = Mean(model=save(model))
     stage.reset(0)
     flow = floor.flow(floor.uv_px(0.03, 0.0))
-    whole, half = stage.step(flow), stage.step(replace(flow, interval_us=50_000))
-    assert half.planar_uv_px == pytest.approx(whole.planar_uv_px / 2)
+    full, half = stage.step(flow), stage.step(replace(flow, interval_us=50_000))
+    assert half.planar_uv_px == pytest.approx(full.planar_uv_px / 2)
 
 
 @pytest.mark.parametrize("kind", [Mean, Motion])
@@ -139,7 +139,7 @@ def test_a_missing_model_is_named(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "text.lcmlog").write_text("not a log at all, but a text that is long enough for an event")
+    (tmp_path / "text.lcmlog").write_text("not a log at all, but a string that is long enough for an event")
     with pytest.raises(ParamError, match=r"text\.lcmlog") as caught:
         Mean(model=tmp_path / "text.lcmlog").check()
     assert "graphnav teach" in str(caught.value)

@@ -76,9 +76,9 @@ def test_terms_of_the_motion_need_the_motion(floor: Floor) -> None:
 def test_cells_that_were_rarely_valid_are_not_taught(floor: Floor) -> None:
     stage = Teach(terms=("mean",), every_frames=1)
     stage.reset(0)
-    whole = floor.flow(floor.uv_px(0.03, 0.0))
-    holed = replace(whole, valid=np.where(np.arange(40) < 10, 0, whole.valid).astype(np.uint8))
-    for flow in (whole, holed, holed):
+    complete = floor.flow(floor.uv_px(0.03, 0.0))
+    holed = replace(complete, valid=np.where(np.arange(40) < 10, 0, complete.valid).astype(np.uint8))
+    for flow in (complete, holed, holed):
         model = stage.step(flow)
     assert model is not None
     assert not model.valid[:, :10].any()
@@ -88,10 +88,10 @@ def test_cells_that_were_rarely_valid_are_not_taught(floor: Floor) -> None:
 def test_the_picture_may_not_change_its_size(floor: Floor) -> None:
     stage = Teach(terms=("mean",))
     stage.reset(0)
-    whole = floor.flow(floor.uv_px(0.03, 0.0))
-    stage.step(whole)
+    complete = floor.flow(floor.uv_px(0.03, 0.0))
+    stage.step(complete)
     with pytest.raises(ValueError, match="was 40x30 cells of 4 px, but is 40x20 now"):
-        stage.step(replace(whole, uv_px=whole.uv_px[:20], valid=whole.valid[:20]))
+        stage.step(replace(complete, uv_px=complete.uv_px[:20], valid=complete.valid[:20]))
 
 
 def test_an_unknown_term_is_refused() -> None:

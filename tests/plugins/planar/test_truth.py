@@ -85,8 +85,8 @@ def test_a_thinned_truth_gives_the_same_flow() -> None:
         interval_us=truth.interval_us,
         step_px=4,
     )
-    whole = Truth(cell_px=1).step(truth).planar_uv_px[::4, ::4]
-    assert Truth().step(thin).planar_uv_px == pytest.approx(whole, abs=1e-3)
+    full = Truth(cell_px=1).step(truth).planar_uv_px[::4, ::4]
+    assert Truth().step(thin).planar_uv_px == pytest.approx(full, abs=1e-3)
 
 
 @pytest.mark.parametrize("ground_px", [0, 3, 150])

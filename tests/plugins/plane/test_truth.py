@@ -25,7 +25,7 @@ def truth(obstacle: np.ndarray, step_px: int = 1) -> Truth:
     )
 
 
-def test_a_cell_is_obstacle_where_most_of_it_is() -> None:
+def test_a_cell_is_an_obstacle_if_its_majority_is() -> None:
     obstacle = np.zeros((8, 12))
     obstacle[:, 3:] = 1
     obstacle[:, 9:] = 0

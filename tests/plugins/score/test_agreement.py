@@ -27,7 +27,7 @@ def summary(pairs_deg: Sequence[tuple[float, float]], min_turn_deg: float = 5.0)
     return stage.summary()
 
 
-def test_figures() -> None:
+def test_metrics() -> None:
     metrics = summary([(10.0, 20.0), (-5.0, 15.0), (0.0, 30.0), (-40.0, -10.0), (3.0, -4.0)])
     assert metrics["frames"] == 5
     assert metrics["angle_error_rad"] == pytest.approx(math.radians((10 + 20 + 30 + 30 + 7) / 5))

@@ -85,7 +85,7 @@ def test_success() -> None:
         ([1.9], 2.0, 16.0, 1.0, 1 / 4),
     ],
 )
-def test_scores_of_whole_drives(
+def test_scores_of_complete_drives(
     legs_m: list[float], shortest_m: float, seconds: float, spl_: float, barn_: float
 ) -> None:
     corners, directions = [At(0.0, 0.0)], [(1, 0), (0, 1), (-1, 0)]
@@ -123,7 +123,7 @@ def test_without_the_map_there_is_no_shortest_path() -> None:
     assert not {"spl", "barn"} & metrics.keys()
 
 
-def test_before_the_first_state_there_are_no_figures() -> None:
+def test_before_the_first_state_there_are_no_metrics() -> None:
     assert drive([], map_of(6.0)) == {}
 
 

@@ -22,7 +22,7 @@ def score_of(**parameters: float) -> PlaneScore:
     return stage
 
 
-def test_figures_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+def test_metrics_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, make_truth: MakeTruth) -> None:
     rng = np.random.default_rng(0)
     stage, scores, truths = score_of(), [], []
     for share in (0.0, 0.1, 0.2):
@@ -52,24 +52,24 @@ def test_what_lies_above_the_horizon_counts_neither_way(make_plane: MakePlane, m
     score = rng.random((6, 8))
     horizon = make_truth(np.concatenate([np.zeros((8, 32)), true]))
     horizon.depth_m[:8] = np.inf
-    cut, whole = score_of(), score_of()
+    cut, complete = score_of(), score_of()
     cut.step(make_plane(score[2:], step_px=4), make_truth(true))
-    whole.step(make_plane(score, step_px=4), horizon)
-    assert whole.summary() == cut.summary()
+    complete.step(make_plane(score, step_px=4), horizon)
+    assert complete.summary() == cut.summary()
 
 
 def test_merged_scores_are_those_of_all_frames(make_plane: MakePlane, make_truth: MakeTruth) -> None:
     rng = np.random.default_rng(1)
-    whole, halves = score_of(), (score_of(), score_of())
+    complete, halves = score_of(), (score_of(), score_of())
     for half in halves:
         for _ in range(3):
             true = np.zeros((24, 32))
             true[4:12, 4:20] = 1
             plane = make_plane(rng.random((6, 8)), rng.random((6, 8)) < 0.8, step_px=4)
-            whole.step(plane, make_truth(true))
+            complete.step(plane, make_truth(true))
             half.step(plane, make_truth(true))
     halves[0].merge(halves[1])
-    merged, expected = dict(halves[0].summary()), dict(whole.summary())
+    merged, expected = dict(halves[0].summary()), dict(complete.summary())
     assert abs(merged.pop("flicker_ratio") - expected.pop("flicker_ratio")) < 0.2, "one pair of frames is not compared"
     assert merged == expected
 

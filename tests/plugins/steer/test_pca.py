@@ -211,11 +211,11 @@ def test_guiding_force_points_to_the_beacon(make_plane: MakePlane) -> None:
 
 def test_without_its_backward_part_the_force_only_turns_aside(make_plane: MakePlane) -> None:
     d = drawn(slice(0, 10), slice(22, 40))
-    whole = steer(make_plane(d), about="zero")
+    ahead = steer(make_plane(d), about="zero")
     aside = steer(make_plane(d), about="zero", backward=False)
-    assert whole.repulsive[1] < 0
+    assert ahead.repulsive[1] < 0
     assert aside.repulsive[1] == 0.0
-    assert aside.repulsive[0] == whole.repulsive[0]
+    assert aside.repulsive[0] == ahead.repulsive[0]
 
 
 def test_bell_counts_what_is_ahead_more_than_what_is_beside(make_plane: MakePlane) -> None:

@@ -1,4 +1,4 @@
-"""What makes seeing hard: pale textures, light that changes, a shutter that stays open, a horizon."""
+"""Adverse viewing conditions: low contrast, changing light, motion blur, a visible horizon."""
 
 from __future__ import annotations
 

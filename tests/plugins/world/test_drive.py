@@ -99,7 +99,7 @@ def test_a_contact_stops_it_for_good() -> None:
     assert drive.advance(3_000_000).x_m == pose.x_m
 
 
-def test_clearance_is_the_least_of_the_whole_step() -> None:
+def test_clearance_is_the_minimum_over_the_step() -> None:
     pillar = Body.prism(outlines.box(0.5, 0.6, 0.2, 0.2, 0.0), 0.3, "wall")
     drive = Drive(Vehicle([pillar], START, 0.2, QUICK), 10.0)
     drive.hear(Latest(AHEAD, 0.0), 0)

@@ -1,6 +1,6 @@
-"""Maps: what is wrong with one is said with its place; what one draws follows from the seed alone.
+"""Maps: every problem is reported with its place; random draws follow from the seed alone.
 
-To write the golden texts anew, and then read them::
+To regenerate the golden files, and then read them::
 
     python tests/plugins/world/test_maps.py
 """
@@ -63,12 +63,12 @@ def _parts(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 def test_whatever_is_in_a_map_it_is_drawn_or_refused(
     tmp_path_factory: pytest.TempPathFactory, part: tuple[Any, ...], value: Any
 ) -> None:
-    whole = inner = copy.deepcopy(CROSSING)
+    complete = inner = copy.deepcopy(CROSSING)
     for key in part[:-1]:
         inner = inner[key]
     inner[part[-1]] = value
     path = tmp_path_factory.getbasetemp() / "strange.yaml"
-    path.write_text(yaml.safe_dump(whole))
+    path.write_text(yaml.safe_dump(complete))
     problems: list[Problem] = []
     try:
         load_map(path, 0, RADIUS_M)

@@ -202,13 +202,13 @@ def test_the_goal_ends_the_run_or_the_drive(ends: bool, tmp_path: Path) -> None:
     assert ends == (reached_us == steps[-1][0])
 
 
-def test_clearance_is_the_least_since_the_last_state(maps: Path) -> None:
-    often, seldom = (
+def test_clearance_is_the_minimum_since_the_last_state(maps: Path) -> None:
+    often, rarely = (
         [state.clearance_m for _, state in of(drive(robot, CURVE, range(0, 1_000_001, STEP_US))[0], "state")]
         for robot in (Robot(map=maps / "corridor_ccw.yaml", state_hz=hz, **SMALL) for hz in (100.0, 5.0))
     )
-    least = [min(often[max(0, k - 19) : k + 1]) for k in range(0, 101, 20)]
-    assert seldom == pytest.approx(least, abs=1e-12)
+    minima = [min(often[max(0, k - 19) : k + 1]) for k in range(0, 101, 20)]
+    assert rarely == pytest.approx(minima, abs=1e-12)
 
 
 def test_the_same_seed_commands_and_stamps_give_the_same_bytes() -> None:

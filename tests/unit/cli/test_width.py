@@ -1,4 +1,4 @@
-"""What commands print fits a terminal of 80 columns, and no path is broken into lines."""
+"""Output of commands fits a terminal of 80 columns, and no path is broken into lines."""
 
 from __future__ import annotations
 

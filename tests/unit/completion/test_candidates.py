@@ -1,4 +1,4 @@
-"""What is offered is what graphnav takes."""
+"""Completion offers exactly what graphnav accepts."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def meaning(graph: Graph) -> object:
 
 
 def merged(*texts: str) -> tuple[object, list[Problem]]:
-    """Return what the texts of files say together, without places, and what is wrong."""
+    """Return the merged content of files without places, and the problems."""
     files = [
         GraphFile(parse_yaml(t.encode(), f"{n}.yaml")[0], Path(f"{n}.yaml"), f"{n}.yaml") for n, t in enumerate(texts)
     ]
@@ -124,7 +124,7 @@ def test_the_last_file_of_a_chain_wins(toys: Catalog, write: Write) -> None:
     graph = load_graph(path, toys)
     assert (graph.run.seed, graph.run.until_s) == (3, 5.0)
     assert (graph.node("plane").use, graph.node("plane").params["model"].name) == ("toy.taught", "a.bin")
-    assert [i.channel for i in graph.node("score").inputs][1] is None, "it is put back anew"
+    assert [i.channel for i in graph.node("score").inputs][1] is None, "it was removed and added again"
 
 
 def test_stages_keep_their_order_and_new_ones_come_last(toys: Catalog, write: Write) -> None:

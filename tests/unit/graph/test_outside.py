@@ -1,4 +1,4 @@
-"""What comes in from other programs is consumed like any other channel; what leaves has a type, a guard and a stop."""
+"""Inputs from other programs are consumed like any other channel; outputs have a type, a guard and a stop."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Swaps keep the wires of ports with the same name and type, rewire what is unambiguous and prune what nobody reads."""
+"""Swaps keep wires of ports with the same name and type, rewire unambiguous ports and prune stages without readers."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -73,7 +73,7 @@ def sets_only_one_flow() -> str:
     )
 
 
-def test_an_ambiguous_input_is_mended_by_the_set_that_the_error_names(load: Load) -> None:
+def test_an_ambiguous_input_is_fixed_by_the_set_that_the_error_names(load: Load) -> None:
     with pytest.raises(UserError, match=r"--set plane\.in\.other=smooth\.flow"):
         load(TWO_FLOWS, "plane=toy.from_flows")
     graph = load(TWO_FLOWS, "plane=toy.from_flows", "plane.in.other=smooth.flow")

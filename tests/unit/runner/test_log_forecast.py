@@ -41,7 +41,7 @@ def test_other_logs_are_not(until_s: float | None, ticks: int) -> None:
     assert told(until_s, 700_000, ticks=ticks) == []
 
 
-def test_a_log_that_takes_most_of_the_disk_is_told() -> None:
+def test_a_log_that_nearly_fills_the_disk_is_reported() -> None:
     assert told(60, 700_000, 600e6) == []
     assert told(60, 700_000, 500e6) == [f"the log will take about 459 MB by 60 s, 500 MB are free{SMALLER}"]
 

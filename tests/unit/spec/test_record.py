@@ -1,4 +1,4 @@
-"""Declared files: what is right is read as typed values, what is wrong is said all at once, each at its place."""
+"""Declared files: values are read with their types, and all problems are reported at once, each at its place."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class House(Record):
     noun = "a house"
     one_of: ClassVar[tuple[str, ...]] = ("tent", "door")
 
-    name: str = key("", doc="for people")
+    name: str = key("", doc="as a label")
     floors: int = key(1, ge=1, le=9, doc="how many")
     lamps: tuple[Lamp, ...] = key((), min_items=1, doc="in it")
     rooms: Mapping[str, tuple[int, ...]] | None = key(None, ge=0, doc="by name")

@@ -30,9 +30,9 @@ def counted(n: int, one: str, many: str = "") -> str:
 
 
 def means_text(means: Sequence[float], *, signed: bool = False) -> str:
-    """Return the least and the greatest of some means: ``0.86 to 0.98``."""
+    """Return the range of some means: ``0.86 to 0.98``."""
     ends = (min(means), max(means))
-    most = max(map(abs, ends))
-    places = max(2, -math.floor(math.log10(most))) if most else 2
+    largest = max(map(abs, ends))
+    places = max(2, -math.floor(math.log10(largest))) if largest else 2
     form = f".{places}f" if places <= number_format.MAX_DECIMALS else number_format.TINY
     return " to ".join(dict.fromkeys(("+" if signed and end > 0 else "") + number(end, form) for end in ends))

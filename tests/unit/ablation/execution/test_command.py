@@ -83,7 +83,7 @@ def test_the_report_is_made_again_from_the_runs_alone(study: Any) -> None:
     assert (moved / "results.csv").read_bytes() == before["results.csv"]
 
 
-def test_a_disk_that_fills_up_leaves_every_table_and_the_report_whole(
+def test_a_disk_that_fills_up_leaves_every_table_and_the_report_complete(
     study: Any, disk_of: DiskOf, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study.run()

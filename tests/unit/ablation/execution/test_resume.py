@@ -62,7 +62,7 @@ def test_a_variant_more_adds_its_runs(study: Any) -> None:
 
 
 def refused(study: Any, capsys: pytest.CaptureFixture[str], *words: str, **options: Any) -> str:
-    """Return what is said to a study that is refused, and see that nothing was run."""
+    """Return the error of a study that is refused, and check that nothing was run."""
     before = study.runs
     capsys.readouterr()
     assert study.run(*words, **options) == 2
@@ -114,7 +114,7 @@ def test_what_would_change_nothing_is_refused(words: list[str], said: str, capsy
 def test_a_plugin_that_has_changed_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     study.run(seeds="0:1")
     with study.plugin.open("a") as file:
-        file.write("# mended\n")
+        file.write("# fixed\n")
     assert f"the runs in {study.out} were made with another {study.plugin}: " in refused(study, capsys)
 
 
@@ -183,7 +183,7 @@ def test_kill_9_of_the_parent_alone_leaves_no_process_and_no_half_run(study: Any
 
 
 def group_exists(group: int) -> bool:
-    """Return whether a process of the group is left that is no zombie."""
+    """Return whether a process of the group exists that is not a zombie."""
     for stat in os.listdir("/proc"):
         try:
             with open(f"/proc/{stat}/stat") as file:

@@ -1,4 +1,4 @@
-"""A plan holds every graph with every variant, checked, and what is to be run."""
+"""A plan holds every graph with every variant, checked, and the pending runs."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -128,7 +128,7 @@ def test_same_graphs_of_other_names_are_run_each(plan: MakePlan) -> None:
     assert not any(case.same_as for case in plan("plane=toy.detector,judge.blind", names=("loop", "copy")).cases)
 
 
-def test_the_most_special_role_that_the_axes_put_in(plan: MakePlan) -> None:
+def test_a_case_has_the_highest_role_among_its_choices(plan: MakePlan) -> None:
     made = plan("plane=toy.detector,judge.blind,judge.oracle", "robot.noise_px=1,2")
     assert [case.role for case in made.cases] == ["method"] * 2 + ["baseline"] * 2 + ["oracle"] * 2
     base = plan("plane=judge.oracle,toy.detector").cases

@@ -105,7 +105,7 @@ def test_too_many_are_refused_before_they_are_made() -> None:
 
 
 def test_graphs_count() -> None:
-    most = axis("noise", *map(str, range(MAX_CASES // 2)))
-    assert len(expand(study(most, graphs=("a", "b")))) == MAX_CASES // 2
+    at_limit = axis("noise", *map(str, range(MAX_CASES // 2)))
+    assert len(expand(study(at_limit, graphs=("a", "b")))) == MAX_CASES // 2
     with pytest.raises(UserError, match="1000 variants on 3 graphs"):
-        expand(study(most, graphs=("a", "b", "c")))
+        expand(study(at_limit, graphs=("a", "b", "c")))

@@ -53,9 +53,9 @@ def test_the_order_of_runs_does_not_count(
     write_results(plan, records, tmp_path / "ordered.csv")
     rng.shuffle(records)
     write_results(plan, records, tmp_path / "shuffled.csv")
-    whole = (tmp_path / "ordered.csv").read_bytes()
-    assert whole == (tmp_path / "shuffled.csv").read_bytes()
-    assert b"\r" not in whole
+    expected = (tmp_path / "ordered.csv").read_bytes()
+    assert expected == (tmp_path / "shuffled.csv").read_bytes()
+    assert b"\r" not in expected
     assert [line[0] for line in lines(tmp_path / "ordered.csv")[1::6]] == ["pillars", "corridor"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["ordered.csv", "shuffled.csv"], "nothing is left over"
 

@@ -1,4 +1,4 @@
-"""What is read below a study: rounded, marked, repeatable."""
+"""The Markdown tables of a study: rounded, marked, repeatable."""
 
 from __future__ import annotations
 

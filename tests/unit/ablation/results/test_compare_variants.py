@@ -109,7 +109,7 @@ def test_only_metrics_that_are_shares_of_worlds_get_their_intervals(
     true = {"sense.epe_px": 0.0, "drive.success": 1.0}
     records = [make_record("truth", seed, true) for seed in range(50)]
     (alone, _) = compare(plan, records).rows
-    assert alone.estimates["sense.epe_px"].high == 0.0, "what has a unit is no share of worlds"
+    assert alone.estimates["sense.epe_px"].high == 0.0, "a metric with a unit is not a share of worlds"
     records += [make_record("dis", seed, {"sense.epe_px": 0.1, "drive.success": 1.0}) for seed in range(50)]
     truth, dis = compare(plan, records).rows
     assert not dis.differences["drive.success"].is_clear

@@ -164,7 +164,7 @@ def test_bonett_price_covers_the_true_difference(this: float, base: float) -> No
             low, high = bonett_price(only_this, only_base, n)
             if low <= this - base <= high:
                 covered += float(cells.pmf([only_this, only_base, n - only_this - only_base]))
-    # Outcomes are whole numbers, so that no interval covers exactly 95 %; where little differs this one covers more.
+    # Outcomes are integers, so that no interval covers exactly 95 %; with few differences this one covers more.
     assert covered >= 0.94
 
 

@@ -90,10 +90,10 @@ def test_summaries_that_are_none_are_all_named(make_plan: MakePlan, tmp_path: Pa
 
 def test_a_summary_cut_anywhere_is_noticed(make_plan: MakePlan, tmp_path: Path) -> None:
     path = write_run(tmp_path / "corridor/ica/1", {"drive": {"spl": 0.5}})
-    whole = path.read_bytes()
-    assert json.loads(whole)
-    for length in range(0, len(whole) - 2, 37):
-        path.write_bytes(whole[:length])
+    complete = path.read_bytes()
+    assert json.loads(complete)
+    for length in range(0, len(complete) - 2, 37):
+        path.write_bytes(complete[:length])
         with pytest.raises(UserError, match="not a complete summary"):
             read_records(make_plan(), tmp_path)
 

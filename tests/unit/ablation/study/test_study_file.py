@@ -1,4 +1,4 @@
-"""A study's file says what it means, texts and numbers as they were written."""
+"""A study file is read with strings and numbers as they were written."""
 
 import math
 from collections.abc import Iterable

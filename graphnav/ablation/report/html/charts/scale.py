@@ -10,9 +10,9 @@ from graphnav.ablation.report.html.number_text import number
 
 _STEPS = (1, 2, 2.5, 5, 10)
 _FLAT = 1e-9
-"""A range that is no larger, of the values or of 1, is none."""
+"""A range of at most this share of the largest absolute value, or of 1, counts as zero."""
 _WIDE = 100.0
-"""From a ratio of the greatest to the least value on, an axis is logarithmic."""
+"""An axis is logarithmic if its maximum is at least this many times its minimum."""
 _NOISE = 1e-4
 """By how much of the range a value may lie outside the last tick; intervals are rounded to single precision."""
 
@@ -81,7 +81,7 @@ def scale_of(values: Iterable[float], max_ticks: int = 5) -> Scale:
 
 
 def wide_scale_of(values: Iterable[float]) -> Scale:
-    """Return the axis of `scale_of`, or a logarithmic one where that would hide all but the greatest values.
+    """Return the axis of `scale_of`, or a logarithmic one where only the largest values would be visible on it.
 
     Zeros have no place on a logarithmic axis; they are drawn at its lower end. What never exceeds 1 is taken for a
     share, of which small values are small.

@@ -17,7 +17,7 @@ from graphnav.ablation.results import Record, failure_folder, is_failure
 from graphnav.ablation.worker import ENDING
 
 _CAUSES = {"contact": "Contact", "timeout": "Time was up", "failed": "The run broke down"}
-_MOST = 24
+_MAX_PICTURES = 24
 _MAX_PX = 1180
 
 
@@ -70,7 +70,7 @@ def _spread(study: StudyResults, found: Sequence[tuple[Record, Path]]) -> list[t
         turns[case] = turns.get(case, 0) + 1
         ranked.append((case in special, turns[case], run, file))
     ranked.sort(key=lambda entry: entry[:2])
-    return [(run, file) for _, _, run, file in ranked[:_MOST]]
+    return [(run, file) for _, _, run, file in ranked[:_MAX_PICTURES]]
 
 
 def _failure(study: StudyResults, run: Record, file: Path) -> _Failure:

@@ -114,7 +114,7 @@ def _rival(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> _Riv
 
 
 def _everywhere(study: StudyResults, metric: str) -> str:
-    """Return what the base has on each graph, on many the least and the greatest."""
+    """Return the base's value on each graph, or the range where there are many graphs."""
     graphs, base = study.plan.graphs, study.plan.base
     found = {graph: of for graph in graphs if (of := study.estimate(graph, base, metric)) is not None}
     if len(found) > _MAX_NAMES:

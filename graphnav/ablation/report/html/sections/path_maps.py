@@ -85,8 +85,8 @@ def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequenc
     }
     begin = list(seeds[:first])
     rest = sorted((s for s in seeds if s not in begin), key=lambda s: (-doubt.get(s, 0), s))
-    most = [seed for seed in rest if doubt.get(seed, 0) > 0][:disputed]
-    return [*begin, *(most or rest[:disputed])]
+    doubtful = [seed for seed in rest if doubt.get(seed, 0) > 0][:disputed]
+    return [*begin, *(doubtful or rest[:disputed])]
 
 
 def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> _World | None:

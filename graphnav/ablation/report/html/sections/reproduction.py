@@ -13,7 +13,7 @@ _MEANING = """\
 A world is a seed: map, start, textures and noise are drawn from it, and every variant meets the same ones.
 
 Differences are paired: this variant minus the base in the same world. A variant is called better or worse only where
-the interval of that difference leaves out 0, over {least} worlds or more. An interval that holds 0 does not say that
+the interval of that difference leaves out 0, over {min_n} worlds or more. An interval that holds 0 does not say that
 two are equal: it says how far apart they may be.
 
 Of {n} comparisons with the base, about {chance} leave out 0 by chance alone.
@@ -43,5 +43,5 @@ def reproduce(study: StudyResults) -> Markup:
 
 def _meaning(study: StudyResults) -> list[str]:
     n = sum(1 for row in study.comparison.rows if row.differences and not row.case.same_as)
-    own = _MEANING.format(least=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
+    own = _MEANING.format(min_n=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
     return [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics)]

@@ -122,6 +122,6 @@ def reference_values(study: StudyResults, metric: str) -> Markup:
 
 
 def _range(study: StudyResults, variants: Sequence[str], metric: str) -> str:
-    """Return the least and the greatest mean of variants over all graphs."""
+    """Return the range of the means of variants over all graphs."""
     every = [found.mean for g in study.plan.graphs for v in variants if (found := study.estimate(g, v, metric))]
     return means_text(every) if every else "not known"

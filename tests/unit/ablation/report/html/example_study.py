@@ -1,4 +1,4 @@
-"""A study with results that nobody measured, for reports."""
+"""A study with made-up results, for reports."""
 
 from __future__ import annotations
 

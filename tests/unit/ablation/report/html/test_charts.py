@@ -23,13 +23,13 @@ NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)
 
 @settings(deadline=None)
 @given(st.lists(NUMBERS, max_size=8), st.integers(2, 8))
-def test_an_axis_shows_all_values_between_even_ticks(values: list[float], most: int) -> None:
-    scale = scale_of([*values, math.nan, math.inf], most)
+def test_an_axis_shows_all_values_between_even_ticks(values: list[float], max_steps: int) -> None:
+    scale = scale_of([*values, math.nan, math.inf], max_steps)
     steps = [b - a for a, b in zip(scale.ticks, scale.ticks[1:], strict=False)]
     slack = 1e-3 * steps[0]
     assert all(scale.low - slack <= value <= scale.high + slack for value in values)
     assert steps == pytest.approx([steps[0]] * len(steps))
-    assert 2 <= len(scale.ticks) <= most + 3
+    assert 2 <= len(scale.ticks) <= max_steps + 3
 
 
 def test_shares_have_the_axis_from_0_to_1() -> None:

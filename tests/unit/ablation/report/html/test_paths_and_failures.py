@@ -66,9 +66,11 @@ def test_a_picture_that_is_none_is_named(study: tuple[Plan, Path], tmp_path: Pat
     assert "the logs are gone" in text
 
 
-def test_logs_that_are_torn_to_pieces_are_left_out(study: tuple[Plan, Path], tmp_path: Path) -> None:
+def test_unreadable_logs_are_left_out(study: tuple[Plan, Path], tmp_path: Path) -> None:
     plan, folder = study
-    records = [dataclasses.replace(record, folder=f"torn/{record.variant}") for record in read_records(plan, folder)]
+    records = [
+        dataclasses.replace(record, folder=f"unreadable/{record.variant}") for record in read_records(plan, folder)
+    ]
     for record in records:
         (tmp_path / record.folder).mkdir(parents=True)
         (tmp_path / record.folder / "run.lcmlog").write_bytes(b"no log of any kind, but some bytes")
