@@ -47,9 +47,7 @@ def test_the_first_two_lines_set_up_and_run_everything() -> None:
 
 def test_the_graph_is_the_one_that_ships() -> None:
     """The graph that the book explains leaves out scores only."""
-    block = next(
-        block for block in blocks(DOCS / "howto" / "swap.md", "yaml") if "robot:" in block
-    )
+    block = next(block for block in blocks(DOCS / "howto" / "swap.md", "yaml") if "robot:" in block)
     shown, shipped = yaml.safe_load(block), yaml.safe_load(shipped_graphs()["corridor_ccw"].read_text())
     assert shown["run"] == shipped["run"]
     left_out = set(shipped["stages"]) - set(shown["stages"])
