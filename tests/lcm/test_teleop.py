@@ -37,7 +37,12 @@ class Terminal:
         self.before = termios.tcgetattr(self._inside)
         command = [sys.executable, "-c", IN_ITS_OWN_SESSION, GRAPHNAV, "teleop", "--url", group, *options]
         self.process = subprocess.Popen(
-            command, stdin=self._inside, stdout=self._inside, stderr=self._inside, start_new_session=True
+            command,
+            stdin=self._inside,
+            stdout=self._inside,
+            stderr=self._inside,
+            start_new_session=True,
+            env={**os.environ, "COLUMNS": "80"},
         )
         self._shown = b""
         os.set_blocking(self.fd, False)

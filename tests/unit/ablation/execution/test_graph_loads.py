@@ -38,7 +38,9 @@ def loads(monkeypatch: pytest.MonkeyPatch) -> Loads:
 
 
 def test_a_study_loads_the_graph_of_each_case_once(loads: Loads, tmp_path: Path) -> None:
-    study = graphnav.ablate("corridor_ccw", vary={"plane": RIVALS}, set=FEW, seeds=[0, 1], jobs=1, folder=tmp_path)
+    study = graphnav.ablate(
+        "corridor_ccw", vary={"plane": RIVALS}, set=FEW, seeds=[0, 1], jobs=1, gallery=0, folder=tmp_path
+    )
     assert len(study.records) == 6
     assert loads() == 3
 
