@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import shutil
 import statistics
 import subprocess
 import sysconfig
+import tomllib
 from collections import Counter
 from pathlib import Path
 
@@ -132,3 +134,18 @@ def test_folders_of_the_core_are_small() -> None:
 
 def test_the_median_file_of_the_core_is_short() -> None:
     assert statistics.median(len(path.read_text(encoding="utf-8").splitlines()) for path in CORE) <= MAX_MEDIAN_LINES
+
+
+def test_every_package_that_ships_is_typed() -> None:
+    packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"][
+        "packages"
+    ]
+    assert [package for package in packages if not (ROOT / package / "py.typed").is_file()] == []
+
+
+def test_the_walk_through_the_code_visits_every_file_once() -> None:
+    walk = (ROOT / "ARCHITECTURE.md").read_text().partition("## A walk through the code")[2]
+    files = re.findall(r"^\| `(?:graphnav/)?(\S+\.py)` \|", walk, re.MULTILINE)
+    assert len(files) > 20
+    assert len(set(files)) == len(files)
+    assert [file for file in files if not (ROOT / "graphnav" / file).is_file()] == []
