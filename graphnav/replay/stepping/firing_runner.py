@@ -106,8 +106,7 @@ class FiringRunner(OwnedStages[Unit]):
             elif one.stage not in self._units:
                 self._copy(one)
             elif one.at_us >= self._start_us and one.stage not in self._added_names:
-                self._fire(one)
-                self.ticks += 1
+                self.ticks += self._fire(one)
                 yield one.at_us
             if one.at_us >= self._start_us:
                 yield from self._fire_added(one.at_us)
@@ -155,7 +154,8 @@ class FiringRunner(OwnedStages[Unit]):
             if port.latest or self.utime >= self._start_us:
                 deliver(utime, message, birth_s, self._run_s(self.utime), number)
 
-    def _fire(self, firing: Firing) -> None:
+    def _fire(self, firing: Firing) -> bool:
+        """Repeat a firing; return whether the stage stepped, False if a message of a plain input was not published."""
         unit = self._units[firing.stage]
         now_s = self._run_s(firing.at_us)
         inputs: dict[str, Any] = {}
@@ -180,7 +180,7 @@ class FiringRunner(OwnedStages[Unit]):
             inputs[i.port.name] = value
             used += found
         if not is_complete:
-            return
+            return False
         is_decision = unit.node.every_ms is not None or not math.isfinite(firing.age_s)
         self._birth_s = now_s if is_decision else now_s - firing.age_s
         try:
@@ -188,6 +188,7 @@ class FiringRunner(OwnedStages[Unit]):
         finally:
             if self._log is not None:
                 self._log.fire(firing.stage, firing.at_us, firing.utime, firing.age_s, used)
+        return True
 
     def _logged_value(self, port: Port, channel: Channel, logged: Sequence[Used]) -> tuple[Any, list[Used]]:
         """Return the recorded value of an input, and its messages."""
