@@ -84,7 +84,7 @@ class _Reader:
         self._read += 1
         if self._read > MAX_VALUES:
             raise UserError.of(
-                f"aliases expand to more than {MAX_VALUES} values", "write the values out, without & and *", place
+                f"the file has more than {MAX_VALUES} values, aliases expanded", "make it smaller", place
             )
         if node.tag not in _KNOWN_TAGS:
             tag = node.tag.replace(_PREFIX, "!!")

@@ -116,6 +116,8 @@ def _fault(metric: Metric) -> str:
         return "the name is not an identifier: use letters, digits and _"
     if not metric.help.strip():
         return "it has no help: write a sentence"
+    if not isinstance(metric.unit, str):
+        return f"unit is {metric.unit!r}: use a string"
     if metric.better not in get_args(Better):
         return f"better is {metric.better!r}: use {', '.join(get_args(Better))}"
     if isinstance(metric.if_failed, str) and metric.if_failed not in {MEASURED, UNDEFINED}:

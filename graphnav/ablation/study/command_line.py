@@ -63,7 +63,7 @@ def study_of_command(
         metrics=tuple(columns) or base.metrics,
         within=tuple(dict.fromkeys(conditions)) or base.within,
         one_at_a_time=one_at_a_time or base.one_at_a_time,
-        places=base.places | _placed(columns, "--figures") | _placed(conditions, "--within"),
+        places=base.places | _placed(columns, "--metrics") | _placed(conditions, "--within"),
     )
 
 

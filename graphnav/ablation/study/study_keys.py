@@ -26,7 +26,10 @@ class StudyKeys(Record):
 
     about: str = key("", doc="the question that the study answers; not evaluated")
     graph: Names | None = key(
-        None, doc="one graph: a file beside the study, or the name of one that ships", hint="write graph: corridor_ccw"
+        None,
+        min_items=1,
+        doc="one graph: a file beside the study, or the name of one that ships",
+        hint="write graph: corridor_ccw",
     )
     graphs: Names | None = key(None, min_items=1, doc=_GRAPHS, hint="write [corridor_ccw, pillars]")
     seeds: str | tuple[int, ...] | None = key(

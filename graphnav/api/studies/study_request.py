@@ -57,7 +57,7 @@ class StudyRequest:
         options: tuple[tuple[str, Sequence[object]], ...] = (
             ("--vary", [vary.words for vary in self.varies]),
             ("--set", [override.words for override in self.overrides]),
-            ("--figures", self.metrics),
+            ("--metrics", self.metrics),
             ("--within", self.within),
             ("--plugin", self.plugins),
             ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),

@@ -27,6 +27,8 @@ TEXTURES = {
 }
 Pose = tuple[float, float, float]
 
+START_HINT = "add start: {at_m: [x, y], heading_deg: 0}"
+
 
 @dataclass(frozen=True)
 class MapDraw:
@@ -109,5 +111,5 @@ def _start(draws: Draws, keys: MapKeys, corridor: Corridor | None) -> Pose | Non
     if keys.start:
         return (*draws.pair(keys.start.at_m), math.radians(draws.number(keys.start.heading_deg)))
     if not keys.written.has("start") and not keys.written.has("corridor"):
-        draws.wrong(keys.place(), "a map needs 'start'", "add start: {at_m: [x, y], heading_deg: 0}")
+        draws.wrong(keys.place(), "a map needs 'start'", START_HINT)
     return corridor.start if corridor else None

@@ -8,7 +8,7 @@ from pathlib import Path
 from graphnav import Problem, UserError
 from graphnav_world.geometry.scene import Kind
 from graphnav_world.maps.draws import Draws
-from graphnav_world.maps.map_file import MapDraw, draw_map, extent_m
+from graphnav_world.maps.map_file import START_HINT, MapDraw, draw_map, extent_m
 from graphnav_world.maps.map_format import MAP
 from graphnav_world.maps.passage import Passage
 
@@ -41,6 +41,8 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
         draws = Draws(seed, attempt)
         draw = draw_map(draws, keys)
         problems += draws.problems
+        if draw is None and not problems:  # the key has no value
+            problems.append(Problem(keys.key_place("start"), "a map needs 'start'", START_HINT))
         if problems or draw is None:
             break
         largest = max(extent_m(draw))

@@ -153,13 +153,13 @@ NOT_YAML = "alias bad_yaml deep not_utf8 repeated_key two_documents no_yaml labe
 
 MAPS_THAT_ONLY_DRAWING_REFUSES = """
 corridor_wider_than_its_bend gap_too_narrow no_path pillar_larger_than_field start_inside_a_wall
-start_inside_an_obstacle straight_way_is_free too_large too_many_pillars too_thick_for_its_bend
+start_inside_an_obstacle start_without_value straight_way_is_free too_large too_many_pillars too_thick_for_its_bend
 """.split()  # noqa: SIM905
-"""Every number is right by itself, but not the geometry: what touches, crosses, leaves no way, or does not fit."""
+"""Right by themselves, but not together: what touches, crosses, leaves no way, does not fit, or begins nowhere."""
 
 STUDIES_THAT_A_SCHEMA_REFUSES = """
-axis_a_text former_names graph_and_graphs graphs_of_all_kinds key_unknown no_graphs nothing_varies seeds_negative
-seeds_of_all_kinds seeds_one_number study_a_list types value_a_mapping vary_a_list within_a_mapping
+axis_a_text former_names graph_and_graphs graph_empty graphs_of_all_kinds key_unknown no_graphs nothing_varies
+seeds_negative seeds_of_all_kinds seeds_one_number study_a_list types value_a_mapping vary_a_list within_a_mapping
 """.split()  # noqa: SIM905
 """Wrong in themselves. What the others name (graphs, stages, axes, metrics) or repeat, no schema of the file knows."""
 
