@@ -239,8 +239,8 @@ def _check_declaration(cls: type[Stage], origin: str) -> None:
     except DeclarationError as error:
         raise CatalogError(f"{origin}: {error}") from error
     if cls.role not in get_args(Role):
-        hint = former_names.suggestion(cls.role, former_names.ROLES, get_args(Role))
-        hint = hint or f"roles are {', '.join(get_args(Role))}"
+        near = did_you_mean(cls.role, get_args(Role), former_names.ROLES)
+        hint = near or f"roles are {', '.join(get_args(Role))}"
         raise CatalogError(f"{origin}: the role of {cls.__qualname__} is '{cls.role}'", hint)
     if issubclass(cls, Source) and plain:
         raise CatalogError(

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal
 
 ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate"]
@@ -154,8 +155,13 @@ class DrawingError(GraphnavError):
     """A plugin that draws raised; what it drew from is unchanged. One line."""
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> Suggestion:
-    """Return the hint that proposes the known word nearest to ``word``; it is false if none is near."""
+def did_you_mean(word: str, known: Iterable[str], renamed: Mapping[str, str] = MappingProxyType({})) -> Suggestion:
+    """Return the hint for an unknown word: its new name if it was ``renamed``, else the nearest of ``known``.
+
+    It is false if there is neither.
+    """
+    if word in renamed:
+        return Suggestion((renamed[word],), f"did you mean '{renamed[word]}'? It was renamed")
     near = difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.6)
     return Suggestion(tuple(near), f"did you mean '{near[0]}'?") if near else Suggestion((), "")
 

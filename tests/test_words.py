@@ -68,7 +68,7 @@ RULES = (
         "it is no number",
         ("there is no log", "it is no longer", "it is no better than chance"),
     ),
-    Rule("nobody|somebody|anybody|whoever", "no stage, another program, the caller", (TEXT,), "nobody reads it"),
+    Rule("nobody|somebody|anybody|whoever", "no stage, another program, the caller", (TEXT, NAME), "nobody reads it"),
     Rule("strangers?", "third-party", (NAME, TEXT), "a stranger's plugin", ("strange",)),
     Rule("(for|by|that|to|as) (people|persons?|a person)", "user, readable", (TEXT,), "JSON for people"),
     Rule("a text(?! file)|texts", "string", (TEXT,), "not a text", ("a text file",)),

@@ -1,11 +1,12 @@
 """The authoring API of stages: parameters, ports and `step`."""
 
-from graphnav.stage.describe import describe, plain_data, summary_of, unit_of
+from graphnav.stage.describe import describe, plain_data, summary_of
 from graphnav.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_of
 from graphnav.stage.param import Param, param, params_of
 from graphnav.stage.port import Age, Latest, Port, Ports, Since, Stamp, Stamped, ports_of
 from graphnav.stage.reported_metrics import reported_metrics
 from graphnav.stage.stage import Finished, Role, Source, Stage
+from graphnav.stage.units import unit_of
 
 __all__ = [
     "MEASURED",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,30 +10,7 @@ from graphnav.stage.metric import Metric, metrics_of
 from graphnav.stage.param import Param, params_of
 from graphnav.stage.port import Port, ports_of
 from graphnav.stage.stage import Source, Stage
-
-UNITS: Mapping[str, str] = {
-    "px": "pixels",
-    "m": "metres",
-    "s": "seconds",
-    "us": "microseconds",
-    "hz": "hertz",
-    "rad": "radians",
-    "deg": "degrees",
-    "mps": "metres per second",
-    "mps2": "metres per second squared",
-    "radps": "radians per second",
-    "radps2": "radians per second squared",
-    "ratio": "a ratio",
-    "gray": "gray levels, 0 to 255",
-    "gray2": "squared gray levels per pixel",
-}
-"""Units by the suffix of a name."""
-
-
-def unit_of(name: str) -> str:
-    """Return the unit named by a parameter's suffix, empty if there is none."""
-    stem, _, suffix = name.rpartition("_")
-    return UNITS.get(suffix, "") if stem else ""
+from graphnav.stage.units import unit_of
 
 
 def describe(use: str, cls: type[Stage], origin: str) -> dict[str, Any]:
@@ -78,7 +54,7 @@ def _param(param: Param) -> dict[str, Any]:
     described: dict[str, Any] = {
         "name": param.name,
         "type": param.type_text,
-        "unit": unit_of(param.name),
+        "unit": unit_of(param.name).words,
         "bounds": param.bounds_text,
         "required": param.required,
         "doc": param.doc,

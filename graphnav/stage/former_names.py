@@ -6,9 +6,7 @@ is refused with the new one as the suggestion.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-
-from graphnav.errors import Hint, Suggestion, did_you_mean
+from collections.abc import Mapping
 
 METRICS: Mapping[str, str] = {"least_clearance_m": "min_clearance_m"}
 """Of stages' metrics, without the stage's name."""
@@ -27,10 +25,3 @@ def metric_now(name: str) -> str:
     """Return what ``metric`` or ``stage.metric`` is called now."""
     stage, dot, metric = name.rpartition(".")
     return f"{stage}{dot}{METRICS.get(metric, metric)}"
-
-
-def suggestion(word: str, renamed: Mapping[str, str], known: Iterable[str]) -> Hint:
-    """Return the hint for a word that is not known: its new name, else the nearest known word, else nothing."""
-    if word in renamed:
-        return Suggestion((renamed[word],), f"did you mean '{renamed[word]}'?")
-    return did_you_mean(word, known)

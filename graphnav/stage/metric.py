@@ -11,6 +11,7 @@ from typing import Any, Final, Literal, get_args
 
 from graphnav.errors import DeclarationError
 from graphnav.stage import former_names
+from graphnav.stage.units import unit_of
 
 Better = Literal["higher", "lower", "neither"]
 """Which values of a metric are better; neither of a count, or of what only describes a run."""
@@ -19,25 +20,6 @@ MEASURED: Final = "measured"
 """Of `Metric.if_failed`: a failed drive counts with what was measured, as an error or a clearance does."""
 UNDEFINED: Final = "undefined"
 """Of `Metric.if_failed`: reported only of drives that arrive, as path length and duration are."""
-
-SUFFIX_UNITS: Mapping[str, str] = MappingProxyType(
-    {
-        "px": "px",
-        "m": "m",
-        "s": "s",
-        "us": "µs",
-        "hz": "Hz",
-        "rad": "rad",
-        "deg": "°",
-        "mps": "m/s",
-        "mps2": "m/s²",
-        "mps3": "m/s³",
-        "radps": "rad/s",
-        "radps2": "rad/s²",
-        "ratio": "ratio",
-    }
-)
-"""The unit of a metric whose name ends in each suffix."""
 
 
 @dataclass(frozen=True)
@@ -73,13 +55,7 @@ class Metric:
     @property
     def label(self) -> str:
         """The name, and the unit where the name does not tell it."""
-        return f"{self.name} [{self.unit}]" if self.unit and suffix_unit(self.name) != self.unit else self.name
-
-
-def suffix_unit(name: str) -> str:
-    """Return the unit that the suffix of a metric's name tells, empty for none."""
-    stem, _, suffix = name.rpartition("_")
-    return SUFFIX_UNITS.get(suffix, "") if stem else ""
+        return f"{self.name} [{self.unit}]" if self.unit and unit_of(self.name).symbol != self.unit else self.name
 
 
 def metrics_of(cls: type) -> Mapping[str, Metric]:
@@ -118,6 +94,8 @@ def _fault(metric: Metric) -> str:
         return "it has no help: write a sentence"
     if not isinstance(metric.unit, str):
         return f"unit is {metric.unit!r}: use a string"
+    if (named := unit_of(metric.name).symbol) and named != metric.unit:
+        return f"unit is '{metric.unit}', but the name says '{named}': change one of them"
     if metric.better not in get_args(Better):
         return f"better is {metric.better!r}: use {', '.join(get_args(Better))}"
     if isinstance(metric.if_failed, str) and metric.if_failed not in {MEASURED, UNDEFINED}:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from typing import Any, SupportsFloat
+
 from graphnav.errors import DeclarationError
 from graphnav.stage.metric import MEASURED, UNDEFINED, metrics_of
 from graphnav.stage.stage import Stage
@@ -16,10 +20,10 @@ def reported_metrics(stage: Stage) -> dict[str, float]:
     Raises
     ------
     DeclarationError
-        The summary holds a metric that the stage does not declare.
+        The summary is not a mapping, or holds a metric that the stage does not declare or that is not finite.
     """
     declared = metrics_of(type(stage))
-    values = {name: float(value) for name, value in stage.summary().items()}
+    values = _values(stage)
     undeclared = [name for name in values if name not in declared]
     if undeclared:
         what = f"summary() of {type(stage).__qualname__} returns '{undeclared[0]}', which it does not declare"
@@ -33,3 +37,15 @@ def reported_metrics(stage: Stage) -> dict[str, float]:
         for name, (if_failed, value) in counted.items()
         if if_failed != UNDEFINED
     }
+
+
+def _values(stage: Stage) -> dict[str, float]:
+    """Return what a stage's summary holds, as floats."""
+    summary: Any = stage.summary()
+    what = f"summary() of {type(stage).__qualname__}"
+    if not isinstance(summary, Mapping):
+        raise DeclarationError(f"{what} returns {type(summary).__name__}: return a mapping of metrics by name")
+    for name, value in summary.items():
+        if not isinstance(value, SupportsFloat) or not math.isfinite(value):
+            raise DeclarationError(f"{what} gives '{name}' as {value!r}: give a finite number, or leave it out")
+    return {name: float(value) for name, value in summary.items()}

@@ -8,7 +8,6 @@ from typing import Any
 from graphnav.codec import comments_of, constants_of, fields_of, fingerprint, lcm_name, message_class_of
 from graphnav.stage import unit_of
 
-_OTHER_UNITS = {"ms": "milliseconds", "mb": "megabytes"}
 """Units of durations and memory, which occur in messages but not in parameters."""
 
 
@@ -31,19 +30,13 @@ def describe_type(lcm_class: type, name: str = "") -> dict[str, Any]:
                 "name": field.name,
                 "type": field.primitive,
                 "dims": list(field.dims),
-                "unit": _unit_of(field.name),
+                "unit": "microseconds" if field.name == "utime" else unit_of(field.name).words,
                 "doc": comments.get(field.name, ""),
             }
             for field in fields_of(lcm_class)
         ],
         "nested": [lcm_name(nested) for nested in nested_types(lcm_class)],
     }
-
-
-def _unit_of(name: str) -> str:
-    if name == "utime":
-        return "microseconds"
-    return unit_of(name) or _OTHER_UNITS.get(name.rpartition("_")[2], "")
 
 
 def nested_types(lcm_class: type) -> list[type]:

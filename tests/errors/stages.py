@@ -149,7 +149,7 @@ class Score(Stage):
 
 
 class Helm(Stage):
-    """A plane that listens to a steering nobody writes."""
+    """A plane that listens to a steering that no stage writes."""
 
     def step(self, steering: Steering) -> Twist:
         return Twist(v_mps=0.0, omega_radps=0.0)

@@ -254,7 +254,7 @@ def test_a_live_channel_that_the_run_does_not_have_is_said_at_once(
     assert "did you mean 'flow.flow'?" in capsys.readouterr().err
 
 
-def test_garbage_on_the_group_harms_nobody(group: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_garbage_on_the_group_harms_no_viewer(group: str, capsys: pytest.CaptureFixture[str]) -> None:
     over = threading.Event()
 
     def shout() -> None:

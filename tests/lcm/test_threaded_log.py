@@ -78,7 +78,9 @@ def test_what_was_written_is_flushed_while_nothing_comes(tmp_path: Path) -> None
     log.close()
 
 
-def test_a_slow_disk_holds_up_nobody_and_what_overflows_is_dropped(tmp_path: Path, slow_disks: list[SlowDisk]) -> None:
+def test_a_slow_disk_holds_up_no_writer_and_what_overflows_is_dropped(
+    tmp_path: Path, slow_disks: list[SlowDisk]
+) -> None:
     log = ThreadedLogWriter(tmp_path / "log", max_bytes=10 * 1200, open_log=opener(slow_disks))
     for k in range(50):
         log.write("x", k, bytes(1000))

@@ -150,7 +150,7 @@ def test_a_flood_is_survived_and_its_messages_are_not_queued(live: Begin, outsid
     run = live(LISTENING)
     show_until_heard(program, 5)
     for _ in range(3000):
-        program.say_bytes("BASE", b"garbage that nobody asked for")
+        program.say_bytes("BASE", b"garbage without a reader")
     standing = encode(Odometry(x_m=0.0, y_m=0.0, yaw_rad=0.0, v_mps=0.0, omega_radps=0.0), 1, 1)
     for _ in range(3000):
         program.say_bytes("BASE", standing)
@@ -158,7 +158,7 @@ def test_a_flood_is_survived_and_its_messages_are_not_queued(live: Begin, outsid
     assert rejected(run, "base.twist")["wrong type"] >= 1000
 
 
-def test_a_stop_counts_whoever_sends_it_and_whatever_its_stamp_and_number(live: Begin, outside: Program) -> None:
+def test_a_stop_of_any_sender_counts_and_whatever_its_stamp_and_number(live: Begin, outside: Program) -> None:
     program = outside("GUARDED")
     run = live(
         """

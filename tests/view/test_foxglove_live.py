@@ -170,7 +170,7 @@ def test_garbage_is_counted_and_told(client: FoxgloveClient, group: str) -> None
     run.close()
 
 
-def test_names_that_anybody_invents_are_bounded(client: FoxgloveClient, group: str) -> None:
+def test_names_from_any_client_are_bounded(client: FoxgloveClient, group: str) -> None:
     client.subscribe("/log")
     run = Run(group, "run")
     twist = encode(frame_of(1)["control.twist"], 0, 0)

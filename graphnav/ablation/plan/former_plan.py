@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from graphnav.ablation.study import MetricExpression
-from graphnav.stage import Metric, former_names
-from graphnav.stage.metric import suffix_unit
+from graphnav.stage import Metric, former_names, unit_of
 
 
 def as_written_now(data: dict[str, Any]) -> dict[str, Any]:
@@ -35,7 +34,7 @@ def as_written_now(data: dict[str, Any]) -> dict[str, Any]:
 def undeclared(name: str) -> Metric:
     """Return what is known of a metric that runs of version 0.1.0 report and its plan does not name."""
     metric = name.partition(".")[2]
-    return Metric(metric, help="", unit=suffix_unit(metric), better="higher")
+    return Metric(metric, help="", unit=unit_of(metric).symbol, better="higher")
 
 
 def _metric(name: str, *, is_lower: bool) -> Metric:
@@ -44,7 +43,7 @@ def _metric(name: str, *, is_lower: bool) -> Metric:
     return Metric(
         metric,
         help="",
-        unit=suffix_unit(metric),
+        unit=unit_of(metric).symbol,
         better="lower" if is_lower else "higher",
         if_failed=0.0 if metric in former_names.ZERO_IF_FAILED else "measured",
         is_outcome=is_outcome,

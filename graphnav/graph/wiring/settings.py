@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from graphnav.errors import ParamError, Problem, Suggestion, did_you_mean
+from graphnav.errors import ParamError, Problem, did_you_mean
 from graphnav.graph.node import Origin, Setting
 from graphnav.graph.paths import beside, has_path, resolve_paths
 from graphnav.spec import Entry, RunOptions, StageSpec, check_url
@@ -82,13 +82,8 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
 
 def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
     known = f"it has {', '.join(declared)}" if declared else "it has none"
+    renamed = {param.renamed_from: param.name for param in declared.values() if param.renamed_from}
     for name, entry in entries.items():
         if name not in declared:
-            yield Problem(entry.place, f"{what} '{name}'", _suggestion(name, declared) or known, "unknown")
-
-
-def _suggestion(name: str, declared: Mapping[str, Param]) -> Suggestion:
-    for param in declared.values():
-        if param.renamed_from == name:
-            return Suggestion((param.name,), f"did you mean '{param.name}'? It was renamed")
-    return did_you_mean(name, declared)
+            hint = did_you_mean(name, declared, renamed) or known
+            yield Problem(entry.place, f"{what} '{name}'", hint, "unknown")

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any, Final, TypeVar, Union, get_args
 
-from graphnav.errors import Hint, ParamError, Place, Problem
+from graphnav.errors import Hint, ParamError, Place, Problem, did_you_mean
 from graphnav.spec.declared.kinds import fits, is_list, is_mapping, is_range, is_record, is_union, positions_of, said
 from graphnav.spec.declared.record import Key, Path, Range, Record, Written, keys_of
 from graphnav.spec.value import Entry, Value
@@ -75,10 +74,9 @@ class _Reader:
         keys, unknown = keys_of(cls), {}
         for word, entry in data.items():
             if word not in keys:
-                near = cls.renamed.get(word) or next(iter(get_close_matches(word, sorted(keys), n=1)), "")
-                hint = f"did you mean '{near}'?" if near else f"keys are {', '.join(keys)}"
-                self._wrong(entry.place, f"{cls.noun} has no key '{word}'", hint)
-                unknown[word] = near
+                near = did_you_mean(word, keys, cls.renamed)
+                self._wrong(entry.place, f"{cls.noun} has no key '{word}'", near or f"keys are {', '.join(keys)}")
+                unknown[word] = near.names[0] if near else ""
         return unknown
 
     def _one_of(self, cls: type[Record], value: Value, found: Mapping[str, Any], unknown: Mapping[str, str]) -> bool:

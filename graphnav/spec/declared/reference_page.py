@@ -47,7 +47,7 @@ def _row(key: Key, is_choice: bool) -> str:  # noqa: FBT001 - of a table
     value = ", ".join(filter(None, (_linked(key.type), bounds, items)))
     default = "" if key.plain_default is None else f"`{write_value(key.plain_default)}`"
     needed = "one of them" if is_choice else "required" if key.required else default
-    return f"| `{key.name}` | {value} | {unit_of(key.name)} | {needed} | {key.doc} |"
+    return f"| `{key.name}` | {value} | {unit_of(key.name).words} | {needed} | {key.doc} |"
 
 
 def _linked(kind: Any) -> str:

@@ -188,7 +188,7 @@ def test_a_process_that_is_killed_is_noticed(make: Make, name: str) -> None:
     assert sender.refused == 1
 
 
-def test_a_process_that_is_suspended_delays_nobody_and_forwards_no_old_commands(
+def test_a_process_that_is_suspended_delays_no_process_and_forwards_no_old_commands(
     make: Make, listener: Listener, name: str
 ) -> None:
     sender = make(motor(name, 0.3))

@@ -122,7 +122,7 @@ def test_a_hook_without_its_mark(tmp_path: Path) -> None:
     assert "it has no hook" in refused(plugin(tmp_path, "def graphnav_stages():\n    return []\n"))
 
 
-def test_a_hook_that_nobody_calls(tmp_path: Path) -> None:
+def test_a_hook_without_a_caller(tmp_path: Path) -> None:
     text = "from graphnav import hookimpl\n@hookimpl\ndef graphnav_stags():\n    return []\n"
     assert "graphnav_stags" in refused(plugin(tmp_path, text))
 

@@ -85,7 +85,7 @@ def test_a_new_input_is_never_wired_to_what_depends_on_the_stage(load: Load) -> 
     assert wires(graph)["smooth.second"] == "flow.flow"
 
 
-def test_what_nobody_reads_any_more_is_pruned_with_all_that_is_said_of_it(load: Load) -> None:
+def test_what_no_stage_reads_any_more_is_pruned_with_all_that_is_said_of_it(load: Load) -> None:
     graph = load(TWO_FLOWS, "plane=toy.guess")
     assert names(graph) == ["robot", "flow", "plane", "twin", "wheels"]
     assert "smooth: pruned, no stage reads it any more" in graph.notices
@@ -136,7 +136,7 @@ def test_pruning_goes_on_to_what_fed_the_pruned(load: Load) -> None:
     assert names(load(TWO_FLOWS, "plane,twin=toy.guess")) == ["robot", "plane", "twin", "wheels"]
 
 
-def test_sinks_and_what_nobody_ever_read_stay(load: Load) -> None:
+def test_sinks_and_what_no_stage_ever_read_stay(load: Load) -> None:
     assert "twin" in names(load(TWO_FLOWS, "plane=toy.guess"))
     assert "score" in names(load())
 

@@ -70,7 +70,7 @@ def test_sources_of_different_rates_share_one_queue_and_join_where_they_meet(run
     assert summary.frames == 11 + 2
 
 
-def test_a_port_that_stays_silent_fires_nobody(run: Run) -> None:
+def test_a_port_that_stays_silent_fires_no_stage(run: Run) -> None:
     summary, log = run(
         """
         run: {until_s: 0.5}
@@ -135,7 +135,7 @@ def test_the_same_seed_gives_the_same_bytes_another_does_not(run: Run) -> None:
     assert logs[0] == logs[1] != logs[2]
 
 
-def test_a_stage_keeps_its_randomness_whoever_stands_beside_it(run: Run) -> None:
+def test_a_stage_keeps_its_randomness_whatever_stage_is_beside_it(run: Run) -> None:
     _, alone = run("run: {until_s: 1, seed: 5}\nstages: {d: {use: probe.dice}}", "alone")
     _, beside = run("run: {until_s: 1, seed: 5}\nstages: {e: {use: probe.dice}, d: {use: probe.dice}}", "beside")
     assert speeds(alone, "d.twist") == speeds(beside, "d.twist") != speeds(beside, "e.twist")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -33,7 +34,7 @@ class Drive(Stage):
 
 
 NAMES = list(metrics_of(Drive))
-VALUES = st.dictionaries(st.sampled_from(NAMES[1:]), st.floats(allow_nan=False))
+VALUES = st.dictionaries(st.sampled_from(NAMES[1:]), st.floats(allow_nan=False, allow_infinity=False))
 
 
 def reported(values: Mapping[str, float]) -> dict[str, float]:
@@ -55,6 +56,30 @@ def test_a_drive_that_did_not_arrive_reports_what_is_declared(values: dict[str, 
     assert found["arrived"] == 0.0
     assert found.get("share", -1.0) == -1.0
     assert found.get("error_m") == values.get("error_m")
+
+
+@pytest.mark.parametrize(
+    ("values", "what"),
+    [
+        (None, "returns NoneType: return a mapping of metrics by name"),
+        (["share"], "returns list: return a mapping of metrics by name"),
+        ({"share": None}, "gives 'share' as None: give a finite number, or leave it out"),
+        ({"share": "0.5"}, "gives 'share' as '0.5': give a finite number, or leave it out"),
+        ({"share": math.nan}, "gives 'share' as nan: give a finite number, or leave it out"),
+        ({"share": math.inf}, "gives 'share' as inf: give a finite number, or leave it out"),
+    ],
+)
+def test_a_summary_that_is_not_metrics_is_refused(values: Any, what: str) -> None:
+    with pytest.raises(DeclarationError) as caught:
+        reported(values)
+    assert str(caught.value) == f"summary() of Given {what}"
+
+
+def test_a_unit_that_contradicts_the_name_is_refused() -> None:
+    declared = (Metric("path_m", unit="s", better="lower", help="Length."),)
+    cls: Any = type("Given", (Drive,), {"metrics": declared, "__doc__": "Reports."})
+    with pytest.raises(DeclarationError, match="'path_m' of Given: unit is 's', but the name says 'm': change one"):
+        metrics_of(cls)
 
 
 def test_a_metric_that_is_not_declared_is_refused() -> None:

@@ -123,12 +123,6 @@ class Talkative(BadMetrics):
     metrics: ClassVar[tuple[Metric, ...]] = ()
 
 
-class OtherUnit(BadMetrics):
-    """The name says metres."""
-
-    metrics: ClassVar[tuple[Metric, ...]] = (Metric("way_m", unit="px", better="lower", help="Way."),)
-
-
 class Stopped(Source):
     """It never fires."""
 
@@ -189,7 +183,6 @@ def test_a_good_stage_passes() -> None:
         (BadMetrics, "metric 'share' of summary() is 'half'"),
         (Silent, "declares metrics, but has no summary()"),
         (Talkative, "has a summary(), but declares no metrics"),
-        (OtherUnit, "metric 'way_m' has the unit 'px', but its name says 'm'"),
     ],
 )
 def test_what_breaks_the_contract_is_told(cls: type[Stage], said: str) -> None:

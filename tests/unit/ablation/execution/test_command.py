@@ -22,7 +22,7 @@ DiskOf = Callable[[int], AbstractContextManager[None]]
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 
-def test_many_runs_without_anybody_to_ask_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_many_runs_without_a_terminal_to_ask_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     assert study.run(seeds="0:501") == 2
     assert capsys.readouterr().err == (
         "1002 runs are pending, and cannot ask for confirmation: not a terminal\n  add --yes, or use fewer seeds\n"

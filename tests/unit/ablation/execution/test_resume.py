@@ -131,7 +131,7 @@ def test_other_versions_are_refused(study: Any, capsys: pytest.CaptureFixture[st
     assert f"were made with another numpy: 0.9, now {plan.versions['numpy']}\n" in refused(study, capsys)
 
 
-def test_a_folder_that_is_somebody_elses_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_of_another_program_is_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     study.out.mkdir()
     (study.out / "thesis.tex").touch()
     said = refused(study, capsys)

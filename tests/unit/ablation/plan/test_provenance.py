@@ -10,9 +10,9 @@ from graphnav.ablation.plan.provenance import difference, difference_here, prove
 def test_packages_and_files_are_known_by_what_they_hold(tmp_path: Path) -> None:
     plugin = tmp_path / "mine.py"
     plugin.write_text("one = 1\n")
-    first = provenance(["plane", "world", "nobodys"], [str(plugin)])
+    first = provenance(["plane", "world", "foreign"], [str(plugin)])
     assert {"python", "numpy", "graphnav", "code of plane", "code of world", str(plugin)} <= first.keys()
-    assert "code of nobodys" not in first
+    assert "code of foreign" not in first
     plugin.write_text("one = 2\n")
     second = provenance(["plane", "world"], [str(plugin)])
     assert {name for name in second if second[name] != first[name]} == {str(plugin)}
