@@ -25,6 +25,7 @@ from graphnav.stage import (
     params_of,
     ports_of,
     reported_metrics,
+    tell_readers,
     unit_of,
 )
 
@@ -42,7 +43,8 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
 
     Its declaration can be read and is documented; its defaults fit; it can be made, reset again and again, asked for
     its metrics, all of which are declared, and closed. With ``steps`` also: the same seed gives the same outputs, these
-    have the declared types and are finite where they must be, and inputs are not written to.
+    have the declared types and are finite where they must be, inputs are not written to, and a stage that leaves out
+    what nothing reads (`Stage.is_read`) leaves out optional outputs alone and changes no other.
 
     Parameters
     ----------
@@ -63,22 +65,32 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
     resolved = _params(cls, params)
     if resolved is None:
         return
-    first, second = cls(**resolved), cls(**resolved)
+    first, second, unread = (cls(**resolved) for _ in range(3))
+    tell_readers(unread, ())
     try:
         first.check()
     except ParamError as error:
         _require(not params, cls, f"check() refuses the parameters: {error}")
         return  # its defaults name files or devices that do not exist here
     outputs = []
-    for stage in (first, second):
+    for stage in (first, second, unread):
         stage.reset(seed=1)
         stage.reset(seed=1)
         _check_rate(stage)
         outputs.append([_step(stage, step) for step in steps])
         _check_summary(stage)
         stage.close()
-    for number, (one, other) in enumerate(zip(*outputs, strict=True), start=1):
+    for number, (one, other, less) in enumerate(zip(*outputs, strict=True), start=1):
         _require(one == other, cls, f"the same seed gave a different output in step {number}")
+        _check_unread(cls, one, less, number)
+
+
+def _check_unread(cls: type[Stage], full: Mapping[str, Any], less: Mapping[str, Any], number: int) -> None:
+    """Check what a step publishes where nothing reads any output."""
+    for port in ports_of(cls).outputs:
+        is_left_out = port.optional and less[port.name] is None
+        what = f"output '{port.name}' of step {number} depends on which outputs are read"
+        _require(is_left_out or less[port.name] == full[port.name], cls, what)
 
 
 def _check_declaration(cls: type[Stage]) -> None:

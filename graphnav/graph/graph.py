@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from graphnav.errors import ParamError, Problem, UserError, one_line
 from graphnav.graph.node import Channel, InputChannel, Node, OutputChannel
 from graphnav.spec import RunOptions
-from graphnav.stage import Metric, Stage, metrics_of
+from graphnav.stage import Metric, Stage, metrics_of, tell_readers
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,15 @@ class Graph:
         """Return the stage called ``name``."""
         return next(node for node in self.nodes if node.name == name)
 
-    def make_stages(self) -> dict[str, Stage]:
+    @property
+    def read(self) -> frozenset[str]:
+        """The references of the channels that a stage or an entry of ``outputs`` reads."""
+        return frozenset(i.channel.ref for node in self.nodes for i in node.inputs if i.channel) | set(self.outputs)
+
+    def make_stages(self, also_read: Collection[str] = ()) -> dict[str, Stage]:
         """Return new stages by name, after each has looked at what its parameters name (`Stage.check`).
+
+        ``also_read``: channels that are read elsewhere, by reference, so that stages publish them (`Stage.is_read`).
 
         Raises
         ------
@@ -72,10 +79,12 @@ class Graph:
         """
         stages: dict[str, Stage] = {}
         problems: list[Problem] = []
+        read = self.read.union(also_read)
         for node in self.nodes:
             try:
-                stages[node.name] = node.stage_class(**node.params)
-                stages[node.name].check()
+                stages[node.name] = stage = node.stage_class(**node.params)
+                tell_readers(stage, (port for port, channel in node.outputs.items() if channel.ref in read))
+                stage.check()
             except ParamError as error:
                 problems.append(node.problem(error))
             except UserError as error:

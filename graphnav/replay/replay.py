@@ -111,7 +111,8 @@ class _Replay:
         start_us = self._from_us if options.is_cold else self.begin_us
         self._session = make_session(recording, made, self._plan, self._contents, start_us)
         self._lost = [*self._contents.lost, *self._session.lost]
-        self._stages = self._plan.stepped.make_stages()
+        recorded = {c.ref for c in self._plan.compared if self._contents.messages[c.name]}
+        self._stages = self._plan.stepped.make_stages(made.graph.read | recorded)
 
     def _check_reach(self) -> None:
         """Raise UserError where nothing is left to compare."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from graphnav.bus import Bus
 from graphnav.errors import UserError
 from graphnav.record import Recording
-from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unreadable
+from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unread, refuse_unreadable
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import read_firings
 from graphnav.replay.log.log_graph import LogGraph
@@ -49,6 +49,7 @@ def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents:
         what = f"the graph has inputs ({', '.join(plan.graph.inputs)}), but the log was recorded in lockstep"
         raise UserError.of(what, "replay it with a graph that runs in lockstep")
     refuse_unreadable(plan, contents, recording, made.about)
+    refuse_unread(plan, contents, recording, made.wires)
     reach = reach_of(plan, contents, recording, start_us, is_small=made.is_small)
     ticks = [tick for tick in ticks_of(plan, contents) if start_us <= tick.utime <= reach.until_us]
     earlier = ([m for m in contents.messages[channel.name] if m.utime < start_us] for channel in plan.needed)

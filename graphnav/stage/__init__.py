@@ -5,7 +5,7 @@ from graphnav.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_o
 from graphnav.stage.param import Param, param, params_of
 from graphnav.stage.port import Age, Latest, Port, Ports, Since, Stamp, Stamped, ports_of
 from graphnav.stage.reported_metrics import reported_metrics
-from graphnav.stage.stage import Finished, Role, Source, Stage
+from graphnav.stage.stage import Finished, Role, Source, Stage, tell_readers
 from graphnav.stage.units import unit_of
 
 __all__ = [
@@ -33,5 +33,6 @@ __all__ = [
     "ports_of",
     "reported_metrics",
     "summary_of",
+    "tell_readers",
     "unit_of",
 ]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, Literal, dataclass_transform, get_args
 
 from graphnav.errors import ParamError
 from graphnav.stage.metric import Metric
 from graphnav.stage.param import param, params_of
+from graphnav.stage.port import ports_of
 
 Ending = Literal["goal", "contact", "end"]
 """The outcomes with which a source ends a run."""
@@ -28,6 +29,12 @@ class Stage:
         smooth = Smooth(alpha=0.3)
         smooth.reset(seed=0)
         mean = smooth.step(flow)
+
+    An output that costs time and is declared ``T | None`` may be left out where nothing reads it, as `is_read` says::
+
+        def step(self, image: Image) -> Outputs:
+            found = self._detect(image)
+            return Outputs(boxes=found, heat=self._heat(found) if self.is_read("heat") else None)
     """
 
     role: ClassVar[Role] = "method"
@@ -36,6 +43,8 @@ class Stage:
     """The metrics that `summary` returns."""
     is_guard: ClassVar[bool] = False
     """Whether it stops the robot on late, lost or blind inputs: only a guard may write a motor channel."""
+
+    _read_ports: frozenset[str] | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Make the annotated fields of ``cls`` parameters of its constructor."""
@@ -69,6 +78,21 @@ class Stage:
         ParamError
             One of them cannot be used; shown at the parameter's location in the graph.
         """
+
+    def is_read(self, port: str) -> bool:
+        """Return whether a stage or an entry of ``outputs:`` reads this output of ``step``; True outside of a graph.
+
+        It is known before `check`. The other outputs must not depend on it.
+
+        Raises
+        ------
+        ValueError
+            ``step`` has no such output.
+        """
+        names = [output.name for output in ports_of(type(self)).outputs]
+        if port not in names:
+            raise ValueError(f"{type(self).__qualname__} has no output '{port}': use {', '.join(names) or 'none'}")
+        return self._read_ports is None or port in self._read_ports
 
     def patience_s(self) -> float:
         """Return how long a live firing waits for `Since` inputs to reach its stamp; called after `reset`."""
@@ -107,3 +131,8 @@ class Finished(Exception):  # noqa: N818 - it is not an error
             raise ValueError(f"a source cannot end a run with '{outcome}': use {', '.join(get_args(Ending))}")
         self.outcome = outcome
         self.outputs = outputs
+
+
+def tell_readers(stage: Stage, ports: Iterable[str]) -> None:
+    """Tell a stage which of its outputs are read; `Stage.is_read` then answers by them."""
+    stage._read_ports = frozenset(ports)  # noqa: SLF001, authors of stages only ask

@@ -53,9 +53,10 @@ class Robot(Simulation):
     acts from the step after its arrival until it is older than ``command_timeout_s``; then, or before the first
     command, the drive brakes within its limits.
 
-    Images, truth (with the image; its flow since the last image), state, beacon and map (every 2 s) have the stamp of
-    the first step at which they are due. Odometry has its own stamps: it samples the pose exactly at its jittered
-    times, and is published at the first step at or after each. Its frame is the start pose; errors accumulate.
+    Images, truth (with the image, if it is read; its flow since the last image), state, beacon and map (every 2 s)
+    have the stamp of the first step at which they are due. Odometry has its own stamps: it samples the pose exactly at
+    its jittered times, and is published at the first step at or after each. Its frame is the start pose; errors
+    accumulate.
 
     It ends the run with ``goal`` when the robot's centre is in the map's goal region, and with ``contact`` at the first
     touch. With ``ends: false`` the run continues, and the robot stands.
@@ -70,7 +71,6 @@ class Robot(Simulation):
     )
     state_hz: float = param(20.0, gt=0.0, doc="true states per second; equal to rate_hz for every step")
     goal_hz: float = param(5.0, gt=0.0, doc="readings of the goal's beacon per second")
-    truth: bool = param(True, doc="whether the ground truth of each image is published")
     command_timeout_s: float = param(0.5, gt=0.0, doc="age beyond which a command counts as Twist(0, 0)")
     ends: bool = param(True, doc="whether the goal or a contact ends the run; else the robot stands from then on")
 
@@ -134,7 +134,7 @@ class Robot(Simulation):
         if not self._images.due(now_us):
             return None, None
         interval_us, self._image_us = now_us - self._image_us, now_us
-        return self._look(pose, now_us / 1e6, interval_us, with_truth=self.truth)
+        return self._look(pose, now_us / 1e6, interval_us)
 
     def _odometry(self, now_us: int) -> Stamped[Odometry] | None:
         """Read the samples that are due; return the oldest pending one."""

@@ -67,6 +67,9 @@ class Simulation(Source):
     odometry_noise_ratio: float = param(
         0.01, ge=0.0, lt=1.0, doc="standard deviation of odometry's random error, as a share of each displacement"
     )
+    truth: bool | None = param(
+        None, doc="whether the ground truth of each image is published; null: if a stage or an output reads it"
+    )
 
     def check(self) -> None:
         """Read the map.
@@ -94,6 +97,7 @@ class Simulation(Source):
         self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits)
         self._errors = OdometryErrors(errors, self.odometry_scale_ratio, self.odometry_noise_ratio)
         self._before: Placed | None = None
+        self._has_truth = self.is_read("truth") if self.truth is None else self.truth
 
     def _load(self, seed: int) -> WorldMap:
         if not self.map.is_file():
@@ -112,10 +116,8 @@ class Simulation(Source):
         atlas = Atlas(textures, floor_texels(high - low + lack), rng, level_count(self._camera))
         return Renderer(self._camera, self._faces, atlas, low - lack / 2)
 
-    def _look(
-        self, pose: Pose, time_s: float, interval_us: int, *, with_truth: bool = True
-    ) -> tuple[Image, Truth | None]:
-        """Return the frame seen from a pose and its ground truth, None for the first frame.
+    def _look(self, pose: Pose, time_s: float, interval_us: int) -> tuple[Image, Truth | None]:
+        """Return the frame seen from a pose and its ground truth, None for the first frame and where nothing reads it.
 
         ``interval_us``: since the last frame.
         """
@@ -127,7 +129,7 @@ class Simulation(Source):
         ]
         frame = self._renderer.render(
             now,
-            self._before if with_truth else None,
+            self._before if self._has_truth else None,
             meanwhile=meanwhile,
             light=self.light_ratio * self._draw.light_ratio * swing,
             noise_sigma_gray=self.noise_sigma_gray * self._draw.noise_ratio,

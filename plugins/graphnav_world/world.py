@@ -12,7 +12,7 @@ from graphnav_world.vehicle import Pose
 
 
 class WorldOutputs(NamedTuple):
-    """Outputs of the world at a tick; ``motion`` and ``truth`` from the second on, ``map`` at the first."""
+    """Outputs of the world at a tick: ``map`` at the first, ``motion`` and ``truth`` (if it is read) after it."""
 
     image: Image
     motion: Motion | None
@@ -26,8 +26,8 @@ class Pymunk(Simulation):
     """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
 
     Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
-    publishes it with its ground truth. It ends the run with ``goal`` when the robot's centre is in the map's
-    goal region, and with ``contact`` at the first touch.
+    publishes it, with its ground truth if that is read. It ends the run with ``goal`` when the robot's centre is in the
+    map's goal region, and with ``contact`` at the first touch.
 
     Everything has the stamp of the frame: truth, state and the middle of the exposure.
     """

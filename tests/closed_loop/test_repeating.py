@@ -45,6 +45,19 @@ def test_swapping_the_detector_changes_neither_the_map_nor_the_textures(drive: D
     assert np.array_equal(firsts[0][1], firsts[1][1])
 
 
+def test_the_drive_is_the_same_whether_it_is_scored_or_not(drive: Drive, tmp_path: Path) -> None:
+    unscored = tmp_path / "unscored.yaml"
+    unscored.write_text("extends: corridor_ccw\nstages: {sense: null, sight: null, heading: null}\n")
+    _, full = drive("corridor_ccw", 5, SHORT)
+    for sets in ([], ["robot.truth=true"]):
+        _, bare = drive(str(unscored), 5, *sets, SHORT)
+        assert ("robot.truth" in bare.channels) is bool(sets)
+        common = {*full.channels} - {"graphnav.about", "robot.truth"}
+        assert common == {*bare.channels} - {"graphnav.about", "robot.truth"}
+        ours, theirs = ([(e.channel, e.data) for e in log.events() if e.channel in common] for log in (bare, full))
+        assert ours == theirs
+
+
 def test_a_resolved_graph_gives_the_same_run_again(drive: Drive) -> None:
     _, log = drive("corridor_ccw", 5, "plane=plane.affine", SHORT)
     _, again = drive(str(log.path.with_name("graph.yaml")), 5)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from graphnav.errors import UserError
 from graphnav.graph import Channel
@@ -15,6 +15,8 @@ from graphnav.replay.log.firings import LoggedFirings
 from graphnav.replay.log.missing_messages import MissingMessages, is_first_only, missing_messages
 from graphnav.replay.plan import Plan
 from graphnav.tap import PACKET_BYTES
+
+Wires = Mapping[str, Mapping[str, Any]]
 
 _HINT = (
     "record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
@@ -60,6 +62,28 @@ def refuse_unlogged(
         readers = ", ".join(sorted({n for c in plan.played if c.name in newly for n in plan.readers_of(c)}))
         what = f"{recording.path} is missing messages that {readers} read:"
         raise UserError.of("\n  ".join([what, *lines]), _HINT)
+
+
+def refuse_unread(plan: Plan, contents: Contents, recording: Recording, wires: Wires) -> None:
+    """Refuse a lockstep log without any message that a new stage would fire on, because nothing read it in the run.
+
+    ``wires``: the channels read in the run, by stage and port.
+
+    Raises
+    ------
+    UserError
+        There are such channels (`Stage.is_read`).
+    """
+    if not wires:
+        return
+    read = {str(ref) for ports in wires.values() for ref in ports.values()}
+    firing = {i.channel for node in plan.stepped.nodes for i in node.inputs if i.port.is_plain}
+    unread = [c for c in plan.needed if c in firing and c.ref not in read and not contents.messages[c.name]]
+    if unread:
+        readers = ", ".join(sorted({name for channel in unread for name in plan.readers_of(channel)}))
+        lines = [f"{channel.name}: all of them, because nothing read it in the recorded run" for channel in unread]
+        what = f"{recording.path} is missing messages that {readers} read:"
+        raise UserError.of("\n  ".join([what, *lines]), f"run the graph again with {readers}")
 
 
 class Reach(NamedTuple):

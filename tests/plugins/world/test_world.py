@@ -10,7 +10,9 @@ import pytest
 from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Finished, Latest, ParamError, Stamp, Twist, UserError
+from graphnav.codec import encode
 from graphnav.graph.find import shipped_folder
+from graphnav.stage import tell_readers
 
 TICK_US = 100_000
 
@@ -55,6 +57,24 @@ def test_outputs_have_the_promised_shapes(maps: Path) -> None:
     assert (np.diff(about.body) >= 0).all()
     assert sorted(set(about.kind.tolist())) == [0, 1, 2]
     assert len(about.height_m) == len(about.kind) == about.body.max() + 1
+
+
+@pytest.mark.parametrize(
+    ("truth", "ports", "shown"), [(None, (), 0), (None, ("truth",), 2), (True, (), 2), (False, ("truth",), 0)]
+)
+def test_truth_is_published_where_it_is_read_and_changes_nothing_else(
+    truth: bool | None, ports: tuple[str, ...], shown: int, maps: Path
+) -> None:
+    full, _ = drive(Pymunk(map=maps / "crossing.yaml"), Twist(v_mps=0.3, omega_radps=0.1), 3)
+    world = Pymunk(map=maps / "crossing.yaml", truth=truth)
+    tell_readers(world, ports)
+    outputs, _ = drive(world, Twist(v_mps=0.3, omega_radps=0.1), 3)
+    assert sum(out.truth is not None for out in outputs) == shown
+    for one, other in zip(outputs, full, strict=True):
+        for port in ("image", "motion", "state", "goal", "map"):
+            ours, theirs = getattr(one, port), getattr(other, port)
+            assert (ours is None) == (theirs is None)
+            assert ours is None or encode(ours, 0, 0) == encode(theirs, 0, 0)
 
 
 def test_truth_belongs_to_the_motion_between_the_frames(maps: Path) -> None:

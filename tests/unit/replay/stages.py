@@ -133,6 +133,30 @@ class Score(Stage):
         return {"sum_mps": self._sum}
 
 
+class Spared(NamedTuple):
+    """The output of `Spare`."""
+
+    twist: Twist
+    extra: Twist | None
+
+
+class Spare(Source):
+    """Publishes an output only where it is read."""
+
+    def step(self) -> Spared:
+        """Publish."""
+        twist = Twist(v_mps=1.0, omega_radps=0.0)
+        return Spared(twist, twist if self.is_read("extra") else None)
+
+
+class SpareStep(Stage):
+    """As `Spare`, but it steps in a replay."""
+
+    def step(self, twist: Twist) -> Spared:
+        """Publish."""
+        return Spared(twist, twist if self.is_read("extra") else None)
+
+
 class Fails(Stage):
     """Passes twists on and fails at one of them."""
 
@@ -153,4 +177,4 @@ class Fails(Stage):
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return them all."""
-    return [Robot, Mean, Gather, Late, Score, Fails]
+    return [Robot, Mean, Gather, Late, Score, Spare, SpareStep, Fails]

@@ -87,6 +87,20 @@ class Split(Stage):
         return Two(twist, twist if twist.v_mps % 2 else None)
 
 
+class Extra(NamedTuple):
+    """Two ports, one of which is published where it is read."""
+
+    twist: Twist
+    extra: Twist | None
+
+
+class Frugal(Stage):
+    """Leaves out what nothing reads."""
+
+    def step(self, twist: Twist) -> Extra:
+        return Extra(twist, twist if self.is_read("extra") else None)
+
+
 class Join(Stage):
     """Sums two inputs of one stamp."""
 
@@ -142,4 +156,4 @@ class Nan(Stage):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Counter, Dice, Noise, Plus, Split, Join, Sampler, Slow, Bad, Nan]
+    return [Counter, Dice, Noise, Plus, Split, Frugal, Join, Sampler, Slow, Bad, Nan]

@@ -150,6 +150,32 @@ class Sensed(NamedTuple):
     image: Stamped[Image] | None
 
 
+class Pair(NamedTuple):
+    near: Image
+    far: Image | None
+
+
+class Meddles(Stage):
+    """Another output depends on what is read."""
+
+    def step(self, image: Image) -> Pair:
+        return Pair(Image(pixels=image.pixels + np.uint8(not self.is_read("far"))), image)
+
+
+class Withholds(Stage):
+    """It leaves out an output that every step must have."""
+
+    def step(self, image: Image) -> Pair:
+        return Pair(image if self.is_read("near") else None, None)  # type: ignore[arg-type]
+
+
+class Spares(Stage):
+    """It leaves out an optional output."""
+
+    def step(self, image: Image) -> Pair:
+        return Pair(image, image if self.is_read("far") else None)
+
+
 class Sensor(Stage):
     """Its output has a stamp of its own, which has to repeat as well."""
 
@@ -167,6 +193,7 @@ def test_stamps_of_an_output_have_to_repeat() -> None:
 
 def test_a_good_stage_passes() -> None:
     check_stage(Good, {"image": picture()}, {"image": picture()}, gain=0.5)
+    check_stage(Spares, {"image": picture()})
 
 
 @pytest.mark.parametrize(
@@ -180,6 +207,8 @@ def test_a_good_stage_passes() -> None:
         (NeverFires, "nothing fires it"),
         (Forgetful, "the same seed gave a different output in step 1"),
         (WrongType, "output 'image' is ndarray"),
+        (Meddles, "output 'near' of step 1 depends on which outputs are read"),
+        (Withholds, "output 'near' of step 1 depends on which outputs are read"),
         (BadMetrics, "metric 'share' of summary() is 'half'"),
         (Silent, "declares metrics, but has no summary()"),
         (Talkative, "has a summary(), but declares no metrics"),
