@@ -74,10 +74,14 @@ class OwnedStages(Generic[U]):
 
     def _give(self, channel: Channel, utime: int, seq: int, message: Message) -> bytes:
         """Encode a message, write it to every sink and return its bytes; raises ValueError if it cannot be encoded."""
-        try:
-            data = encode(message, utime, seq)
-        except EncodeError as error:
-            raise ValueError(str(error)) from error
+        data = self._encode(channel, utime, seq, message)
         for sink in self._sinks:
             sink.write(channel.name, utime, data)
         return data
+
+    def _encode(self, channel: Channel, utime: int, seq: int, message: Message) -> bytes:  # noqa: ARG002
+        """Return a message's bytes; raises ValueError if it cannot be encoded. A subclass may measure it by channel."""
+        try:
+            return encode(message, utime, seq)
+        except EncodeError as error:
+            raise ValueError(str(error)) from error

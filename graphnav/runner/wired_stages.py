@@ -51,24 +51,28 @@ class WiredStages(OwnedStages[LockstepUnit]):
         if consumed:
             self._bus.publish(channel.name, data)
 
+    def _decode(self, channel: Channel, data: bytes) -> tuple[int, Message]:
+        """Return the stamp and the message of a channel's bytes. A subclass may measure it by channel."""
+        utime, _, message = decode(channel.message, data)
+        return utime, message
+
     def _subscribe(self) -> set[str]:
         """Subscribe once to each channel that a stage consumes; return the names."""
         consumers: dict[str, list[Callable[[int, Any], None]]] = defaultdict(list)
-        messages: dict[str, type[Message]] = {}
+        channels: dict[str, Channel] = {}
         for node in self.graph.nodes:
             for link in node.inputs:
                 if link.channel is not None:
                     unit = self._units[node.name]
                     consumers[link.channel.name].append(partial(unit.deliver, link.port.name))
-                    messages[link.channel.name] = link.channel.message
+                    channels[link.channel.name] = link.channel
         for name, deliver_all in consumers.items():
-            self._bus.subscribe(name, partial(_receive, messages[name], deliver_all))
+            self._bus.subscribe(name, partial(self._receive, channels[name], deliver_all))
         return set(consumers)
 
-
-def _receive(
-    message_class: type[Message], deliver_all: list[Callable[[int, Any], None]], _channel: str, data: bytes
-) -> None:
-    utime, _, message = decode(message_class, data)
-    for deliver in deliver_all:
-        deliver(utime, message)
+    def _receive(
+        self, channel: Channel, deliver_all: list[Callable[[int, Any], None]], _name: str, data: bytes
+    ) -> None:
+        utime, message = self._decode(channel, data)
+        for deliver in deliver_all:
+            deliver(utime, message)

@@ -1,0 +1,262 @@
+"""Encode and decode the messages of a navigation graph by hand: `struct`, numpy and one function a type.
+
+What a user of python-lcm writes who knows that lcm-gen's own Python moves arrays number by number. Each `put_` function
+returns the bytes of a message and checks that its floats are finite; each `take_` function returns the fields.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from struct import Struct
+from typing import Any
+
+import graphnav_lcm as types
+import numpy as np
+
+Put = Callable[[int, int, Any], bytes]
+Take = Callable[[bytes], tuple[Any, ...]]
+
+IMAGE = Struct(">8sqqiiiii")
+MOTION = Struct(">8sqqqddd")
+STATE = Struct(">8sqqddddddbbi")
+TRUTH = Struct(">8sqqqiii")
+TWO_DOUBLES = Struct(">8sqqdd")
+FLOW = Struct(">8sqqqiii")
+PLANE = Struct(">8sqqiddbii")
+STEERING = Struct(">8sqq" + 9 * "d")
+POTENTIAL = Struct(">8sqqiii")
+GUARD_STATE = Struct(">8sqqbbbbi")
+LENGTH = Struct(">i")
+
+IMAGE_ID, MOTION_ID, STATE_ID, TRUTH_ID, GOAL_ID, FLOW_ID, PLANAR_ID, PLANE_ID, STEERING_ID, POTENTIAL_ID = (
+    lcm_class._get_packed_fingerprint()  # noqa: SLF001 - lcm-gen's only name for it
+    for lcm_class in (
+        types.image_t,
+        types.motion_t,
+        types.state_t,
+        types.truth_t,
+        types.goal_t,
+        types.flow_t,
+        types.planar_t,
+        types.plane_t,
+        types.steering_t,
+        types.potential_t,
+    )
+)
+TWIST_ID = types.twist_t._get_packed_fingerprint()  # noqa: SLF001
+GUARD_STATE_ID = types.guard_state_t._get_packed_fingerprint()  # noqa: SLF001
+
+
+def check(*values: float) -> None:
+    """Raise ValueError unless the sum of scalars is finite."""
+    if not math.isfinite(sum(values)):
+        raise ValueError("a value is not finite")
+
+
+def check_array(array: Any) -> None:
+    """Raise ValueError unless the sum of an array is finite."""
+    if not math.isfinite(array.sum()):
+        raise ValueError("a value is not finite")
+
+
+def wire(array: Any) -> bytes:
+    """Return an array of 4-byte floats in big-endian order."""
+    data: bytes = array.astype(">f4").tobytes()
+    return data
+
+
+def floats(data: bytes, at: int, *shape: int) -> Any:
+    """Return the native array of 4-byte floats at an offset."""
+    return np.frombuffer(data, ">f4", math.prod(shape), at).astype("f4").reshape(shape)
+
+
+def doubles(data: bytes, at: int, *shape: int) -> Any:
+    """Return the native array of 8-byte floats at an offset."""
+    return np.frombuffer(data, ">f8", math.prod(shape), at).astype("f8").reshape(shape)
+
+
+def octets(data: bytes, at: int, *shape: int) -> Any:
+    """Return the bytes at an offset as an array."""
+    return np.frombuffer(data, "u1", math.prod(shape), at).reshape(shape)
+
+
+def put_image(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a gray image."""
+    rows, cols = m.pixels.shape
+    return IMAGE.pack(IMAGE_ID, utime, seq, m.step_px, rows, cols, 1, rows * cols) + m.pixels.tobytes()
+
+
+def take_image(data: bytes) -> tuple[Any, ...]:
+    """Decode a gray image."""
+    _, utime, seq, step_px, rows, cols, _, _ = IMAGE.unpack_from(data)
+    return utime, seq, step_px, octets(data, IMAGE.size, rows, cols)
+
+
+def put_motion(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a motion."""
+    check(m.forward_m, m.left_m, m.turn_rad)
+    return MOTION.pack(MOTION_ID, utime, seq, m.interval_us, m.forward_m, m.left_m, m.turn_rad)
+
+
+def put_state(utime: int, seq: int, m: Any) -> bytes:
+    """Encode the simulated robot's state."""
+    check(m.x_m, m.y_m, m.yaw_rad, m.v_mps, m.omega_radps, m.clearance_m)
+    check_array(m.moving)
+    scalars = m.x_m, m.y_m, m.yaw_rad, m.v_mps, m.omega_radps, m.clearance_m, m.contact, m.at_goal
+    return STATE.pack(STATE_ID, utime, seq, *scalars, len(m.moving)) + m.moving.astype(">f8").tobytes()
+
+
+def take_state(data: bytes) -> tuple[Any, ...]:
+    """Decode the simulated robot's state."""
+    *scalars, n_moving = STATE.unpack_from(data)
+    return (*scalars, doubles(data, STATE.size, n_moving, 3))
+
+
+def put_truth(utime: int, seq: int, m: Any) -> bytes:
+    """Encode the simulator's truth; the depth may be infinite."""
+    check_array(m.flow_px)
+    rows, cols = m.obstacle.shape
+    head = TRUTH.pack(TRUTH_ID, utime, seq, m.interval_us, m.step_px, rows, cols)
+    return b"".join((head, m.obstacle.tobytes(), wire(m.depth_m), wire(m.flow_px)))
+
+
+def take_truth(data: bytes) -> tuple[Any, ...]:
+    """Decode the simulator's truth."""
+    _, utime, seq, interval_us, step_px, rows, cols = TRUTH.unpack_from(data)
+    at, n = TRUTH.size, rows * cols
+    obstacle, depth_m = octets(data, at, rows, cols), floats(data, at + n, rows, cols)
+    return utime, seq, interval_us, step_px, obstacle, depth_m, floats(data, at + 5 * n, rows, cols, 2)
+
+
+def put_goal(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a goal."""
+    check(m.bearing_rad, m.distance_m)
+    return TWO_DOUBLES.pack(GOAL_ID, utime, seq, m.bearing_rad, m.distance_m)
+
+
+def put_flow(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a flow."""
+    check_array(m.uv_px)
+    rows, cols = m.valid.shape
+    head = FLOW.pack(FLOW_ID, utime, seq, m.interval_us, m.step_px, rows, cols)
+    return b"".join((head, wire(m.uv_px), m.valid.tobytes()))
+
+
+def take_flow(data: bytes) -> tuple[Any, ...]:
+    """Decode a flow."""
+    _, utime, seq, interval_us, step_px, rows, cols = FLOW.unpack_from(data)
+    uv_px = floats(data, FLOW.size, rows, cols, 2)
+    return utime, seq, interval_us, step_px, uv_px, octets(data, FLOW.size + 8 * rows * cols, rows, cols)
+
+
+def put_planar(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a planar flow."""
+    check_array(m.planar_uv_px)
+    check_array(m.residual_px)
+    rows, cols = m.planar_valid.shape
+    head = FLOW.pack(PLANAR_ID, utime, seq, m.interval_us, m.step_px, rows, cols)
+    return b"".join((head, wire(m.planar_uv_px), m.planar_valid.tobytes(), wire(m.residual_px)))
+
+
+def take_planar(data: bytes) -> tuple[Any, ...]:
+    """Decode a planar flow."""
+    _, utime, seq, interval_us, step_px, rows, cols = FLOW.unpack_from(data)
+    at, n = FLOW.size, rows * cols
+    uv_px, valid = floats(data, at, rows, cols, 2), octets(data, at + 8 * n, rows, cols)
+    return utime, seq, interval_us, step_px, uv_px, valid, floats(data, at + 9 * n, rows, cols)
+
+
+def put_plane(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a dominant plane."""
+    check(m.obstacle_ratio, m.threshold)
+    check_array(m.score)
+    rows, cols = m.valid.shape
+    scalars = m.step_px, m.obstacle_ratio, m.threshold, m.converged
+    head = PLANE.pack(PLANE_ID, utime, seq, *scalars, rows, cols)
+    return b"".join((head, m.obstacle.tobytes(), wire(m.score), m.valid.tobytes()))
+
+
+def take_plane(data: bytes) -> tuple[Any, ...]:
+    """Decode a dominant plane."""
+    *scalars, rows, cols = PLANE.unpack_from(data)
+    at, n = PLANE.size, rows * cols
+    score, valid = floats(data, at + n, rows, cols), octets(data, at + 5 * n, rows, cols)
+    return (*scalars, octets(data, at, rows, cols), score, valid)
+
+
+def put_steering(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a steering."""
+    values = *m.repulsive, *m.guiding, *m.control, m.theta_rad, *m.eigenvalues
+    check(*values)
+    return STEERING.pack(STEERING_ID, utime, seq, *values)
+
+
+def take_steering(data: bytes) -> tuple[Any, ...]:
+    """Decode a steering."""
+    _, utime, seq, *values = STEERING.unpack_from(data)
+    repulsive, guiding, control, eigenvalues = map(np.array, (values[:2], values[2:4], values[4:6], values[7:]))
+    return utime, seq, repulsive, guiding, control, values[6], eigenvalues
+
+
+def put_potential(utime: int, seq: int, m: Any) -> bytes:
+    """Encode an obstacle potential."""
+    check_array(m.potential)
+    check_array(m.gradient)
+    rows, cols = m.potential.shape
+    head = POTENTIAL.pack(POTENTIAL_ID, utime, seq, m.step_px, rows, cols)
+    return b"".join((head, wire(m.potential), wire(m.gradient)))
+
+
+def take_potential(data: bytes) -> tuple[Any, ...]:
+    """Decode an obstacle potential."""
+    _, utime, seq, step_px, rows, cols = POTENTIAL.unpack_from(data)
+    at, n = POTENTIAL.size, rows * cols
+    return utime, seq, step_px, floats(data, at, rows, cols), floats(data, at + 4 * n, rows, cols, 2)
+
+
+def put_twist(utime: int, seq: int, m: Any) -> bytes:
+    """Encode a velocity command."""
+    check(m.v_mps, m.omega_radps)
+    return TWO_DOUBLES.pack(TWIST_ID, utime, seq, m.v_mps, m.omega_radps)
+
+
+def put_guard_state(utime: int, seq: int, m: Any) -> bytes:
+    """Encode the guard's decision."""
+    check_array(m.values)
+    check_array(m.limits)
+    scalars = m.may_move, m.may_advance, m.overridden, m.stopped, len(m.causes)
+    pieces = [GUARD_STATE.pack(GUARD_STATE_ID, utime, seq, *scalars)]
+    for text in (*m.causes, *m.ports):
+        encoded = text.encode() + b"\0"
+        pieces += (LENGTH.pack(len(encoded)), encoded)
+    pieces += (m.values.astype(">f8").tobytes(), m.limits.astype(">f8").tobytes())
+    return b"".join(pieces)
+
+
+def take_guard_state(data: bytes) -> tuple[Any, ...]:
+    """Decode the guard's decision."""
+    *scalars, n_causes = GUARD_STATE.unpack_from(data)
+    at, texts = GUARD_STATE.size, []
+    for _ in range(2 * n_causes):
+        (length,) = LENGTH.unpack_from(data, at)
+        at += LENGTH.size + length
+        texts.append(data[at - length : at - 1].decode())
+    return (*scalars, texts, doubles(data, at, n_causes), doubles(data, at + 8 * n_causes, n_causes))
+
+
+HAND_WRITTEN: dict[type, tuple[Put, Take]] = {
+    types.image_t: (put_image, take_image),
+    types.motion_t: (put_motion, MOTION.unpack),
+    types.state_t: (put_state, take_state),
+    types.truth_t: (put_truth, take_truth),
+    types.goal_t: (put_goal, TWO_DOUBLES.unpack),
+    types.flow_t: (put_flow, take_flow),
+    types.planar_t: (put_planar, take_planar),
+    types.plane_t: (put_plane, take_plane),
+    types.steering_t: (put_steering, take_steering),
+    types.potential_t: (put_potential, take_potential),
+    types.twist_t: (put_twist, TWO_DOUBLES.unpack),
+    types.guard_state_t: (put_guard_state, take_guard_state),
+}
+"""The functions by type; the map, which is published once, is not among them."""
