@@ -1,8 +1,8 @@
 """Ticks per second of whole graphs with their logs, against version 0.1.0, the two taking turns on one core.
 
 ``python tools/bench_ticks.py [ROUNDS]`` prints, for each graph as a robot runs it (without score stages) and with its
-scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with quartiles. Beside it, what the
-guard costs, which came since, and the truth where it is made without a reader, as 0.1.0 did.
+scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with quartiles. Beside it, what
+the guard costs, which came since, and the truth where it is made without a reader, as 0.1.0 did.
 """
 
 from __future__ import annotations
