@@ -20,6 +20,7 @@ from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.notebook import notebook_item
 from acceptance.replaying import replay_item
+from acceptance.same_results import results_item
 from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
@@ -32,6 +33,7 @@ ITEMS = {
     "controls": controls_item,
     "targets": targets_item,
     "drives": drives_item,
+    "results": results_item,
     "sign": sign_item,
     "sees": sees_item,
     "floor": floor_item,

@@ -8,6 +8,7 @@ nothing and counts nothing.
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import lcm
@@ -17,6 +18,7 @@ from graphnav_lcm import image_t, odometry_t, twist_t
 from graphnav import Flow, Image, Latest, Odometry, Since
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
+from graphnav.graph.overrides.option_text import parse_overrides
 
 GRAPH = "navigate_live"
 
@@ -24,9 +26,9 @@ GRAPH = "navigate_live"
 class Bare:
     """Steps the flow when a frame has come, and the other stages when the odometry after it has come too."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, sets: Sequence[str]) -> None:
         self._lcm = lcm.LCM(url)
-        self._stages: dict[str, Any] = dict(load_graph(GRAPH, Catalog()).make_stages())
+        self._stages: dict[str, Any] = dict(load_graph(GRAPH, Catalog(), parse_overrides(sets, [])).make_stages())
         for stage in self._stages.values():
             stage.reset(0)
         self._seen: tuple[int, Image, Flow] | None = None
@@ -75,4 +77,4 @@ class Bare:
 
 
 if __name__ == "__main__":
-    Bare(sys.argv[1]).run()
+    Bare(sys.argv[1], sys.argv[2:]).run()

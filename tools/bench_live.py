@@ -4,7 +4,8 @@ A recorded drive is played to both, with new stamps, in real time: the camera at
 the two have clocks of their own: the camera's is slow by 2 in 1000, so that an image waits for the odometry after it by
 anything from nothing to 20 ms, alike in both. What is timed is what a robot would see: from the publication of an image
 to the arrival of the next command; beside it, how much of that is left once image and odometry have been published. The
-graph's guard fires on commands alone here, so that every command answers an image.
+graph's guard fires on commands alone here, so that every command answers an image. ``python tools/bench_live.py
+[CAMERA ...]`` measures the cameras of `CAMERAS`, all of them without arguments.
 """
 
 from __future__ import annotations
@@ -32,6 +33,13 @@ BARE = Path(__file__).with_name("bare_navigation.py")
 URL = "udpm://239.255.82.1:7999?ttl=0&recv_buf_size=2097152"
 PLAYED = {"robot.image": "CAMERA", "robot.odometry": "ODOMETRY"}
 ON_COMMANDS = "extends: navigate_live\nstages: {guard: {every_ms: 60000}}\n"
+LARGE = ("planar.model=models/downward_640x480.lcmlog",)
+CAMERAS: dict[str, tuple[str, Sequence[str]]] = {
+    "160x120": ("[160,120]", ()),
+    "640x480": ("[640,480]", LARGE),
+    "640x480-dis": ("[640,480]", ("flow=flow.dis", "flow.preset=fast", *LARGE)),
+}
+"""By name: the size of the image, and what is set in the graph that sees it."""
 MAX_RATIO = 1.25
 _SLOW_CAMERA_RATIO = 0.002
 _WARM_UP = 10
@@ -47,11 +55,12 @@ class Answer(NamedTuple):
     since_complete_s: float
 
 
-def record(folder: Path, duration_s: float) -> list[Event]:
+def record(folder: Path, duration_s: float, camera: str) -> list[Event]:
     """Drive live for a while; return what the robot published: stamp, channel, bytes."""
-    options = ["--until", str(duration_s + 4), "--set", "run.record=all"]
+    size, sets = CAMERAS[camera]
+    options = ["--until", str(duration_s + 4), "--set", "run.record=all", "--set", f"robot.size={size}"]
     with Rig(folder, 99, 5, options) as rig:
-        rig.navigate()
+        rig.navigate(options=_set(sets))
         rig.finish()
     with Recording(folder / "robot" / "run.lcmlog") as log:
         events = [
@@ -116,20 +125,26 @@ def running(command: Sequence[str]) -> Iterator[None]:
             process.wait(30)
 
 
-def measure(turns: int = 3, duration_s: float = 15.0) -> dict[str, dict[str, float]]:
+def measure(camera: str, turns: int = 3, duration_s: float = 15.0) -> dict[str, dict[str, float]]:
     """Return median and 99th percentile in ms and the number of answers, of the graph and of the bare loop."""
     answers: dict[str, list[Answer]] = {"graph": [], "bare": []}
     with tempfile.TemporaryDirectory() as scratch:
-        events = record(Path(scratch) / "drive", duration_s)
+        events = record(Path(scratch) / "drive", duration_s, camera)
         graph = Path(scratch) / "on_commands.yaml"
         graph.write_text(ON_COMMANDS)
+        sets = CAMERAS[camera][1]
         for turn in range(turns):
-            options = ["--url", URL, "--no-pictures", "-o", f"{scratch}/run-{turn}"]
+            options = ["--url", URL, "--no-pictures", "-o", f"{scratch}/run-{turn}", *_set(sets)]
             with running([str(GRAPHNAV), "run", str(graph), *options]):
                 answers["graph"] += play(events)[_WARM_UP:]
-            with running([sys.executable, str(BARE), URL]):
+            with running([sys.executable, str(BARE), URL, *sets]):
                 answers["bare"] += play(events)[_WARM_UP:]
     return {name: _statistics(found) for name, found in answers.items()}
+
+
+def _set(sets: Sequence[str]) -> list[str]:
+    """Return the options of the command line that set these."""
+    return [word for one in sets for word in ("--set", one)]
 
 
 def _statistics(found: Sequence[Answer]) -> dict[str, float]:
@@ -143,16 +158,19 @@ def _statistics(found: Sequence[Answer]) -> dict[str, float]:
 
 
 def main() -> int:
-    """Print both and their ratio; return 1 if it is above what is asked."""
-    found = measure()
-    for name, values in found.items():
-        print(
-            f"{name:6} p50 {values['p50']:.2f} ms, p99 {values['p99']:.2f} ms since the image, "
-            f"p50 {values['complete']:.2f} ms since image and odometry; {values['answers']} answers"
-        )
-    ratio = found["graph"]["p50"] / found["bare"]["p50"]
-    print(f"{'ok  ' if ratio <= MAX_RATIO else 'MISS'} ratio of the medians {ratio:.3f}, at most {MAX_RATIO}")
-    return 0 if ratio <= MAX_RATIO else 1
+    """Print both and their ratio for each camera; return 1 if one is above what is asked."""
+    missed = 0
+    for camera in sys.argv[1:] or CAMERAS:
+        found = measure(camera)
+        for name, values in found.items():
+            print(
+                f"{camera} {name:6} p50 {values['p50']:.2f} ms, p99 {values['p99']:.2f} ms since the image, "
+                f"p50 {values['complete']:.2f} ms since image and odometry; {values['answers']} answers"
+            )
+        ratio = found["graph"]["p50"] / found["bare"]["p50"]
+        missed += ratio > MAX_RATIO
+        print(f"{'ok  ' if ratio <= MAX_RATIO else 'MISS'} ratio of the medians {ratio:.3f}, at most {MAX_RATIO}")
+    return 1 if missed else 0
 
 
 if __name__ == "__main__":

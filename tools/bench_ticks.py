@@ -1,0 +1,182 @@
+"""Ticks per second of whole graphs with their logs, against version 0.1.0, the two taking turns on one core.
+
+``python tools/bench_ticks.py [ROUNDS]`` prints, for each graph as a robot runs it (without score stages) and with its
+scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with quartiles. Beside it, what
+the guard costs, which came since, and the truth where it is made without a reader, as 0.1.0 did.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import yaml  # noqa: TID251 - a graph is copied without a stage; its places do not matter
+from graphnav_world.world import Pymunk
+from reference_version import ROOT, reference_python
+
+from graphnav import Latest, Stamp, Twist
+from graphnav.machine.single_thread import ONE_THREAD
+
+TURN = 25
+"""Ticks of a turn."""
+SEED = 1000
+VIDEO_SIZE = (320, 240)
+VIDEO_FRAMES = 200
+_GRAPHS = Path("graphs") / "graphnav_graphs"
+_WARM_UP_TURNS = 2
+
+
+@dataclass(frozen=True)
+class Speed:
+    """A graph in 0.1.0 and today: medians of a tick's wall time in ms, and the quartiles of the turns' ratios."""
+
+    name: str
+    old_ms: float
+    new_ms: float
+    ratio: float
+    low: float
+    high: float
+    limit: float | None
+    """The minimum of the ratio, None where it is reported only."""
+
+    def __str__(self) -> str:
+        limit = "" if self.limit is None else f"  at least {self.limit:g}"
+        return (
+            f"{self.name:42} {self.old_ms:6.2f} ms, now {self.new_ms:6.2f} ms ({1e3 / self.new_ms:4.0f} ticks/s): "
+            f"{self.ratio:.2f} [{self.low:.2f}, {self.high:.2f}]{limit}"
+        )
+
+
+def measure(rounds: int = 40) -> Iterator[Speed]:
+    """Yield the speeds one after another."""
+    python = reference_python()
+    with tempfile.TemporaryDirectory() as scratch:
+        old = _copied(python.parents[2] / "source" / _GRAPHS, Path(scratch) / "old")
+        new = _copied(ROOT / _GRAPHS, Path(scratch) / "new")
+        video = Path(scratch) / "drive.mp4"
+        _film(video)
+        for graph, floor in (("corridor_ccw", 1.6), ("pillars", 1.6)):
+            bare = _without_scores(old / f"{graph}.yaml"), _without_scores(new / f"{graph}.yaml")
+            yield _compared(f"{graph} as a robot runs it", python, *bare, rounds, 2.0)
+            yield _compared(f"{graph} with scores", python, old / f"{graph}.yaml", new / f"{graph}.yaml", rounds, floor)
+            unguarded = _without_guard(bare[1])
+            yield _compared("  without scores, without the guard", python, bare[0], unguarded, rounds, None)
+            yield _compared("  without scores, truth made", python, bare[0], _with_truth(bare[1]), rounds, None)
+        films = [_filmed(folder / "video_plane.yaml", video) for folder in (old, new)]
+        yield _compared(f"video_plane, {VIDEO_SIZE[0]}x{VIDEO_SIZE[1]}", python, films[0], films[1], rounds, 2.0)
+
+
+def _compared(name: str, python: Path, old: Path, new: Path, rounds: int, limit: float | None) -> Speed:
+    """Let a graph of each version take turns."""
+    with ExitStack() as stack:
+        then = stack.enter_context(_ticker(str(python), old))
+        now = stack.enter_context(_ticker(sys.executable, new))
+        pairs = [(_turn(then), _turn(now)) for _ in range(_WARM_UP_TURNS + rounds)][_WARM_UP_TURNS:]
+    low, ratio, high = statistics.quantiles((a / b for a, b in pairs), n=4)
+    old_ms, new_ms = (1e3 * statistics.median(times) for times in zip(*pairs, strict=True))
+    return Speed(name, old_ms, new_ms, ratio, low, high, limit)
+
+
+@contextmanager
+def _ticker(python: str, graph: Path) -> Iterator[subprocess.Popen[str]]:
+    """Start a process that ticks a graph by turns, all of them on one core."""
+    command = [python, "-P", str(Path(__file__).with_name("tick_turns.py")), str(graph), f"{graph}.lcmlog", str(SEED)]
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | ONE_THREAD,
+    ) as process:
+        yield process
+        assert process.stdin is not None
+        process.stdin.close()
+    Path(f"{graph}.lcmlog").unlink()
+
+
+def _turn(process: subprocess.Popen[str]) -> float:
+    """Return the mean wall time of a tick in a turn, s."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    process.stdin.write(f"{TURN}\n")
+    process.stdin.flush()
+    return float(json.loads(process.stdout.readline())["wall_s"])
+
+
+def _copied(graphs: Path, folder: Path) -> Path:
+    """Return a copy of the shipped graphs, in which variants can stand beside what they name."""
+    return Path(shutil.copytree(graphs, folder))
+
+
+def _without_scores(graph: Path) -> Path:
+    kept = _read(graph)
+    kept["stages"] = {name: stage for name, stage in kept["stages"].items() if not stage["use"].startswith("score.")}
+    return _written(kept, graph, "bare")
+
+
+def _without_guard(graph: Path) -> Path:
+    kept = _read(graph)
+    del kept["stages"]["guard"]
+    kept["stages"]["robot"]["in"]["command"] = "control.twist"
+    return _written(kept, graph, "unguarded")
+
+
+def _with_truth(graph: Path) -> Path:
+    kept = _read(graph)
+    kept["stages"]["robot"]["with"]["truth"] = True
+    return _written(kept, graph, "truth")
+
+
+def _filmed(graph: Path, video: Path) -> Path:
+    kept = _read(graph)
+    kept["stages"]["camera"]["with"]["path"] = str(video)
+    return _written(kept, graph, "film")
+
+
+def _read(graph: Path) -> dict[str, Any]:
+    read: dict[str, Any] = yaml.safe_load(graph.read_text())
+    return read
+
+
+def _written(graph: Mapping[str, Any], source: Path, label: str) -> Path:
+    path = source.with_name(f"{source.stem}_{label}.yaml")
+    path.write_text(yaml.safe_dump(dict(graph), sort_keys=False))
+    return path
+
+
+def _film(path: Path) -> None:
+    """Film a drive along the corridor, which turns gently."""
+    world = Pymunk(map=ROOT / _GRAPHS / "maps" / "corridor_ccw.yaml", size=VIDEO_SIZE)
+    world.reset(SEED)
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, VIDEO_SIZE, isColor=False)
+    for k in range(VIDEO_FRAMES):
+        turn = Twist(v_mps=0.1, omega_radps=0.2 * (-1) ** (k // 20))
+        writer.write(world.step(Latest(turn, age_s=0.0), Stamp(100_000 * k)).image.pixels)
+    writer.release()
+    world.close()
+
+
+def main(rounds: int = 40) -> int:
+    """Print every speed; return 1 if one is below its minimum."""
+    missed = 0
+    for speed in measure(rounds):
+        is_missed = speed.limit is not None and speed.ratio < speed.limit
+        missed += is_missed
+        sys.stdout.write(f"{'MISS' if is_missed else 'ok  '} {speed}\n")
+        sys.stdout.flush()
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*map(int, sys.argv[1:])))
