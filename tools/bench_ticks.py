@@ -49,12 +49,15 @@ class Speed:
     high: float
     limit: float | None
     """The minimum of the ratio, None where it is reported only."""
+    cpu_ratio: float
+    """The ratio of the medians of processor time, which other programs on the machine hardly change."""
 
     def __str__(self) -> str:
         limit = "" if self.limit is None else f"  at least {self.limit:g}"
         return (
             f"{self.name:42} {self.old_ms:6.2f} ms, now {self.new_ms:6.2f} ms ({1e3 / self.new_ms:4.0f} ticks/s): "
-            f"{self.ratio:.2f} [{self.low:.2f}, {self.high:.2f}]{limit}"
+            f"{self.ratio:.2f} [{self.low:.2f}, {self.high:.2f}], "
+            f"of processor time {self.cpu_ratio:.2f}{limit}"
         )
 
 
@@ -83,9 +86,10 @@ def _compared(name: str, python: Path, old: Path, new: Path, rounds: int, limit:
         then = stack.enter_context(_ticker(str(python), old))
         now = stack.enter_context(_ticker(sys.executable, new))
         pairs = [(_turn(then), _turn(now)) for _ in range(_WARM_UP_TURNS + rounds)][_WARM_UP_TURNS:]
-    low, ratio, high = statistics.quantiles((a / b for a, b in pairs), n=4)
-    old_ms, new_ms = (1e3 * statistics.median(times) for times in zip(*pairs, strict=True))
-    return Speed(name, old_ms, new_ms, ratio, low, high, limit)
+    low, ratio, high = statistics.quantiles((a["wall_s"] / b["wall_s"] for a, b in pairs), n=4)
+    old_ms, new_ms = (1e3 * statistics.median(one["wall_s"] for one in turns) for turns in zip(*pairs, strict=True))
+    old_cpu_s, new_cpu_s = (statistics.median(one["cpu_s"] for one in turns) for turns in zip(*pairs, strict=True))
+    return Speed(name, old_ms, new_ms, ratio, low, high, limit, old_cpu_s / new_cpu_s)
 
 
 @contextmanager
@@ -105,13 +109,14 @@ def _ticker(python: str, graph: Path) -> Iterator[subprocess.Popen[str]]:
     Path(f"{graph}.lcmlog").unlink()
 
 
-def _turn(process: subprocess.Popen[str]) -> float:
-    """Return the mean wall time of a tick in a turn, s."""
+def _turn(process: subprocess.Popen[str]) -> dict[str, float]:
+    """Return the mean wall and processor time of a tick in a turn, s."""
     assert process.stdin is not None
     assert process.stdout is not None
     process.stdin.write(f"{TURN}\n")
     process.stdin.flush()
-    return float(json.loads(process.stdout.readline())["wall_s"])
+    turn: dict[str, float] = json.loads(process.stdout.readline())
+    return turn
 
 
 def _copied(graphs: Path, folder: Path) -> Path:
