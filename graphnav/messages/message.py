@@ -44,12 +44,15 @@ class Message:
     and ages count from the arrival."""
     n_classes: ClassVar[int] = 0
     """The number of message classes declared so far, by which caches notice new ones."""
-    _names: ClassVar[tuple[str, ...]]
+    field_names: ClassVar[tuple[str, ...]]
+    is_plain: ClassVar[bool]
+    """Whether making a message means no more than storing its fields."""
     _floats: ClassVar[tuple[str, ...]]
 
     def __init_subclass__(cls, lcm: type | None = None, grid: tuple[str, ...] = (), **kwargs: Any) -> None:
         """Make ``cls`` a frozen dataclass; ``grid`` names the fields whose first axes are rows and columns."""
         super().__init_subclass__(**kwargs)
+        is_made_by_storing = not {"__init__", "__slots__"} & vars(cls).keys() and not hasattr(cls, "__post_init__")
         dataclass(frozen=True, eq=False)(cls)
         if lcm is None and not hasattr(cls, "lcm_class"):
             raise DeclarationError(
@@ -58,7 +61,8 @@ class Message:
         if lcm is not None:
             cls.lcm_class = lcm
         cls.grid = grid or cls.grid
-        cls._names = tuple(f.name for f in fields(cls))
+        cls.field_names = tuple(f.name for f in fields(cls))
+        cls.is_plain = is_made_by_storing and cls.__new__ is object.__new__ and all(f.init for f in fields(cls))
         cls._floats = tuple(f.name for f in fields(cls) if f.metadata.get("finite", True))
         Message.n_classes += 1
 
@@ -69,7 +73,7 @@ class Message:
     @classmethod
     def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
         """Return the message with the LCM fields ``values`` (all of them)."""
-        return cls(**{name: values[name] for name in cls._names})
+        return cls(**{name: values[name] for name in cls.field_names})
 
     def thin(self, step: int) -> Self:
         """Return the message with every ``step``-th row and column of its grids, with ``step_px`` adjusted."""
