@@ -146,12 +146,12 @@ def without_scores(graph: Graph, folder: Path) -> Graph:
 def measure(
     ticks: int = 250, graph_name: str = GRAPH, *, tapped: bool = False, scores: bool = True
 ) -> dict[str, float]:
-    """Return medians over the ticks, and what they give.
+    """Return medians over the ticks, and their ratios.
 
-    ``kB a tick``; ``beyond the steps, ms``: what the runner spends beyond ``step``, with a log; ``hand-written, ms`` and
-    ``bare loop, ms``: the two loops, with a log; ``ratio``: beyond the steps / hand-written; ``bare ratio``: beyond the
-    steps / bare loop. If ``tapped``, also ``tapped, ms``: what a second runner spends, with a tap, and ``tap ratio``:
-    that / beyond the steps. ``scores``: whether the graph keeps its score stages.
+    Times in ms, all with a log: ``beyond the steps, ms``, what the runner spends beyond ``step``; ``hand-written, ms``;
+    ``bare loop, ms``. ``ratio``: beyond the steps / hand-written; ``bare ratio``: beyond the steps / bare loop;
+    ``kB a tick``. If ``tapped``, also ``tapped, ms``, what a second runner with a tap spends, and ``tap ratio``: that /
+    beyond the steps. ``scores``: whether the graph keeps its score stages.
     """
     with tempfile.TemporaryDirectory() as scratch, ExitStack() as cleanup:
         graph = load_graph(graph_name, Catalog())

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from graphnav.codec.compiled import codec_of
 from graphnav.codec.errors import DecodeError
 from graphnav.codec.flat_decode import MessageDecoder, is_flat, message_decoder, sizes_of
-from graphnav.codec.flat_encode import MessageEncoder, message_encoder
+from graphnav.codec.flat_encode import FinitenessCheck, MessageEncoder, finiteness_check, message_encoder
 from graphnav.codec.layout import fields_of, fingerprint
 from graphnav.messages import Message
 
@@ -23,6 +23,11 @@ def encode(message: Message, utime: int, seq: int) -> bytes:
     if data is not None:
         return data
     return codec_of(message.lcm_class).encode({**message.lcm_fields(), "utime": utime, "seq": seq})
+
+
+def not_finite(message: Message) -> str | None:
+    """Return what the message's own ``not_finite`` returns; quicker where all is well."""
+    return None if _check_of(type(message))(message) else message.not_finite()
 
 
 def decode(message_class: type[M], data: bytes) -> tuple[int, int, M]:
@@ -42,11 +47,21 @@ def decode(message_class: type[M], data: bytes) -> tuple[int, int, M]:
 def _encoder_of(message_class: type[Message]) -> MessageEncoder:
     """Return the generated encoder of a class; one that always returns None if its fields are not simply the type's."""
     fields = fields_of(message_class.lcm_class)
-    names = {field.name for field in fields}
+    named = {field.name for field in fields} - sizes_of(fields)
     is_plain = message_class.lcm_fields is Message.lcm_fields
-    if not is_plain or not is_flat(fields) or {*message_class.field_names, *_ENVELOPE} != names - sizes_of(fields):
+    if not is_plain or not is_flat(fields) or {*message_class.field_names, *_ENVELOPE} != named:
         return _unable
     return message_encoder(fields, fingerprint(message_class.lcm_class))
+
+
+@functools.cache
+def _check_of(message_class: type[Message]) -> FinitenessCheck:
+    """Return the generated check of a class; one that always returns None if its fields are not the type's."""
+    fields = fields_of(message_class.lcm_class)
+    is_plain = message_class.not_finite is Message.not_finite
+    if not is_plain or not {field.name for field in fields}.issuperset(message_class.field_names):
+        return _unable
+    return finiteness_check(fields, message_class.finite_names)
 
 
 @functools.cache

@@ -6,8 +6,9 @@ sizes that disagree) they return None, and the general codec takes over and repo
 
 from __future__ import annotations
 
+import math
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from graphnav.codec.layout import PRIMITIVES, Field
 
 FieldEncoder = Callable[[Mapping[str, Any]], bytes | None]
 MessageEncoder = Callable[[Any, int, int], bytes | None]
+FinitenessCheck = Callable[[Any], bool | None]
 
 _LENGTH = struct.Struct(">I")
 
@@ -35,6 +37,21 @@ def message_encoder(fields: list[Field], fingerprint: bytes) -> MessageEncoder:
     sources = {field.name: f"m.{field.name}" for field in fields} | {"utime": "utime", "seq": "seq"}
     encode: MessageEncoder = _encoder("m, utime, seq", fields, sources, fingerprint, _array_checks(fields, sources))
     return encode
+
+
+def finiteness_check(fields: list[Field], checked: Collection[str]) -> FinitenessCheck:
+    """Return a function from a message: True if the floats among its ``checked`` fields are surely finite.
+
+    The sum of an array's squares is finite if all elements are, unless it overflows.
+    """
+    conditions = [
+        f"isfinite(vdot(x := m.{field.name}.ravel('K'), x))" if field.dims else f"isfinite(m.{field.name})"
+        for field in fields
+        if field.name in checked and field.primitive in {"float", "double"}
+    ]
+    body = [f"return {' and '.join(conditions) or True}"]
+    check: FinitenessCheck = compiled("m", body, {"isfinite": math.isfinite, "vdot": np.vdot})
+    return check
 
 
 def _array_checks(fields: list[Field], sources: Mapping[str, str], given: str = "") -> list[str]:
