@@ -1,7 +1,8 @@
 """Encode and decode the messages of a navigation graph by hand: `struct`, numpy and one function a type.
 
-What a user of python-lcm writes who knows that lcm-gen's own Python moves arrays number by number. Each `put_` function
-returns the bytes of a message and checks that its floats are finite; each `take_` function returns the fields.
+What a user of python-lcm writes who knows that lcm-gen's own Python moves arrays number by number. Each ``put_``
+function returns the bytes of a message and checks that its floats are finite; each ``take_`` function returns the
+timestamp and the message.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from typing import Any
 import graphnav_lcm as types
 import numpy as np
 
+from graphnav import Flow, Image, Motion, Planar, Plane, State, Steering, Truth, Twist
+
 Put = Callable[[int, int, Any], bytes]
-Take = Callable[[bytes], tuple[Any, ...]]
+Take = Callable[[bytes], tuple[int, Any]]
 
 IMAGE = Struct(">8sqqiiiii")
 MOTION = Struct(">8sqqqddd")
@@ -87,16 +90,22 @@ def put_image(utime: int, seq: int, m: Any) -> bytes:
     return IMAGE.pack(IMAGE_ID, utime, seq, m.step_px, rows, cols, 1, rows * cols) + m.pixels.tobytes()
 
 
-def take_image(data: bytes) -> tuple[Any, ...]:
+def take_image(data: bytes) -> tuple[int, Any]:
     """Decode a gray image."""
-    _, utime, seq, step_px, rows, cols, _, _ = IMAGE.unpack_from(data)
-    return utime, seq, step_px, octets(data, IMAGE.size, rows, cols)
+    _, utime, _, step_px, rows, cols, _, _ = IMAGE.unpack_from(data)
+    return utime, Image(pixels=octets(data, IMAGE.size, rows, cols), step_px=step_px)
 
 
 def put_motion(utime: int, seq: int, m: Any) -> bytes:
     """Encode a motion."""
     check(m.forward_m, m.left_m, m.turn_rad)
     return MOTION.pack(MOTION_ID, utime, seq, m.interval_us, m.forward_m, m.left_m, m.turn_rad)
+
+
+def take_motion(data: bytes) -> tuple[int, Any]:
+    """Decode a motion."""
+    _, utime, _, interval_us, forward_m, left_m, turn_rad = MOTION.unpack(data)
+    return utime, Motion(forward_m=forward_m, left_m=left_m, turn_rad=turn_rad, interval_us=interval_us)
 
 
 def put_state(utime: int, seq: int, m: Any) -> bytes:
@@ -107,10 +116,11 @@ def put_state(utime: int, seq: int, m: Any) -> bytes:
     return STATE.pack(STATE_ID, utime, seq, *scalars, len(m.moving)) + m.moving.astype(">f8").tobytes()
 
 
-def take_state(data: bytes) -> tuple[Any, ...]:
+def take_state(data: bytes) -> tuple[int, Any]:
     """Decode the simulated robot's state."""
-    *scalars, n_moving = STATE.unpack_from(data)
-    return (*scalars, doubles(data, STATE.size, n_moving, 3))
+    _, utime, _, x_m, y_m, yaw_rad, v_mps, omega_radps, clearance_m, contact, at_goal, n = STATE.unpack_from(data)
+    moving = doubles(data, STATE.size, n, 3)
+    return utime, State(x_m, y_m, yaw_rad, v_mps, omega_radps, clearance_m, bool(contact), bool(at_goal), moving)
 
 
 def put_truth(utime: int, seq: int, m: Any) -> bytes:
@@ -121,12 +131,12 @@ def put_truth(utime: int, seq: int, m: Any) -> bytes:
     return b"".join((head, m.obstacle.tobytes(), wire(m.depth_m), wire(m.flow_px)))
 
 
-def take_truth(data: bytes) -> tuple[Any, ...]:
+def take_truth(data: bytes) -> tuple[int, Any]:
     """Decode the simulator's truth."""
-    _, utime, seq, interval_us, step_px, rows, cols = TRUTH.unpack_from(data)
+    _, utime, _, interval_us, step_px, rows, cols = TRUTH.unpack_from(data)
     at, n = TRUTH.size, rows * cols
     obstacle, depth_m = octets(data, at, rows, cols), floats(data, at + n, rows, cols)
-    return utime, seq, interval_us, step_px, obstacle, depth_m, floats(data, at + 5 * n, rows, cols, 2)
+    return utime, Truth(obstacle, depth_m, floats(data, at + 5 * n, rows, cols, 2), interval_us, step_px)
 
 
 def put_goal(utime: int, seq: int, m: Any) -> bytes:
@@ -143,11 +153,11 @@ def put_flow(utime: int, seq: int, m: Any) -> bytes:
     return b"".join((head, wire(m.uv_px), m.valid.tobytes()))
 
 
-def take_flow(data: bytes) -> tuple[Any, ...]:
+def take_flow(data: bytes) -> tuple[int, Any]:
     """Decode a flow."""
-    _, utime, seq, interval_us, step_px, rows, cols = FLOW.unpack_from(data)
+    _, utime, _, interval_us, step_px, rows, cols = FLOW.unpack_from(data)
     uv_px = floats(data, FLOW.size, rows, cols, 2)
-    return utime, seq, interval_us, step_px, uv_px, octets(data, FLOW.size + 8 * rows * cols, rows, cols)
+    return utime, Flow(uv_px, octets(data, FLOW.size + 8 * rows * cols, rows, cols), interval_us, step_px)
 
 
 def put_planar(utime: int, seq: int, m: Any) -> bytes:
@@ -159,12 +169,12 @@ def put_planar(utime: int, seq: int, m: Any) -> bytes:
     return b"".join((head, wire(m.planar_uv_px), m.planar_valid.tobytes(), wire(m.residual_px)))
 
 
-def take_planar(data: bytes) -> tuple[Any, ...]:
+def take_planar(data: bytes) -> tuple[int, Any]:
     """Decode a planar flow."""
-    _, utime, seq, interval_us, step_px, rows, cols = FLOW.unpack_from(data)
+    _, utime, _, interval_us, step_px, rows, cols = FLOW.unpack_from(data)
     at, n = FLOW.size, rows * cols
     uv_px, valid = floats(data, at, rows, cols, 2), octets(data, at + 8 * n, rows, cols)
-    return utime, seq, interval_us, step_px, uv_px, valid, floats(data, at + 9 * n, rows, cols)
+    return utime, Planar(uv_px, valid, floats(data, at + 9 * n, rows, cols), interval_us, step_px)
 
 
 def put_plane(utime: int, seq: int, m: Any) -> bytes:
@@ -177,12 +187,13 @@ def put_plane(utime: int, seq: int, m: Any) -> bytes:
     return b"".join((head, m.obstacle.tobytes(), wire(m.score), m.valid.tobytes()))
 
 
-def take_plane(data: bytes) -> tuple[Any, ...]:
+def take_plane(data: bytes) -> tuple[int, Any]:
     """Decode a dominant plane."""
-    *scalars, rows, cols = PLANE.unpack_from(data)
+    _, utime, _, step_px, obstacle_ratio, threshold, converged, rows, cols = PLANE.unpack_from(data)
     at, n = PLANE.size, rows * cols
-    score, valid = floats(data, at + n, rows, cols), octets(data, at + 5 * n, rows, cols)
-    return (*scalars, octets(data, at, rows, cols), score, valid)
+    obstacle, score = octets(data, at, rows, cols), floats(data, at + n, rows, cols)
+    valid = octets(data, at + 5 * n, rows, cols)
+    return utime, Plane(obstacle, score, valid, step_px, obstacle_ratio, threshold, bool(converged))
 
 
 def put_steering(utime: int, seq: int, m: Any) -> bytes:
@@ -192,11 +203,11 @@ def put_steering(utime: int, seq: int, m: Any) -> bytes:
     return STEERING.pack(STEERING_ID, utime, seq, *values)
 
 
-def take_steering(data: bytes) -> tuple[Any, ...]:
+def take_steering(data: bytes) -> tuple[int, Any]:
     """Decode a steering."""
-    _, utime, seq, *values = STEERING.unpack_from(data)
+    _, utime, _, *values = STEERING.unpack(data)
     repulsive, guiding, control, eigenvalues = map(np.array, (values[:2], values[2:4], values[4:6], values[7:]))
-    return utime, seq, repulsive, guiding, control, values[6], eigenvalues
+    return utime, Steering(repulsive, guiding, control, values[6], eigenvalues)
 
 
 def put_potential(utime: int, seq: int, m: Any) -> bytes:
@@ -208,17 +219,16 @@ def put_potential(utime: int, seq: int, m: Any) -> bytes:
     return b"".join((head, wire(m.potential), wire(m.gradient)))
 
 
-def take_potential(data: bytes) -> tuple[Any, ...]:
-    """Decode an obstacle potential."""
-    _, utime, seq, step_px, rows, cols = POTENTIAL.unpack_from(data)
-    at, n = POTENTIAL.size, rows * cols
-    return utime, seq, step_px, floats(data, at, rows, cols), floats(data, at + 4 * n, rows, cols, 2)
-
-
 def put_twist(utime: int, seq: int, m: Any) -> bytes:
     """Encode a velocity command."""
     check(m.v_mps, m.omega_radps)
     return TWO_DOUBLES.pack(TWIST_ID, utime, seq, m.v_mps, m.omega_radps)
+
+
+def take_twist(data: bytes) -> tuple[int, Any]:
+    """Decode a velocity command."""
+    _, utime, _, v_mps, omega_radps = TWO_DOUBLES.unpack(data)
+    return utime, Twist(v_mps, omega_radps)
 
 
 def put_guard_state(utime: int, seq: int, m: Any) -> bytes:
@@ -234,29 +244,33 @@ def put_guard_state(utime: int, seq: int, m: Any) -> bytes:
     return b"".join(pieces)
 
 
-def take_guard_state(data: bytes) -> tuple[Any, ...]:
-    """Decode the guard's decision."""
-    *scalars, n_causes = GUARD_STATE.unpack_from(data)
-    at, texts = GUARD_STATE.size, []
-    for _ in range(2 * n_causes):
-        (length,) = LENGTH.unpack_from(data, at)
-        at += LENGTH.size + length
-        texts.append(data[at - length : at - 1].decode())
-    return (*scalars, texts, doubles(data, at, n_causes), doubles(data, at + 8 * n_causes, n_causes))
-
-
-HAND_WRITTEN: dict[type, tuple[Put, Take]] = {
-    types.image_t: (put_image, take_image),
-    types.motion_t: (put_motion, MOTION.unpack),
-    types.state_t: (put_state, take_state),
-    types.truth_t: (put_truth, take_truth),
-    types.goal_t: (put_goal, TWO_DOUBLES.unpack),
-    types.flow_t: (put_flow, take_flow),
-    types.planar_t: (put_planar, take_planar),
-    types.plane_t: (put_plane, take_plane),
-    types.steering_t: (put_steering, take_steering),
-    types.potential_t: (put_potential, take_potential),
-    types.twist_t: (put_twist, TWO_DOUBLES.unpack),
-    types.guard_state_t: (put_guard_state, take_guard_state),
+PUT: dict[str, Put] = {
+    "robot.image": put_image,
+    "robot.motion": put_motion,
+    "robot.state": put_state,
+    "robot.truth": put_truth,
+    "robot.goal": put_goal,
+    "flow.flow": put_flow,
+    "planar.planar": put_planar,
+    "plane.plane": put_plane,
+    "steer.steering": put_steering,
+    "steer.potential": put_potential,
+    "control.twist": put_twist,
+    "guard.twist": put_twist,
+    "guard.state": put_guard_state,
 }
-"""The functions by type; the map, which is published once, is not among them."""
+"""The encoders by channel; the map, which is published once, is not among them."""
+
+TAKE: dict[str, Take] = {
+    "robot.image": take_image,
+    "robot.motion": take_motion,
+    "robot.state": take_state,
+    "robot.truth": take_truth,
+    "flow.flow": take_flow,
+    "planar.planar": take_planar,
+    "plane.plane": take_plane,
+    "steer.steering": take_steering,
+    "control.twist": take_twist,
+    "guard.twist": take_twist,
+}
+"""The decoders of the channels that a stage reads."""

@@ -3,7 +3,7 @@
 from graphnav.codec.comments import comments_of, constants_of
 from graphnav.codec.compiled import Codec, codec_of
 from graphnav.codec.definition import definition_of, lcm_text_of
-from graphnav.codec.envelope import decode, encode
+from graphnav.codec.envelope import decode, encode, not_finite
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.find_type import SHIPPED, find_type
 from graphnav.codec.known_types import (
@@ -38,6 +38,7 @@ __all__ = [
     "message_class_of",
     "message_classes",
     "message_types",
+    "not_finite",
     "type_named",
     "type_of",
 ]

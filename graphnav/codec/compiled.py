@@ -10,7 +10,8 @@ from typing import Any
 
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.field_codecs import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, String, Values
-from graphnav.codec.flat_codec import flat_decoder, flat_encoder, flat_measure, is_flat
+from graphnav.codec.flat_decode import field_decoder, is_flat, measure
+from graphnav.codec.flat_encode import field_encoder
 from graphnav.codec.layout import Field, fields_of, fingerprint, lcm_name
 from graphnav.codec.peek_integers import peeks
 
@@ -30,9 +31,10 @@ class Codec:
         self.fields = tuple(field.name for field in fields)
         self._known = frozenset(self.fields)
         self._sizes = tuple({dim for field in fields for dim in field.dims if isinstance(dim, str)})
-        self._flat_encode = flat_encoder(fields, self.fingerprint) if is_flat(fields) else None
-        self._flat_decode = flat_decoder(fields, self.fingerprint) if is_flat(fields) else None
-        self._flat_measure = flat_measure(fields, self.fingerprint) if is_flat(fields) else None
+        self._flat_encode = field_encoder(fields, self.fingerprint) if is_flat(fields) else None
+        self._flat_decode = field_decoder(fields, self.fingerprint) if is_flat(fields) else None
+        has_strings = any(field.primitive == "string" for field in fields)
+        self._flat_measure = measure(fields, self.fingerprint) if is_flat(fields) and not has_strings else None
         self._peeks = peeks(fields)
         self.min_bytes = 0
         self._parts: list[Part] = []

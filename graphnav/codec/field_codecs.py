@@ -205,3 +205,14 @@ def _read_string(data: bytes, at: int) -> tuple[str, int]:
     if not length or end > len(data):
         raise DecodeError(f"a string of {length} bytes announced at {at}, {len(data) - start} are left")
     return data[start : end - 1].decode("utf-8", "replace"), end
+
+
+def read_strings(data: bytes, at: int, count: int) -> tuple[tuple[str, ...], int]:
+    """Return adjacent strings and the offset after them; raises DecodeError if there are fewer."""
+    if not 0 <= count <= (len(data) - at) // String.min_bytes:
+        raise DecodeError(f"{count} strings announced at {at}, {len(data) - at} bytes are left")
+    strings = []
+    for _ in range(count):
+        string, at = _read_string(data, at)
+        strings.append(string)
+    return tuple(strings), at

@@ -44,12 +44,16 @@ class Message:
     and ages count from the arrival."""
     n_classes: ClassVar[int] = 0
     """The number of message classes declared so far, by which caches notice new ones."""
-    _names: ClassVar[tuple[str, ...]]
-    _floats: ClassVar[tuple[str, ...]]
+    field_names: ClassVar[tuple[str, ...]]
+    is_plain: ClassVar[bool]
+    """Whether making a message means no more than storing its fields."""
+    finite_names: ClassVar[tuple[str, ...]]
+    """The fields whose floats must be finite."""
 
     def __init_subclass__(cls, lcm: type | None = None, grid: tuple[str, ...] = (), **kwargs: Any) -> None:
         """Make ``cls`` a frozen dataclass; ``grid`` names the fields whose first axes are rows and columns."""
         super().__init_subclass__(**kwargs)
+        is_made_by_storing = not {"__init__", "__slots__"} & vars(cls).keys() and not hasattr(cls, "__post_init__")
         dataclass(frozen=True, eq=False)(cls)
         if lcm is None and not hasattr(cls, "lcm_class"):
             raise DeclarationError(
@@ -58,8 +62,9 @@ class Message:
         if lcm is not None:
             cls.lcm_class = lcm
         cls.grid = grid or cls.grid
-        cls._names = tuple(f.name for f in fields(cls))
-        cls._floats = tuple(f.name for f in fields(cls) if f.metadata.get("finite", True))
+        cls.field_names = tuple(f.name for f in fields(cls))
+        cls.is_plain = is_made_by_storing and cls.__new__ is object.__new__ and all(f.init for f in fields(cls))
+        cls.finite_names = tuple(f.name for f in fields(cls) if f.metadata.get("finite", True))
         Message.n_classes += 1
 
     def lcm_fields(self) -> Mapping[str, Any]:
@@ -69,7 +74,7 @@ class Message:
     @classmethod
     def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
         """Return the message with the LCM fields ``values`` (all of them)."""
-        return cls(**{name: values[name] for name in cls._names})
+        return cls(**{name: values[name] for name in cls.field_names})
 
     def thin(self, step: int) -> Self:
         """Return the message with every ``step``-th row and column of its grids, with ``step_px`` adjusted."""
@@ -78,16 +83,17 @@ class Message:
 
     def not_finite(self) -> str | None:
         """Return the name of the first field with a NaN or infinity that is not allowed, None without one."""
-        for name in self._floats:
+        for name in self.finite_names:
             value = getattr(self, name)
-            if isinstance(value, np.ndarray):
-                if value.dtype.kind == "f" and not _is_finite(value):
+            if isinstance(value, float):
+                if not math.isfinite(value):
                     return name
-            elif isinstance(value, float) and not math.isfinite(value):
+            elif isinstance(value, np.ndarray) and value.dtype.kind == "f" and not _is_finite(value):
                 return name
         return None
 
 
 def _is_finite(array: npt.NDArray[Any]) -> bool:
     """Whether all elements are finite; checks the sum of squares first, which is cheap unless it overflows."""
-    return math.isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())
+    flat = array.ravel("K")
+    return math.isfinite(np.vdot(flat, flat)) or bool(np.isfinite(array).all())

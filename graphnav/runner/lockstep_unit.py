@@ -17,19 +17,23 @@ class LockstepUnit(Unit):
     def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
         super().__init__(node, stage, publish)
         self._n_dropped = 0
-        self._inbox: dict[str, Message] = {}
+        self._inbox: dict[str, Any] = {}
         self._newest: dict[str, tuple[int, Message]] = {}
         self._gathered: dict[str, list[tuple[int, Message]]] = {port: [] for port in self._since}
-        self._unconnected = {i.port.name for i in node.inputs if i.channel is None}
+        self._is_plain = frozenset(self._plain)
+        unconnected = {i.port.name for i in node.inputs if i.channel is None}
+        self._empty: dict[str, Latest[Any]] = {
+            port: Latest(is_connected=port not in unconnected) for port in self._latest
+        }
 
     def deliver(self, port: str, utime: int, message: Message) -> None:
         """Put a message into the inbox; messages on plain ports have the stamp of the tick."""
-        if port in self._latest:
-            self._newest[port] = (utime, message)
-        elif port in self._since:
+        if port in self._is_plain:
+            self._inbox[port] = message
+        elif port in self._gathered:
             self._gathered[port].append((utime, message))
         else:
-            self._inbox[port] = message
+            self._newest[port] = (utime, message)
 
     @property
     def dropped(self) -> int:
@@ -55,20 +59,23 @@ class LockstepUnit(Unit):
         StageError
             The step raised, or returned something invalid.
         """
-        inputs: dict[str, Any] = dict(self._inbox)
-        self._inbox.clear()
+        inputs: dict[str, Any] = self._inbox
+        self._inbox = {}
         for port in self._latest:
             inputs[port] = self._sample(port, utime)
         for port, gathered in self._gathered.items():
             inputs[port] = Since(tuple(gathered))
             gathered.clear()
+        if self.node.deadline_ms is None:
+            return self.step(utime, inputs)
         begin_s = time.perf_counter()
         outcome = self.step(utime, inputs)
         self.judge_deadline(begin_s, time.perf_counter())
         return outcome
 
     def _sample(self, port: str, utime: int) -> Latest[Any]:
-        if port not in self._newest:
-            return Latest(is_connected=port not in self._unconnected)
-        sent, message = self._newest[port]
+        newest = self._newest.get(port)
+        if newest is None:
+            return self._empty[port]
+        sent, message = newest
         return Latest(message, (utime - sent) / 1e6)
