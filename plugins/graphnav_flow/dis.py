@@ -9,7 +9,7 @@ import cv2
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
 from graphnav_flow.frames import Frames
-from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -40,6 +40,7 @@ class Dis(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
         self._frames = Frames()
+        self._validity = Validity(self.margin_px, self.min_texture_gray2)
         self._last: Bytes | None = None
         self._search = cv2.DISOpticalFlow.create(_PRESETS[self.preset])
 
@@ -59,5 +60,4 @@ class Dis(Stage):
         if last is None or not interval_us:
             return None
         uv_px = -self._search.calc(gray, last, None)
-        valid = trusted(uv_px, gray, self.margin_px, self.min_texture_gray2)
-        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
+        return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, gray), interval_us=interval_us)

@@ -7,7 +7,7 @@ import cv2
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
 from graphnav_flow.frames import Frames
-from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
 
 
 class Farneback(Stage):
@@ -37,6 +37,7 @@ class Farneback(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
         self._frames = Frames()
+        self._validity = Validity(self.margin_px, self.min_texture_gray2)
         self._last: Bytes | None = None
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
@@ -58,5 +59,4 @@ class Farneback(Stage):
             flags=0,
         )
         uv_px = -back_px
-        valid = trusted(uv_px, gray, self.margin_px, self.min_texture_gray2)
-        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
+        return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, gray), interval_us=interval_us)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import cv2
-import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Floats
+from graphnav_flow.enlargement import Enlargement
 from graphnav_flow.frames import Frames
-from graphnav_flow.pyramid import Pyramid, build_pyramid
+from graphnav_flow.pyramid import Doubling, Pyramid
 from graphnav_flow.refinement import Refinement
-from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, trusted
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
 
 _ITERATIONS = 2
 """Number on the layers above the base, which approach the solution; on the base one is enough."""
@@ -65,55 +65,58 @@ class LucasKanade(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
         self._frames = Frames()
-        self._last: Pyramid | None = None
-        self._refinements: list[Refinement] = []
+        self._validity = Validity(self.margin_px, self.min_texture_gray2)
+        self._enlargement = Enlargement(self.smooth_px)
+        self._pyramids: list[Pyramid] = []
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
         """Return the flow since the last image, None without one."""
         gray, interval_us = self._frames.next(image, stamp)
-        last, self._last = self._last, build_pyramid(gray, self.layers)
-        if last is None:
-            self._refinements = self._buffers(self._last)
-        if last is None or not interval_us:
+        if not self._pyramids:
+            self._make_buffers(*gray.shape)
+        self._pyramids.reverse()
+        now, last = self._pyramids
+        now.fill(gray)
+        if not interval_us:
             return None
-        uv_px = self._solve(self._last, last)
-        valid = trusted(uv_px, gray, self.margin_px, self.min_texture_gray2)
-        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
+        uv_px = self._solve(now, last)
+        return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, gray), interval_us=interval_us)
 
-    def _buffers(self, pyramid: Pyramid) -> list[Refinement]:
-        window_px = 2 * self.window_radius_px + 1
-        return [
+    def _make_buffers(self, rows: int, cols: int) -> None:
+        self._pyramids = [Pyramid(rows, cols, self.layers) for _ in range(2)]
+        self._doubling = Doubling(rows, cols)
+        self._refinements = [
             Refinement(
-                rows,
-                cols,
-                window_px=window_px,
-                smooth_px=self.smooth_px,
+                *plane.shape,
+                window_px=2 * self.window_radius_px + 1,
                 regularization_gray2=self.regularization_gray2,
                 zoom=1 if layer else 2,
             )
-            for layer, (rows, cols) in enumerate(plane.shape for plane in pyramid.layers)
+            for layer, plane in enumerate(self._pyramids[0].layers)
         ]
 
     def _solve(self, now: Pyramid, last: Pyramid) -> Floats:
-        """Return the displacement since the last frame: the one back to it, negated."""
-        u = np.zeros_like(now.layers[-1])
-        v = np.zeros_like(now.layers[-1])
-        for layer in reversed(range(len(now.layers))):
-            target = now.layers[layer]
-            source = last.layers[layer] if layer else last.doubled
-            if u.shape != target.shape:
-                u, v = _upsample(u, target.shape), _upsample(v, target.shape)
-            for _ in range(_ITERATIONS if layer else 1):
-                self._refinements[layer].improve(target, source, u, v)
-            u, v = cv2.medianBlur(u, _MEDIAN_PX), cv2.medianBlur(v, _MEDIAN_PX)
+        """Return the displacement since the last frame, from the coarsest layer down."""
         box = (self.smooth_px, self.smooth_px)
-        uv_px: Floats = cv2.merge([cv2.blur(u, box), cv2.blur(v, box)])
-        np.negative(uv_px, out=uv_px)
+        above: Refinement | None = None
+        for layer in reversed(range(len(now.layers))):
+            here = self._refinements[layer]
+            if above is None:
+                for plane in here.planes:
+                    plane.fill(0)
+            else:
+                for plane in above.planes:
+                    cv2.medianBlur(plane, _MEDIAN_PX, dst=plane)
+                self._enlargement.enlarge(above.planes, here.planes)
+            target = now.layers[layer]
+            if layer:
+                here.improve(target, last.layers[layer])
+                for plane in here.planes:
+                    cv2.blur(plane, box, dst=plane)
+                here.improve(target, last.layers[layer], keep_tensor=layer == 1)
+            else:
+                here.improve(target, self._doubling.double(last.layers[0]))
+            above = here
+        uv_px: Floats = cv2.medianBlur(cv2.merge(here.planes), _MEDIAN_PX)
+        cv2.blur(uv_px, box, dst=uv_px)
         return uv_px
-
-
-def _upsample(field: Floats, shape: tuple[int, ...]) -> Floats:
-    """Return ``field``, a displacement, on the layer below, whose pixels are half as large."""
-    larger: Floats = cv2.resize(field, (shape[1], shape[0]))
-    larger *= 2
-    return larger

@@ -11,8 +11,9 @@ import pytest
 from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
+from graphnav_flow.texture import Texture, min_eigenvalue
 from graphnav_flow.truth import Truth
-from graphnav_flow.validity import came_from_inside, min_eigenvalue, texture
+from graphnav_flow.validity import came_from_inside
 
 import graphnav
 from graphnav import Stage
@@ -56,7 +57,7 @@ def test_the_smaller_eigenvalue_is_that_of_numpy() -> None:
 
 def test_texture_of_noise_is_half_its_variance() -> None:
     noise = np.rint(128 + 6 * np.random.default_rng(0).standard_normal((120, 160))).astype(np.uint8)
-    assert texture(noise).mean() == pytest.approx(18, rel=0.2)
+    assert Texture(120, 160).measure(noise).mean() == pytest.approx(18, rel=0.2)
 
 
 @pytest.mark.parametrize("estimator", [LucasKanade, Farneback, Dis])
