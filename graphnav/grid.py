@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from typing import Any
+from weakref import WeakKeyDictionary
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
+from graphnav.arrays import Floats
 from graphnav.messages import Flow
+
+_coarser: WeakKeyDictionary[Flow, dict[int, Flow]] = WeakKeyDictionary()
+"""Flows that were coarsened, by step: several stages of a process coarsen the same received flow alike."""
 
 
 def coarsen(flow: Flow, step_px: int) -> Flow:
     """Return ``flow`` averaged over blocks of ``step_px`` pixels.
 
     A block's vector is the mean of its valid vectors, zero without any; the block is valid if at least half of it is,
-    pixels outside of the image counting as invalid. A flow of this step is returned unchanged.
+    pixels outside of the image counting as invalid. A flow of this step is returned unchanged. For a flow that is
+    read-only, as received ones are, the result is read-only too, and computed once.
 
     Raises
     ------
@@ -26,16 +33,40 @@ def coarsen(flow: Flow, step_px: int) -> Flow:
         raise ValueError(f"cannot coarsen a flow of one vector every {flow.step_px} px to {step_px} px: not a multiple")
     if factor == 1:
         return flow
-    weight = (flow.valid != 0).astype(np.float32)
-    count = block_sum(weight, factor)
-    vectors = np.ascontiguousarray(flow.uv_px).view(np.complex64)[..., 0]  # four times as fast as pairs of floats
-    mean = block_sum(vectors * weight, factor) / np.maximum(count, 1)
+    if flow.uv_px.flags.writeable or flow.valid.flags.writeable:
+        return _coarsened(flow, factor)
+    by_step = _coarser.setdefault(flow, {})
+    if step_px not in by_step:
+        coarse = by_step[step_px] = _coarsened(flow, factor)
+        coarse.uv_px.setflags(write=False)
+        coarse.valid.setflags(write=False)
+    return by_step[step_px]
+
+
+def _coarsened(flow: Flow, factor: int) -> Flow:
+    share = block_mean((flow.valid != 0).astype(np.float32), factor)
+    vectors = block_mean(cv2.copyTo(flow.uv_px, flow.valid), factor)
+    pixel = 1 / factor**2
+    vectors /= np.maximum(share, np.float32(pixel))[..., None]
+    # A share is a multiple of a pixel's; the limit is half a pixel below one half, so that rounding does not decide.
     return Flow(
-        uv_px=mean.view(np.float32).reshape(*mean.shape, 2),
-        valid=(2 * count >= factor * factor).astype(np.uint8),
+        uv_px=vectors,
+        valid=(share >= np.float32(0.5 - pixel / 2)).view(np.uint8),
         interval_us=flow.interval_us,
-        step_px=step_px,
+        step_px=factor * flow.step_px,
     )
+
+
+def block_mean(field: Floats, factor: int) -> Floats:
+    """Return the means over blocks of ``factor`` rows and columns of ``field``, (rows, cols) or (rows, cols, channels).
+
+    Beyond its border the field counts as 0: the result has ``ceil(rows / factor)`` rows.
+    """
+    rows, cols = field.shape[:2]
+    if rows % factor or cols % factor:
+        field = cv2.copyMakeBorder(field, 0, -rows % factor, 0, -cols % factor, cv2.BORDER_CONSTANT, value=0)
+    size = (field.shape[1] // factor, field.shape[0] // factor)
+    return np.asarray(cv2.resize(field, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
 def block_sum(field: npt.NDArray[Any], factor: int) -> npt.NDArray[Any]:

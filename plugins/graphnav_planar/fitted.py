@@ -15,8 +15,8 @@ from graphnav_planar.taught import check_size, planar, stacked
 MIN_VECTORS = 6
 """Minimum number of valid vectors for a fit."""
 
-Fit = Callable[[npt.NDArray[np.intp], Doubles], npt.NDArray[np.floating]]
-"""Maps the positions and values of the valid vectors, as laid out by `stacked`, to a field (rows, cols, 2)."""
+Fit = Callable[[Doubles, Doubles], npt.NDArray[np.floating]]
+"""Maps the vectors and which of them count, as laid out by `stacked`, to a field (rows, cols, 2)."""
 
 
 def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
@@ -28,8 +28,8 @@ def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
         The flow is of another image size than the model.
     """
     check_size(model, flow)
-    both, uv_px = stacked(coarsen(flow, model.step_px), model)
-    if both.size < 2 * MIN_VECTORS:
+    uv_px, counts = stacked(coarsen(flow, model.step_px), model)
+    if np.count_nonzero(counts) < MIN_VECTORS:
         nothing = planar(model, np.zeros((*model.valid.shape, 2)), flow.interval_us)
         return replace(nothing, planar_valid=np.zeros_like(model.valid))
-    return planar(model, fit(both, uv_px), flow.interval_us)
+    return planar(model, fit(uv_px.astype(np.float64), counts.astype(np.float64)), flow.interval_us)

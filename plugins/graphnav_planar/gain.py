@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from graphnav import Flow, Planar, Role, param
 from graphnav.arrays import Doubles
-from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX, agreement
+from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX, weights
+from graphnav_planar.estimation.series import dot
 from graphnav_planar.fitted import fitted
 from graphnav_planar.mean import Mean
 
@@ -40,12 +41,12 @@ class Gain(Mean):
         """
         return fitted(self._model, flow, self._scaled)
 
-    def _scaled(self, both: npt.NDArray[np.intp], uv_px: Doubles) -> npt.NDArray[np.floating]:
+    def _scaled(self, uv_px: Doubles, counts: Doubles) -> npt.NDArray[np.floating]:
         """Return the mean times the gain, (rows, cols, 2)."""
-        mean_px = self._mean_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
-        products, squares = (field.reshape(2, -1).sum(axis=0) for field in (mean_px * uv_px, mean_px * mean_px))
-        gain = float(np.median(products / np.maximum(squares, _MIN_PX2)))
+        mean_px = self._mean_px.transpose(2, 0, 1).reshape(-1).astype(np.float64)
+        flows, products, squares = dot(uv_px, uv_px), dot(mean_px, uv_px), dot(mean_px, mean_px)
+        gain = float(np.median((products / np.maximum(squares, _MIN_PX2))[counts > 0]))
         for _ in range(_ITERATIONS):
-            weights = agreement(uv_px - gain * mean_px, self.noise_px) ** 2
-            gain = float(weights @ products) / max(float(weights @ squares), _MIN_PX2)
+            weight = weights(flows - 2 * gain * products + gain * gain * squares, self.noise_px, counts)
+            gain = float(weight @ products) / max(float(weight @ squares), _MIN_PX2)
         return np.asarray(gain * self._mean_px)

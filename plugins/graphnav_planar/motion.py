@@ -9,8 +9,8 @@ from graphnav import Flow, Planar, PlanarModel, coarsen, param
 from graphnav.arrays import Doubles
 from graphnav_planar.estimation.refinement import correction
 from graphnav_planar.interval import check_interval
-from graphnav_planar.taught import Taught, check_size, planar, stacked
-from graphnav_planar.terms import driving_terms, factors, orders
+from graphnav_planar.taught import Taught, check_size, interleaved, planar, stacked
+from graphnav_planar.terms import driving_terms, orders
 
 
 class Motion(Taught):
@@ -41,27 +41,27 @@ class Motion(Taught):
         """
         check_size(self._model, flow)
         check_interval(flow, motion)
-        by_term = factors(self._terms, motion)
+        by_term = np.array([motion.forward_m**v * motion.turn_rad**w for v, w in self._powers])
         if self.odometry_error_ratio:
-            by_term = by_term + self._correction(by_term, coarsen(flow, self._model.step_px))
-        uv_px = (by_term @ self._basis).reshape(2, *self._model.valid.shape)
-        return planar(self._model, uv_px.transpose(1, 2, 0), flow.interval_us)
+            by_term += self._correction(by_term, coarsen(flow, self._model.step_px))
+        return planar(self._model, interleaved(by_term.astype(np.float32) @ self._basis, self._model), flow.interval_us)
 
     def _correction(self, by_term: Doubles, cells: Flow) -> Doubles:
         """Return the correction of the factors of the terms, to first order."""
-        both, uv_px = stacked(cells, self._model)
-        basis = self._basis[:, both]
         rates = self._orders * by_term
-        difference_px = uv_px - by_term @ basis
-        shares = correction(rates @ basis, difference_px, self.odometry_error_ratio)
+        fields_px = np.array([-by_term, *rates], np.float32) @ self._basis
+        uv_px, counts = stacked(cells, self._model)
+        fields_px[0] += uv_px
+        shares = correction(fields_px, counts, self.odometry_error_ratio)
         return np.asarray(shares @ rates)
 
     def _use(self, model: PlanarModel) -> None:
-        self._terms = driving_terms(model.terms)
-        if not self._terms:
+        terms = driving_terms(model.terms)
+        if not terms:
             raise self._not_taught("how the flow depends on the motion", model)
-        places = [model.terms.index(term) for term in self._terms]
+        places = [model.terms.index(term) for term in terms]
         fields = model.basis[places].transpose(0, 3, 1, 2)
-        self._basis = fields.reshape(len(places), -1).astype(np.float64)
-        self._orders = orders(self._terms)
+        self._basis = fields.reshape(len(places), -1).astype(np.float32)
+        self._orders = orders(terms)
+        self._powers: list[list[float]] = self._orders.T.tolist()
         self._model = model

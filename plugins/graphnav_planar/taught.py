@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, ParamError, Planar, PlanarModel, Stage, param
-from graphnav.arrays import Doubles
+from graphnav.arrays import Floats
 from graphnav_planar.model_file import TEACH, read_model
 
 
@@ -59,7 +60,7 @@ def check_size(model: PlanarModel, flow: Flow) -> None:
 def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], interval_us: int) -> Planar:
     """Return the planar flow ``uv_px``, (rows, cols, 2) on the model's grid, as a message."""
     return Planar(
-        planar_uv_px=uv_px.astype(np.float32),
+        planar_uv_px=np.ascontiguousarray(uv_px, np.float32),
         planar_valid=model.valid,
         residual_px=model.residual_px,
         interval_us=interval_us,
@@ -67,10 +68,15 @@ def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], interval_us: int
     )
 
 
-def stacked(cells: Flow, model: PlanarModel) -> tuple[npt.NDArray[np.intp], Doubles]:
-    """Return the indices of the valid vectors in a flattened field (2, rows, cols), (2n,), and their values, (2n,).
+def interleaved(field: Floats, model: PlanarModel) -> Floats:
+    """Return a field of the model's grid, horizontal parts, then vertical ones, as vectors (rows, cols, 2)."""
+    return np.asarray(cv2.merge(tuple(field.reshape(2, *model.valid.shape))), np.float32)
 
-    Horizontal parts first, then the vertical ones. ``cells``: a flow on the model's grid.
+
+def stacked(cells: Flow, model: PlanarModel) -> tuple[Floats, Floats]:
+    """Return the vectors of a flow on the model's grid, (2n,), and 1 for each that counts, else 0, (n,).
+
+    Horizontal parts first, then the vertical ones. A vector counts if it is valid and was taught.
     """
-    both = np.flatnonzero(np.tile(((cells.valid & model.valid) != 0).reshape(-1), 2))
-    return both, cells.uv_px.transpose(2, 0, 1).reshape(-1)[both].astype(np.float64)
+    counts = ((cells.valid & model.valid) != 0).reshape(-1).astype(np.float32)
+    return np.concatenate(cv2.split(cells.uv_px), axis=None), counts

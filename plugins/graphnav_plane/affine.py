@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from graphnav import Flow, Plane, Stamp, coarsen, param
-from graphnav.arrays import Bools, Doubles
+from graphnav.arrays import Doubles
 from graphnav_plane.agreement import agrees, length, median
 from graphnav_plane.detector import MIN_VECTORS, Detector
 
@@ -51,13 +53,14 @@ class Affine(Detector):
         valid = cells.valid != 0
         if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
-        places = _places(valid)
-        uv = cells.uv_px[valid].astype(np.float64)
+        everywhere, judged = _places(*valid.shape), np.flatnonzero(valid)
+        places = everywhere.take(judged, axis=0)
+        uv = cells.uv_px.reshape(-1, 2).take(judged, axis=0).astype(np.float64)
         fit = self._drawn(places, uv)
         for _ in range(self.refits):
             fit = _refitted(fit, places, uv, self.threshold_px)
-        score = self._remembered(uv - places @ fit, valid, cells)
-        return self._plane(score, valid, cells.step_px)
+        left_px = cells.uv_px - (everywhere @ fit).reshape(cells.uv_px.shape)
+        return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
 
     def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:
         """Return the fit (3, 2) to the three vectors with the minimum median residual, over a sample of all vectors."""
@@ -85,12 +88,13 @@ class Affine(Detector):
         return fits[:, :, np.argmin(medians)].astype(np.float64)
 
 
-def _places(valid: Bools) -> Doubles:
-    """Return (x, y, 1) of the valid cells, x and y from -1 to 1 across the picture, (n, 3)."""
-    rows, cols = np.nonzero(valid)
-    height, width = valid.shape
-    x, y = (cols - (width - 1) / 2) / (width / 2), (rows - (height - 1) / 2) / (height / 2)
-    return np.column_stack([x, y, np.ones(len(x))])
+@lru_cache(maxsize=16)
+def _places(rows: int, cols: int) -> Doubles:
+    """Return (x, y, 1) of all cells, x and y from -1 to 1 across the picture, (rows * cols, 3)."""
+    y, x = np.mgrid[:rows, :cols].reshape(2, -1)
+    places = np.column_stack([(2 * x - cols + 1) / cols, (2 * y - rows + 1) / rows, np.ones(rows * cols)])
+    places.setflags(write=False)
+    return places
 
 
 def _refitted(fit: Doubles, places: Doubles, uv: Doubles, noise_px: float) -> Doubles:

@@ -7,11 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Continuity, Flow, Planar, Plane, Stage, Stamp, coarsen, param
-from graphnav.arrays import Bools
+from graphnav.arrays import Bools, Floats
 from graphnav_plane.memory import Memory
 from graphnav_plane.rule import Rule, threshold
 
-Scores = npt.NDArray[np.floating]
 Vectors = npt.NDArray[np.floating]
 
 MIN_VECTORS = 6
@@ -68,20 +67,22 @@ class Detector(Stage):
         self._memory.forget()
         return all_ground(cells.valid.shape, cells.step_px)
 
-    def _remembered(self, left_px: Vectors, valid: Bools, cells: Flow) -> Scores:
-        """Return the residual lengths (rows, cols) of valid cells, from ``left_px`` (n, 2) and the last frames."""
-        field = np.zeros((*valid.shape, 2), np.float32)
-        field[valid] = left_px
-        mean = self._memory.mean(field, valid, cells.uv_px / np.float32(cells.step_px))
-        return np.hypot(mean[..., 0], mean[..., 1])
+    def _remembered(self, left_px: Vectors, valid: Bools, cells: Flow) -> Floats:
+        """Return the residual lengths (rows, cols), 0 where not ``valid``, from this frame's and the last ones'.
 
-    def _plane(self, score: Scores, valid: Bools, step_px: int, *, converged: bool = True) -> Plane:
-        """Return the plane of these scores (rows, cols), which must be finite where ``valid``."""
-        score = np.where(valid, score, 0.0).astype(np.float32)
+        ``left_px``: (rows, cols, 2), finite where ``valid``.
+        """
+        moved_cells = cells.uv_px / np.float32(cells.step_px)
+        mean = self._memory.mean(left_px.astype(np.float32, copy=False), valid, moved_cells)
+        return np.abs(mean.view(np.complex64)[..., 0])
+
+    def _plane(self, score: Floats, valid: Bools, step_px: int, *, converged: bool = True) -> Plane:
+        """Return the plane of these scores (rows, cols), which must be 0 where not ``valid``."""
         limit = threshold(self.rule, score[valid], self.mad_ratio, self.threshold_px)
-        obstacle = (score > limit).astype(np.uint8)
+        is_obstacle = score > limit
         if self.edge_ratio:
-            obstacle &= score > np.float32(self.edge_ratio) * cv2.dilate(score, _NEXT)
+            is_obstacle &= score > np.float32(self.edge_ratio) * cv2.dilate(score, _NEXT)
+        obstacle = is_obstacle.view(np.uint8)
         if self.median_cells > 1:
             obstacle = cv2.medianBlur(obstacle, self.median_cells | 1) & valid
         return Plane(
@@ -89,7 +90,7 @@ class Detector(Stage):
             score=score,
             valid=valid.astype(np.uint8),
             step_px=step_px,
-            obstacle_ratio=float(obstacle.sum() / max(np.count_nonzero(valid), 1)),
+            obstacle_ratio=np.count_nonzero(obstacle) / max(np.count_nonzero(valid), 1),
             threshold=limit,
             converged=converged,
         )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Literal
 
 import cv2
 import numpy as np
 
 from graphnav import Flow, Plane, Stamp, coarsen, param
-from graphnav.arrays import Bools, Doubles
+from graphnav.arrays import Doubles
 from graphnav_plane.agreement import agrees, length
 from graphnav_plane.detector import MIN_VECTORS, Detector
 
@@ -62,11 +63,12 @@ class Homography(Detector):
         valid = cells.valid != 0
         if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
-        places = _places(valid, cells.step_px)
-        targets = places + cells.uv_px[valid]
-        matrix = self._fitted(places, targets)
-        score = self._remembered(targets - _moved(matrix, places), valid, cells)
-        return self._plane(score, valid, cells.step_px)
+        everywhere, judged = _places(*valid.shape, cells.step_px), np.flatnonzero(valid)
+        vectors = cells.uv_px.reshape(-1, 2)
+        places = everywhere.take(judged, axis=0)
+        matrix = self._fitted(places, places + vectors.take(judged, axis=0))
+        left_px = (everywhere + vectors - _moved(matrix, everywhere)).reshape(cells.uv_px.shape)
+        return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
 
     def _fitted(self, places: Doubles, targets: Doubles) -> Doubles:
         """Return the homography (3, 3) that takes most of ``places`` (n, 2) to their ``targets``."""
@@ -117,11 +119,13 @@ def least_squares(places: Doubles, targets: Doubles) -> Doubles:
     return np.asarray(matrix * [[1.0, 1.0, scale], [1.0, 1.0, scale], [1 / scale, 1 / scale, 1.0]])
 
 
-def _places(valid: Bools, step_px: int) -> Doubles:
-    """Return the middles of the valid cells, px right and down of the picture's middle, (n, 2)."""
-    rows, cols = np.nonzero(valid)
-    height, width = valid.shape
-    return step_px * np.column_stack([cols - (width - 1) / 2, rows - (height - 1) / 2])
+@lru_cache(maxsize=16)
+def _places(rows: int, cols: int, step_px: int) -> Doubles:
+    """Return the middles of all cells, px right and down of the picture's middle, (rows * cols, 2)."""
+    y, x = np.mgrid[:rows, :cols].reshape(2, -1)
+    places = step_px * np.column_stack([x - (cols - 1) / 2, y - (rows - 1) / 2])
+    places.setflags(write=False)
+    return places
 
 
 def _moved(matrix: Doubles, places: Doubles) -> Doubles:

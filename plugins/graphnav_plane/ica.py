@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
+import cv2
 import numpy as np
+import numpy.typing as npt
 
 from graphnav import Flow, Planar, Plane, Stamp, param
-from graphnav.arrays import Doubles
+from graphnav.arrays import Doubles, Floats
 from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
 from graphnav_plane.separation.whitening import Whitened, whiten
+
+Indices = npt.NDArray[np.intp]
 
 
 class Ica(Detector):
@@ -85,24 +90,24 @@ class Ica(Detector):
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
-        fields = np.stack([cells.uv_px[valid], planar.planar_uv_px[valid]]).astype(np.float64)
-        mixtures = fields.transpose(0, 2, 1).reshape(2, -1)
-        left_px, converged = self._separated(mixtures)
-        score = self._remembered(left_px.reshape(2, -1).T, valid, cells)
+        judged = np.flatnonzero(valid)
+        (of_flow, of_planar), converged = self._separated(_mixtures(cells.uv_px, planar.planar_uv_px, judged))
+        left_px = cv2.addWeighted(cells.uv_px, of_flow, planar.planar_uv_px, of_planar, 0.0)
+        score = self._remembered(left_px, valid, cells)
         if self.about == "median":
-            score = np.abs(score - np.median(score[valid]))
+            score = np.where(valid, np.abs(score - np.median(score[valid])), np.float32(0.0))
         return self._plane(score, valid, cells.step_px, converged=converged)
 
-    def _separated(self, mixtures: Doubles) -> tuple[Doubles, bool]:
-        """Return the contribution of obstacles to the flow, px, (2n,), and whether the iteration converged."""
+    def _separated(self, mixtures: Doubles) -> tuple[tuple[float, float], bool]:
+        """Return by what flow and planar flow add up to an obstacle's, px, and whether the iteration converged."""
         white = whiten(mixtures, self.min_eigenvalue_ratio, centred=self.centred)
         if white is None:
-            return _fitted(mixtures), True
+            return (1.0, -_gain(mixtures)), True
         rotation, converged = self._rotation(white)
         self._unmixing = rotation @ white.matrix
-        of_flow, of_planar = self._unmixing[self._which(rotation @ white.samples, self._unmixing @ mixtures)]
-        scale = np.copysign(max(abs(of_flow), abs(of_planar)), of_flow)
-        return np.asarray((of_flow / scale) * mixtures[0] + (of_planar / scale) * mixtures[1]), converged
+        of_flow, of_planar = self._unmixing[self._which(rotation @ white.samples, mixtures)].tolist()
+        scale = math.copysign(max(abs(of_flow), abs(of_planar)), of_flow)
+        return (of_flow / scale, of_planar / scale), converged
 
     def _rotation(self, white: Whitened) -> tuple[Doubles, bool]:
         if self.solver == "sklearn":
@@ -111,18 +116,23 @@ class Ica(Detector):
         direct = closed_form if self.nonlinearity == "cubic" else robust_contrast
         return direct.rotation(white.samples), True
 
-    def _which(self, centred: Doubles, components: Doubles) -> int:
-        """Return the index of the obstacle's component of two, (2, 2n); ``centred``: as they were separated."""
+    def _which(self, centred: Doubles, mixtures: Doubles) -> int:
+        """Return the index of the obstacle's component of two; ``centred``: both as they were separated, (2, 2n)."""
         if self.component == "kurtosis":
             squares = centred * centred
-            return int(np.argmax((squares * squares).sum(axis=1)))
+            return int(np.argmax(np.einsum("ij,ij->i", squares, squares)))
+        components = self._unmixing @ mixtures
         spread = np.hypot(*components.reshape(2, 2, -1).transpose(1, 0, 2)).var(axis=1)
         return int(np.argmax(spread) if self.component == "high_variance" else np.argmin(spread))
 
 
-def _fitted(mixtures: Doubles) -> Doubles:
-    """Return the residual of the flow after subtracting the best multiple of the planar flow, (2n,)."""
+def _mixtures(flow_px: Floats, planar_px: Floats, judged: Indices) -> Doubles:
+    """Return the vectors (rows, cols, 2) of the judged cells, (2, 2n): all horizontal parts, then all vertical ones."""
+    return np.array([field.reshape(-1, 2).T.take(judged, axis=1).reshape(-1) for field in (flow_px, planar_px)], float)
+
+
+def _gain(mixtures: Doubles) -> float:
+    """Return the multiple of the planar flow that is nearest to the flow."""
     flow, planar = mixtures
-    square = planar @ planar
-    gain = float(flow @ planar / square) if square else 0.0
-    return np.asarray(flow - gain * planar)
+    square = float(planar @ planar)
+    return float(flow @ planar) / square if square else 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -15,7 +17,7 @@ class Memory:
     """
 
     def __init__(self, share: float) -> None:
-        self._share = np.float32(share)
+        self._share = share
         self.forget()
 
     def forget(self) -> None:
@@ -29,13 +31,13 @@ class Memory:
         ``moved_cells``: (rows, cols, 2), the flow in cells. Where the last frame has no value, or if the grid changed,
         this frame is used alone.
         """
-        now = np.where(valid[..., None], left_px, np.float32(0.0))
+        now = np.asarray(cv2.copyTo(left_px, valid.view(np.uint8)), np.float32)
         if self._share and self._left_px.shape == now.shape:
-            columns, rows = _came_from(moved_cells)
-            was = cv2.remap(self._left_px, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-            known = cv2.remap(self._valid, columns, rows, cv2.INTER_LINEAR, borderValue=0.0) > _WHOLLY
-            both = (known & valid)[..., None]
-            now = np.where(both, (1 - self._share) * now + self._share * was, now)
+            before = _grid(*valid.shape) - moved_cells
+            was = cv2.remap(self._left_px, before, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+            known = cv2.remap(self._valid, before, None, cv2.INTER_LINEAR, borderValue=0.0) > _WHOLLY
+            known &= valid
+            cv2.copyTo(cv2.addWeighted(now, 1.0 - self._share, was, self._share, 0.0), known.view(np.uint8), now)
         self._left_px, self._valid = now, valid.astype(np.float32)
         return now
 
@@ -44,8 +46,9 @@ _WHOLLY = 0.99
 """The cells between which a cell came from must all have been valid; rounding leaves less than one."""
 
 
-def _came_from(moved_cells: Floats) -> tuple[Floats, Floats]:
-    """Return the columns and rows of the cells in the last frame, both float32 (rows, cols)."""
-    rows, cols = moved_cells.shape[:2]
-    columns = np.arange(cols, dtype=np.float32) - moved_cells[..., 0]
-    return columns, np.arange(rows, dtype=np.float32)[:, None] - moved_cells[..., 1]
+@lru_cache(maxsize=16)
+def _grid(rows: int, cols: int) -> Floats:
+    """Return the column and row of each cell, (rows, cols, 2)."""
+    grid = np.dstack(np.meshgrid(np.arange(cols), np.arange(rows))).astype(np.float32)
+    grid.setflags(write=False)
+    return grid

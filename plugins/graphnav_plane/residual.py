@@ -30,5 +30,5 @@ class Residual(Detector):
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
-        left_px = cells.uv_px[valid] - planar.planar_uv_px[valid]
+        left_px = cells.uv_px - planar.planar_uv_px
         return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)

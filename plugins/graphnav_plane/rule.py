@@ -21,7 +21,16 @@ def threshold(rule: Rule, scores: npt.NDArray[np.floating], mad_ratio: float, mi
     """
     if rule == "fixed" or not scores.size:
         return min_px
-    return max(min_px, mad_ratio * float(np.median(scores)) if rule == "mad" else _otsu(scores))
+    return max(min_px, mad_ratio * _median(scores) if rule == "mad" else _otsu(scores))
+
+
+def _median(scores: npt.NDArray[np.floating]) -> float:
+    """Return numpy's median of scores without NaN, several times as fast."""
+    half = scores.size // 2
+    if scores.size % 2:
+        return float(np.partition(scores, half)[half])
+    low, high = np.partition(scores, (half - 1, half))[half - 1 : half + 1]
+    return float((low + high) / 2)
 
 
 def _otsu(scores: npt.NDArray[np.floating]) -> float:

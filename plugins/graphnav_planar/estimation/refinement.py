@@ -4,27 +4,43 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphnav.arrays import Doubles
-from graphnav_planar.estimation.robust import NOISE_PX, agreement
+from graphnav.arrays import Floats
+from graphnav_planar.estimation.robust import NOISE_PX, weights
 
 _ITERATIONS = 3
 _RIDGE_PX2 = 1e-6
 
 
-def correction(rates_px: Doubles, difference_px: Doubles, max_share: float) -> Doubles:
-    """Return the relative corrections of the forward displacement and the turn, (2,).
+def correction(fields_px: Floats, counts: Floats, max_share: float) -> tuple[float, float]:
+    """Return the relative corrections of the forward displacement and the turn.
 
-    ``rates_px``: (2, 2n), derivative of the planar flow by each correction: n horizontal parts, then the vertical ones.
-    ``difference_px``: (2n,), flow minus planar flow, likewise. ``max_share``: limit of the corrections.
+    ``fields_px``: (3, 2n), flow minus planar flow, and the derivative of the planar flow by each correction; n
+    horizontal parts, then the vertical ones. ``counts``: (n,), 1 for a vector to fit, 0 for others. ``max_share``:
+    limit of the corrections.
 
     Least squares, three times reweighted: a vector that differs by much more than flow noise, an obstacle's, has no
     weight (Geman and McClure's). It starts from odometry, so obstacles may cover more than the floor; the limit keeps
     the fit from following them.
     """
-    shares = np.zeros(2)
+    products = _products(fields_px)
+    forward, turn = 0.0, 0.0
     for _ in range(_ITERATIONS):
-        explained = agreement(difference_px - shares @ rates_px, NOISE_PX)
-        weighted = rates_px * np.tile(explained * explained, 2)
-        products = weighted @ rates_px.T + _RIDGE_PX2 * np.eye(2)
-        shares = np.clip(np.linalg.solve(products, weighted @ difference_px), -max_share, max_share)
-    return shares
+        # The square of what the corrections s leave of a difference d: d.d - 2 s_i r_i.d + s_i s_j r_i.r_j.
+        of_products = [1.0, -2 * forward, -2 * turn, forward * forward, 2 * forward * turn, turn * turn]
+        weight = weights(np.array(of_products, np.float32) @ products, NOISE_PX, counts)
+        _, vd, wd, vv, vw, ww = (products @ weight).tolist()
+        vv, ww = vv + _RIDGE_PX2, ww + _RIDGE_PX2
+        determinant = vv * ww - vw * vw
+        forward = min(max((ww * vd - vw * wd) / determinant, -max_share), max_share)
+        turn = min(max((vv * wd - vw * vd) / determinant, -max_share), max_share)
+    return forward, turn
+
+
+def _products(fields_px: Floats) -> Floats:
+    """Return the products d.d, v.d, w.d, v.v, v.w and w.w of every vector of the fields d, v and w, (6, n)."""
+    n = fields_px.shape[1] // 2
+    products = np.empty((6, 2 * n), np.float32)
+    np.multiply(fields_px, fields_px[0], out=products[:3])
+    np.multiply(fields_px[1:], fields_px[1], out=products[3:5])
+    np.multiply(fields_px[2], fields_px[2], out=products[5])
+    return np.add(products[:, :n], products[:, n:])

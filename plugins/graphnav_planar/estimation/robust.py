@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from graphnav.arrays import Doubles
+from typing import TypeVar
+
+import numpy as np
+
+from graphnav.arrays import Doubles, Floats
+
+Field = TypeVar("Field", Doubles, Floats)
 
 NOISE_PX = 0.1
 NOISE_DOC = (
@@ -10,13 +16,20 @@ NOISE_DOC = (
 )
 
 
-def agreement(left_px: Doubles, noise_px: float) -> Doubles:
+def agreement(squares_px2: Field, noise_px: float) -> Field:
     """Return the agreement of each vector with a fit, from 1 down to 0, (..., n).
 
-    ``left_px``: (..., 2n), the residuals of n vectors: horizontal parts, then vertical ones. A residual of ``noise_px``
-    gets 1/2. The square is the weight in the next least-squares step; the sum is the maximized objective.
+    ``squares_px2``: (..., n), the squared lengths of the residuals. A residual of ``noise_px`` gets 1/2. The sum of the
+    agreements is the maximized objective.
     """
-    n = left_px.shape[-1] // 2
-    squares = left_px * left_px
-    explained: Doubles = 1 / (1 + (squares[..., :n] + squares[..., n:]) / noise_px**2)
-    return explained
+    explained = squares_px2 * squares_px2.dtype.type(1 / noise_px**2)
+    explained += 1
+    return np.reciprocal(explained, out=explained)
+
+
+def weights(squares_px2: Field, noise_px: float, counts: Field) -> Field:
+    """Return each vector's weight in the next least-squares step, ``counts`` times its squared agreement, (n,)."""
+    weight = squares_px2 * squares_px2.dtype.type(1 / noise_px**2)
+    weight += 1
+    weight *= weight
+    return np.divide(counts, weight, out=weight)

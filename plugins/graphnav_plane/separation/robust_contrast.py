@@ -6,13 +6,20 @@ kurtosis it does not grow with the few largest samples, so that a large obstacle
 
 FastICA's own iteration, w = E[x g(w'x)] - E[g'(w'x)] w with g(y) = y exp(-y^2 / 2), ends in some extremum. Here it
 starts from the best of several angles on a subset of the samples, and so ends in the maximum.
+
+For two whitened rows (a, b) and w = (c, s), y^2 = c^2 a^2 + 2 c s a b + s^2 b^2. So the exponents are one product of
+the samples' products (a^2, a b, b^2), which do not change, with a vector; and so are the expectations.
 """
 
 from __future__ import annotations
 
+import math
+from functools import cache
+
+import cv2
 import numpy as np
 
-from graphnav.arrays import Doubles
+from graphnav.arrays import Doubles, Floats
 
 _ANGLES = 32
 _TRIED = 600
@@ -21,17 +28,18 @@ _TOLERANCE = 1e-6
 
 
 def rotation(samples: Doubles) -> Doubles:
-    """Return the rotation (2, 2) whose rows take whitened samples (2, n) to the components, the sparsest first."""
-    c, s = _best_of_some(samples[:, :: max(1, samples.shape[1] // _TRIED)])
-    a, b = samples
+    """Return the rotation (2, 2) whose rows take whitened samples (2, n) to the components, the sparsest first.
+
+    In float32, which leaves the angle uncertain by less than the tolerance of the iteration.
+    """
+    products = _products(samples)
+    c, s = _best_of_some(products[:3, :: max(1, samples.shape[1] // _TRIED)])
     for _ in range(_ITERATIONS):
-        y = c * a + s * b
-        squares = y * y
-        bell = np.exp(-squares / 2)
-        slope = float(((1 - squares) * bell).mean())
-        bell *= y
-        c_next, s_next = float(a @ bell) / y.size - slope * c, float(b @ bell) / y.size - slope * s
-        length = np.hypot(c_next, s_next)
+        bell = _bell(np.array([-0.5 * c * c, -c * s, -0.5 * s * s], np.float32) @ products[:3])
+        aa, ab, bb, one = (products @ bell).tolist()
+        slope = one - (c * c * aa + 2 * c * s * ab + s * s * bb)
+        c_next, s_next = c * aa + s * ab - slope * c, c * ab + s * bb - slope * s
+        length = math.hypot(c_next, s_next)
         if not length:
             break
         change = (c * s_next - s * c_next) / length
@@ -41,11 +49,31 @@ def rotation(samples: Doubles) -> Doubles:
     return np.array([[c, s], [-s, c]])
 
 
-def _best_of_some(samples: Doubles) -> tuple[float, float]:
+def _products(samples: Doubles) -> Floats:
+    """Return a^2, a b, b^2 and 1 of samples (a, b), (4, n)."""
+    a, b = samples.astype(np.float32)
+    products = np.ones((4, a.size), np.float32)
+    np.multiply(a, a, out=products[0])
+    np.multiply(a, b, out=products[1])
+    np.multiply(b, b, out=products[2])
+    return products
+
+
+def _best_of_some(products: Floats) -> tuple[float, float]:
     """Return cosine and sine of the angle of maximum contrast, of 32 around half a circle."""
+    best = int(np.argmax(_bell(_exponents() @ products).sum(axis=1))) * math.pi / _ANGLES
+    return math.cos(best), math.sin(best)
+
+
+@cache
+def _exponents() -> Floats:
+    """Return the factors of a^2, a b and b^2 in -y^2 / 2 at each angle, (angles, 3)."""
     angles = np.arange(_ANGLES) * (np.pi / _ANGLES)
-    y = np.column_stack([np.cos(angles), np.sin(angles)]).astype(np.float32) @ samples.astype(np.float32)
-    y *= y
-    y *= np.float32(-0.5)
-    best = angles[np.argmax(np.exp(y, out=y).sum(axis=1))]
-    return float(np.cos(best)), float(np.sin(best))
+    c, s = np.cos(angles), np.sin(angles)
+    return np.column_stack([-0.5 * c * c, -c * s, -0.5 * s * s]).astype(np.float32)
+
+
+def _bell(exponents: Floats) -> Floats:
+    """Return their exponentials, in place: four times as fast as numpy's."""
+    cv2.exp(exponents, exponents)
+    return exponents

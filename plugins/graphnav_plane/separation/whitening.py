@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -26,8 +27,13 @@ def whiten(mixtures: Doubles, min_ratio: float, *, centred: bool = True) -> Whit
     ``centred``, the second moment about zero replaces the covariance.
     """
     kept = mixtures - mixtures.mean(axis=1, keepdims=True) if centred else mixtures
-    values, vectors = np.linalg.eigh(kept @ kept.T / mixtures.shape[1])
-    if values[0] <= min_ratio * values[1]:
+    (xx, xy), (_, yy) = (kept @ kept.T / mixtures.shape[1]).tolist()
+    middle, radius = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
+    small, large = middle - radius, middle + radius
+    if small <= min_ratio * large:
         return None
-    matrix = (vectors / np.sqrt(values)).T
+    angle = math.atan2(2 * xy, xx - yy) / 2
+    c, s = math.cos(angle), math.sin(angle)
+    small_root, large_root = math.sqrt(small), math.sqrt(large)
+    matrix = np.array([[-s / small_root, c / small_root], [c / large_root, s / large_root]])
     return Whitened(matrix @ kept, matrix)
