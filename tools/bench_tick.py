@@ -143,7 +143,9 @@ def without_scores(graph: Graph, folder: Path) -> Graph:
     return load_graph(path, Catalog())
 
 
-def measure(ticks: int = 250, graph_name: str = GRAPH, *, tapped: bool = False, scores: bool = True) -> dict[str, float]:
+def measure(
+    ticks: int = 250, graph_name: str = GRAPH, *, tapped: bool = False, scores: bool = True
+) -> dict[str, float]:
     """Return medians over the ticks, and what they give.
 
     ``kB a tick``; ``beyond the steps, ms``: what the runner spends beyond ``step``, with a log; ``hand-written, ms`` and

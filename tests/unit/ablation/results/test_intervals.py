@@ -13,7 +13,6 @@ from graphnav.ablation.results.intervals import (
     DRAWS,
     NORMAL_FROM,
     SEED,
-    Z,
     bonett_price,
     bootstrap,
     difference_interval,
