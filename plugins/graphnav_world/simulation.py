@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from graphnav import Goal, Image, Map, ParamError, Source, State, Truth, param
 from graphnav_world.geometry import outlines
-from graphnav_world.geometry.scene import faces_of
 from graphnav_world.maps.world_map import WorldMap, load_map
 from graphnav_world.odometry import OdometryErrors
-from graphnav_world.rendering.atlas import Atlas, floor_texels
+from graphnav_world.painted_world import painted_world
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame, Renderer, level_count
 from graphnav_world.vehicle import Limits, Pose, Vehicle
-
-MIN_FLOOR_M = 10.0
-BEYOND_BODIES_M = 2.0
 
 
 class Simulation(Source):
@@ -87,12 +82,13 @@ class Simulation(Source):
         """Draw the map, its textures and the errors of the odometry, and put the robot at the start."""
         loaded = self._load(seed)
         draw = loaded.draw
-        paint, self._noise, errors = (np.random.default_rng([seed, part]) for part in range(3))
+        self._noise, errors = (np.random.default_rng([seed, part]) for part in (1, 2))
         self._shortest_m = loaded.shortest_m
         self._draw = draw
-        self._faces = faces_of(draw.bodies, paint)
         self._camera = Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size)
-        self._renderer = self._make_renderer(paint)
+        painted = painted_world(loaded, seed, self.contrast_ratio, level_count(self._camera))
+        self._faces = painted.faces
+        self._renderer = Renderer(self._camera, painted.faces, painted.atlas, painted.floor_origin_m)
         limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
         self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits)
         self._errors = OdometryErrors(errors, self.odometry_scale_ratio, self.odometry_noise_ratio)
@@ -103,18 +99,6 @@ class Simulation(Source):
         if not self.map.is_file():
             raise ParamError("map", f"'map' is not a file: {self.map}", "give the path of a map's YAML file")
         return load_map(self.map, seed, self.robot_radius_m)
-
-    def _make_renderer(self, rng: np.random.Generator) -> Renderer:
-        """Return a renderer whose floor texture covers the map."""
-        draw = self._draw
-        standing = [body.outline for body in draw.bodies if body.patrol is None]
-        points = np.concatenate([[draw.start[:2]], draw.goal_m, *standing])
-        low, high = points.min(axis=0) - BEYOND_BODIES_M, points.max(axis=0) + BEYOND_BODIES_M
-        lack = np.maximum(MIN_FLOOR_M - (high - low), 0.0)
-        textures = [draw.textures[name] for name in ("floor", *self._faces.textures)]
-        textures = [replace(one, contrast=one.contrast * self.contrast_ratio) for one in textures]
-        atlas = Atlas(textures, floor_texels(high - low + lack), rng, level_count(self._camera))
-        return Renderer(self._camera, self._faces, atlas, low - lack / 2)
 
     def _look(self, pose: Pose, time_s: float, interval_us: int) -> tuple[Image, Truth | None]:
         """Return the frame seen from a pose and its ground truth, None for the first frame and where nothing reads it.

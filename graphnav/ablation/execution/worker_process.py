@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -18,7 +19,7 @@ class WorkerProcess:
     """The process as its parent sees it. It ends when told, when idle, and with its parent, however that ends."""
 
     def __init__(self) -> None:
-        self._connection, theirs = Pipe()
+        self.connection, theirs = Pipe()
         command = [sys.executable, "-P", "-m", worker.__name__, str(theirs.fileno())]
         old = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is the parent's to answer
         try:
@@ -35,17 +36,27 @@ class WorkerProcess:
         """Whether it surely still waits for work."""
         return self._process.poll() is None and time.monotonic() - self._used_s < IDLE_S / 2
 
-    def perform(self, task: Task, scratch: str) -> Result:
-        """Let it make a run; ``died`` is set if the process did not survive."""
+    def send(self, task: Task, scratch: str) -> None:
+        """Give it a run to make after those that it has; if it has died, `receive` notices."""
+        with contextlib.suppress(OSError):
+            self.connection.send((task, scratch))
+
+    def receive(self) -> Result | None:
+        """Wait for the result of the first run that it has; None if the process did not survive it."""
         try:
-            self._connection.send((task, scratch))
-            result: Result = self._connection.recv()
+            result: Result = self.connection.recv()
         except (EOFError, OSError):
-            return Result(task, {}, died=True)
+            return None
         self._used_s = time.monotonic()
         return result
+
+    def perform(self, task: Task, scratch: str) -> Result:
+        """Let it make a run; ``died`` is set if the process did not survive."""
+        self.send(task, scratch)
+        return self.receive() or Result(task, {}, died=True)
 
     def kill(self) -> None:
         """End it at once."""
         self._process.kill()
         self._process.wait()
+        self.connection.close()

@@ -1,15 +1,13 @@
-"""Make runs in parallel: by processes of this machine or on a Dask cluster, through joblib."""
+"""Make runs in parallel, on a Dask cluster through joblib."""
 
 from __future__ import annotations
 
 import logging
 import socket
-import warnings
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
@@ -33,20 +31,6 @@ class Workers(Protocol):
 
     def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
         """Yield what comes of the tasks, in the order in which they are finished."""
-
-
-class LocalWorkers:
-    """Processes of this machine, each in the hands of one of joblib's threads."""
-
-    def __init__(self, pool: ProcessPool, jobs: int) -> None:
-        self._pool = pool
-        self.at_once = jobs
-
-    def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
-        """Yield what comes of the tasks, in the order in which they are finished."""
-        jobs = 1 if one_at_a_time else self.at_once
-        parallel = Parallel(jobs, "threading", return_as="generator_unordered", batch_size=1, pre_dispatch=jobs)
-        yield from parallel(delayed(self._pool.perform)(task) for task in tasks)
 
 
 class ClusterWorkers:
@@ -74,18 +58,6 @@ class ClusterWorkers:
             raise GraphnavError(f"{what}\n  start one: dask worker {self._address}") from error
         except CancelledError as error:
             raise GraphnavError(f"the cluster at {self._address} is gone") from error
-
-
-@contextmanager
-def local_workers(jobs: int, scratch: Path) -> Iterator[Workers]:
-    """Make up to ``jobs`` runs at once here; on leaving all processes are ended."""
-    pool = ProcessPool(scratch)
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "[0-9]+ tasks ", UserWarning)  # joblib on being left early, as by Ctrl-C
-            yield LocalWorkers(pool, jobs)
-    finally:
-        pool.close()
 
 
 @contextmanager

@@ -17,6 +17,8 @@ SEED = 20_260
 """Of the resamples, so that a report that is made again is the same."""
 NORMAL_FROM = 2000
 """Values in a bootstrap from which on nothing is drawn."""
+_WORLDS_AT_ONCE = 2**18
+"""Of all resamples that are drawn in one call: 2 MB."""
 Z = 1.959963984540054
 """The normal distribution's 97.5 % quantile."""
 
@@ -76,10 +78,10 @@ def wilson(successes: float, n: int) -> Interval:
     .. [Wilson] E. B. Wilson, Probable Inference, the Law of Succession, and Statistical Inference, Journal of the
        American Statistical Association 22, 1927; recommended by L. D. Brown et al., Statistical Science 16(2), 2001.
     """
-    from scipy.stats import binomtest  # noqa: PLC0415 - slow to import, and only tables need it
-
-    found = binomtest(round(successes), n).proportion_ci(method="wilson")
-    return Interval(float(found.low), float(found.high))
+    share, spread = successes / n, 2 * (n + Z**2)
+    middle = (2 * successes + Z**2) / spread
+    half = Z * math.sqrt(4 * successes * (1 - share) + Z**2) / spread
+    return Interval(0.0 if successes == 0 else middle - half, 1.0 if successes == n else middle + half)
 
 
 def bonett_price(only_this: int, only_base: int, n: int) -> Interval:
@@ -104,7 +106,11 @@ def _resamples(n: int) -> npt.NDArray[np.int16]:
     """Return how often each of ``n`` worlds is in each resample, (`DRAWS`, n); rows sum to n."""
     rng = np.random.default_rng(SEED)
     counts = np.empty((DRAWS, n), np.int16)
-    for resample in counts:
-        resample[:] = np.bincount(rng.integers(0, n, n), minlength=n)
+    at_once = max(1, _WORLDS_AT_ONCE // n)
+    for first in range(0, DRAWS, at_once):
+        part = counts[first : first + at_once]
+        drawn = rng.integers(0, n, part.shape)
+        drawn += np.arange(len(part))[:, None] * n
+        part[:] = np.bincount(drawn.reshape(-1), minlength=part.size).reshape(part.shape)
     counts.setflags(write=False)
     return counts

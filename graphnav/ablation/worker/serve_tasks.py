@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
-import select
 import threading
 import traceback
 from multiprocessing.connection import Connection
 from pathlib import Path
+from queue import Empty, SimpleQueue
 
 from graphnav.ablation.worker.perform_task import perform
 from graphnav.ablation.worker.task import Result, Task
@@ -20,10 +20,11 @@ IDLE_S = 60.0
 def serve(fd: int) -> None:
     """Make the runs that come through the connection ``fd`` until it is closed or nothing came for `IDLE_S`."""
     connection = Connection(fd)
-    threading.Thread(target=_end_with_parent, args=(fd,), daemon=True).start()
-    with contextlib.suppress(EOFError, OSError):
-        while connection.poll(IDLE_S):
-            task, scratch = connection.recv()
+    tasks: SimpleQueue[tuple[Task, str]] = SimpleQueue()
+    threading.Thread(target=_receive, args=(connection, tasks), daemon=True).start()
+    with contextlib.suppress(Empty, OSError):
+        while True:
+            task, scratch = tasks.get(timeout=IDLE_S)
             connection.send(_perform(task, Path(scratch)))
 
 
@@ -35,8 +36,13 @@ def _perform(task: Task, scratch: Path) -> Result:
         return Result(task, {}, error=f"{type(error).__name__}: {error}")
 
 
-def _end_with_parent(fd: int) -> None:
-    poll = select.poll()
-    poll.register(fd, 0)  # no event but that the other end is closed
-    poll.poll()
-    os._exit(1)
+def _receive(connection: Connection, tasks: SimpleQueue[tuple[Task, str]]) -> None:
+    """Receive tasks while others are performed; end the process at once when the other end is closed."""
+    try:
+        while True:
+            tasks.put(connection.recv())
+    except (EOFError, OSError):
+        os._exit(1)
+    except Exception:  # noqa: BLE001 - a thread that ends would leave the process waiting
+        traceback.print_exc()
+        os._exit(1)

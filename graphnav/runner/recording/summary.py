@@ -8,6 +8,7 @@ import math
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -103,6 +104,12 @@ def scores_of(units: Mapping[str, Unit]) -> dict[str, dict[str, float]]:
 
 def versions() -> dict[str, str]:
     """Return the versions that could make two machines differ."""
+    return dict(_versions())
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Return them as they were when this process first asked: what it has loaded does not change."""
     found = {"python": platform.python_version(), "machine": platform.machine()}
     for name in _RECORDED:
         try:

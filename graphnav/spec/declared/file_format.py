@@ -38,8 +38,17 @@ class FileFormat(Generic[R]):
         UserError
             It cannot be read or is not YAML.
         """
-        source = shown_path(path)
-        return self.parse(read_bytes(path, Place(source)), source)
+        return self.parse(self.content(path), shown_path(path))
+
+    def content(self, path: Path) -> bytes:
+        """Return the bytes of a file, for `parse`.
+
+        Raises
+        ------
+        UserError
+            It cannot be read.
+        """
+        return read_bytes(path, Place(shown_path(path)))
 
     def parse(self, data: bytes, source: str) -> tuple[R | None, list[Problem]]:
         """Return what the bytes of a file say, as `read` does; messages call it ``source``.

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
-from graphnav import Problem, UserError
+from graphnav import Problem, UserError, shown_path
 from graphnav_world.geometry.scene import Kind
 from graphnav_world.maps.draws import Draws
 from graphnav_world.maps.map_file import START_HINT, MapDraw, draw_map, extent_m
@@ -14,9 +15,11 @@ from graphnav_world.maps.passage import Passage
 
 ATTEMPTS = 300
 LARGEST_M = 100.0
+KEPT = 16
+"""Draws that are kept: those of the maps of a study."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WorldMap:
     """A draw and the length of the shortest path to its goal for this robot, 0 without a goal."""
 
@@ -28,14 +31,20 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
     """Return the map that this seed draws.
 
     A map with random parts is drawn again until the robot fits at the start, a path leads to the goal and, where the
-    map requires it, the straight path is blocked.
+    map requires it, the straight path is blocked. The same content, seed and radius return the same
+    object, which must not be changed: all variants of a study drive through it.
 
     Raises
     ------
     UserError
         All problems of the file, each with its place.
     """
-    keys, problems = MAP.read(path)
+    return _drawn(MAP.content(path), shown_path(path), seed, robot_radius_m)
+
+
+@lru_cache(maxsize=KEPT)
+def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float) -> WorldMap:
+    keys, problems = MAP.parse(content, source)
     for attempt in range(ATTEMPTS if keys else 0):
         assert keys is not None
         draws = Draws(seed, attempt)
