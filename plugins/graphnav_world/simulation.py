@@ -14,8 +14,9 @@ from graphnav_world.odometry import OdometryErrors
 from graphnav_world.painted_world import painted_world
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
+from graphnav_world.rendering.mip import level_count
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Frame, Renderer, level_count
+from graphnav_world.rendering.render import Frame, Renderer
 from graphnav_world.vehicle import Limits, Pose, Vehicle
 
 
@@ -85,6 +86,9 @@ class Simulation(Source):
         self._noise, errors = (np.random.default_rng([seed, part]) for part in (1, 2))
         self._shortest_m = loaded.shortest_m
         self._draw = draw
+        goal_m = draw.goal_m if len(draw.goal_m) else np.zeros((1, 2))
+        self._goal_center_m: tuple[float, float] = tuple(goal_m.mean(axis=0).tolist())
+        self._goal_reach_m = float(np.linalg.norm(goal_m - self._goal_center_m, axis=1).max())
         self._camera = Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size)
         painted = painted_world(loaded, seed, self.contrast_ratio, level_count(self._camera))
         self._faces = painted.faces
@@ -123,8 +127,9 @@ class Simulation(Source):
         return Image(pixels=frame.pixels), _truth(frame, interval_us)
 
     def _at_goal(self, pose: Pose) -> bool:
-        goal_m = self._draw.goal_m
-        return bool(len(goal_m)) and outlines.contains(goal_m, pose.x_m, pose.y_m)
+        goal_m, (x, y) = self._draw.goal_m, self._goal_center_m
+        is_near = math.hypot(pose.x_m - x, pose.y_m - y) <= self._goal_reach_m
+        return is_near and bool(len(goal_m)) and outlines.contains(goal_m, pose.x_m, pose.y_m)
 
     def _state(self, pose: Pose, time_s: float) -> State:
         moving = [[*patrol.at(time_s), 0.0] for patrol in self._faces.patrols]
@@ -143,7 +148,7 @@ class Simulation(Source):
     def _beacon(self, pose: Pose) -> Goal | None:
         if not len(self._draw.goal_m):
             return None
-        x, y = self._draw.goal_m.mean(axis=0) - (pose.x_m, pose.y_m)
+        x, y = self._goal_center_m[0] - pose.x_m, self._goal_center_m[1] - pose.y_m
         bearing = math.remainder(math.atan2(y, x) - pose.yaw_rad, 2 * math.pi)
         return Goal(bearing_rad=bearing, distance_m=math.hypot(x, y))
 
@@ -164,6 +169,7 @@ class Simulation(Source):
 
 
 def _truth(frame: Frame, interval_us: int) -> Truth | None:
-    if frame.flow_px is None:
+    flow_px = frame.flow_px
+    if flow_px is None:
         return None
-    return Truth(obstacle=frame.obstacle, depth_m=frame.depth_m, flow_px=frame.flow_px, interval_us=interval_us)
+    return Truth(obstacle=frame.obstacle, depth_m=frame.depth_m, flow_px=flow_px, interval_us=interval_us)

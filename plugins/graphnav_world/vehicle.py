@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import pymunk
 
 from graphnav_world.geometry.scene import Body
@@ -14,6 +13,8 @@ from graphnav_world.geometry.scene import Body
 SUBSTEP_S = 0.01
 FARTHEST_M = 1000.0
 ROBOT, OTHER = 1, 2
+OTHERS = pymunk.ShapeFilter(mask=OTHER)
+SEARCH_MARGIN_M = 1e-3
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,9 @@ class Vehicle:
         rim.collision_type, rim.filter = ROBOT, pymunk.ShapeFilter(categories=ROBOT)
         self._space.add(self._robot, rim)
         self._space.on_collision(ROBOT, OTHER, begin=self._touch)
-        self._clearance_m = self._nearest_m()
+        self._fastest_mps = max((body.patrol.speed_mps for _, body in self._moving if body.patrol), default=0.0)
+        self._search_m = FARTHEST_M
+        self._here_m = self._clearance_m = self._find_nearest_m()
 
     @property
     def pose(self) -> Pose:
@@ -77,13 +80,14 @@ class Vehicle:
         """Drive towards a command until a time; return the pose then, or where the first contact was."""
         steps = max(1, math.ceil((until_s - self._time_s) / SUBSTEP_S - 1e-9))
         begin_s, dt_s = self._time_s, (until_s - self._time_s) / steps
-        self._clearance_m = self._nearest_m()
+        self._clearance_m = self._here_m
         for k in range(steps):
             if self._contact:
                 break
             self._time_s = until_s if k == steps - 1 else begin_s + (k + 1) * dt_s
             self._step(v_mps, omega_radps, dt_s)
-            self._clearance_m = min(self._clearance_m, self._nearest_m())
+            self._here_m = self._find_nearest_m()
+            self._clearance_m = min(self._clearance_m, self._here_m)
         return self.pose
 
     def _step(self, v_mps: float, omega_radps: float, dt_s: float) -> None:
@@ -96,15 +100,16 @@ class Vehicle:
         for carried, body in self._moving:
             assert body.patrol is not None
             x, y = body.patrol.at(self._time_s)
-            carried.velocity = (x - carried.position.x) / dt_s, (y - carried.position.y) / dt_s
+            from_x, from_y = carried.position
+            carried.velocity = (x - from_x) / dt_s, (y - from_y) / dt_s
         self._space.step(dt_s)
+        self._search_m += (abs(self._v_mps) + self._fastest_mps) * dt_s
 
     def _add(self, body: Body) -> None:
         carrier = self._space.static_body
         if body.patrol is not None:
             carrier = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            x, y = body.patrol.at(0.0)
-            carrier.position = float(x), float(y)
+            carrier.position = body.patrol.at(0.0)
             self._space.add(carrier)
             self._moving.append((carrier, body))
         for part in body.parts:
@@ -115,15 +120,22 @@ class Vehicle:
     def _touch(self, _arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
         self._contact = True
 
-    def _nearest_m(self) -> float:
-        """Return the distance from the rim to the nearest body, 1000 m if there is none."""
-        others = pymunk.ShapeFilter(mask=OTHER)
-        found = self._space.point_query_nearest(self._robot.position, FARTHEST_M, others)
-        return FARTHEST_M if found is None else found.distance - self._radius_m
+    def _find_nearest_m(self) -> float:
+        """Return the distance from the rim to the nearest body, 1000 m if there is none.
+
+        Since the last search the nearest body has not moved away faster than it and the robot drive, so that a short
+        search finds it.
+        """
+        found = self._space.point_query_nearest(self._robot.position, self._search_m, OTHERS)
+        if found is None:
+            return FARTHEST_M
+        distance_m: float = found.distance
+        self._search_m = max(distance_m, 0.0) + SEARCH_MARGIN_M
+        return distance_m - self._radius_m
 
 
 def _towards(now: float, wanted: float, maximum: float, share: float) -> float:
     """Return the speed after a step: closer to the command by at most this share of the maximum."""
     wanted = min(max(wanted, -maximum), maximum)
     change = maximum * share
-    return float(np.clip(wanted, now - change, now + change))
+    return min(max(wanted, now - change), now + change)

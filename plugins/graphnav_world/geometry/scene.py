@@ -9,12 +9,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 
 from graphnav.arrays import Doubles, Floats, Ints
 from graphnav_world.geometry.outlines import Strip, convex_parts
 from graphnav_world.geometry.patrol import Patrol
+from graphnav_world.geometry.prims import Prims, slices_of
 
 SUN_W = np.array([0.42, 0.27, 0.87])
 """Towards the light, in W (unit length)."""
@@ -87,6 +89,16 @@ class Faces:
     shade: Floats
     moving: tuple[int, ...] = ()
     patrols: tuple[Patrol, ...] = ()
+
+    @cached_property
+    def prims(self) -> Prims:
+        """The constants of the prims."""
+        return Prims.of(self.quads, self.body.take(self.face_of_prim), self.moving)
+
+    @cached_property
+    def of_moving(self) -> tuple[slice, ...]:
+        """The faces of each moving body."""
+        return slices_of(self.body, self.moving)
 
 
 def shade(normal: Doubles) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,7 +37,7 @@ class Camera:
         """Principal point: x, y."""
         return (self.cols - 1) / 2, (self.rows - 1) / 2
 
-    @property
+    @cached_property
     def R_RC(self) -> Doubles:  # noqa: N802  # the robotics notation for a rotation from C to R
         """Return the rotation from C to R; its columns are the camera's axes in the robot's frame."""
         c, s = math.cos(math.radians(self.tilt_deg)), math.sin(math.radians(self.tilt_deg))

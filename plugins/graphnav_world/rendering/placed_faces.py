@@ -2,88 +2,93 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from graphnav.arrays import Doubles, Floats
+from graphnav.arrays import Doubles, Indices
 from graphnav_world.geometry.scene import Faces
 from graphnav_world.rendering.camera import Camera
 
 
 @dataclass(frozen=True)
 class Placed:
-    """The camera in W and all faces in C.
+    """The camera in W, and the world's faces.
 
-    ``heading``: cosine and sine of the robot's yaw. ``quads_C`` (prims, 4, 3), ``normal_C`` (prims, 3) and
-    ``distance_m`` (prims,), of the eye before each prim's plane, are float64. ``face_distance_m`` (faces,), ``u_R``
-    and ``v_R`` (4, faces), the texture coordinates as affine functions of the point relative to the eye along the
-    robot's axes, are float32. ``moved``: body and its position (x, y, z) in W, for the moving ones.
+    ``heading``: cosine and sine of the robot's yaw. ``moving``: body and its position (x, y, z) in W, for the moving
+    ones.
     """
 
+    faces: Faces
     eye_W: Doubles  # noqa: N815  # the frame's letter
     R_WC: Doubles
     heading: tuple[float, float]
-    quads_C: Doubles  # noqa: N815  # the frame's letter
-    normal_C: Doubles  # noqa: N815  # the frame's letter
-    distance_m: Doubles
-    face_distance_m: Floats
-    u_R: Floats  # noqa: N815  # the frame's letter
-    v_R: Floats  # noqa: N815  # the frame's letter
     moving: tuple[tuple[int, Doubles], ...]
 
     @classmethod
     def at(cls, camera: Camera, faces: Faces, x_m: float, y_m: float, yaw_rad: float, time_s: float = 0.0) -> Placed:
         """Return the faces relative to the camera of a robot at this pose and time."""
         R_WC, eye = camera.pose(x_m, y_m, yaw_rad)
-        quads, offset, u, v = faces.quads, faces.offset, faces.u, faces.v
         moving = tuple(
-            (body, np.append(patrol.at(time_s), 0.0)) for body, patrol in zip(faces.moving, faces.patrols, strict=True)
+            (body, np.array([*patrol.at(time_s), 0.0]))
+            for body, patrol in zip(faces.moving, faces.patrols, strict=True)
         )
-        if moving:
-            at = np.zeros((int(faces.body.max()) + 1, 3))
-            for body, position in moving:
-                at[body] = position
-            shift = at[faces.body]
-            quads = quads + shift[faces.face_of_prim][:, None]
-            offset = offset + (faces.normal * shift).sum(axis=1)
-            u, v = _shifted(u, shift), _shifted(v, shift)
-        normal_C = faces.normal @ R_WC
-        distance = faces.normal @ eye - offset
-        R_RW = camera.R_RC @ R_WC.T
-        return cls(
-            eye_W=eye,
-            R_WC=R_WC,
-            heading=(float(R_RW[0, 0]), float(R_RW[0, 1])),
-            quads_C=(quads - eye) @ R_WC,
-            normal_C=normal_C[faces.face_of_prim],
-            distance_m=distance[faces.face_of_prim],
-            face_distance_m=distance.astype(np.float32),
-            u_R=_seen_from(u, eye, R_RW),
-            v_R=_seen_from(v, eye, R_RW),
-            moving=moving,
-        )
+        return cls(faces, eye, R_WC, (math.cos(yaw_rad), math.sin(yaw_rad)), moving)
 
-    def camera_from(self, other: Placed) -> tuple[Floats, Floats]:
-        """Return the rotation (3, 3) and translation (3,) that take points in the other's C to this one's."""
-        turn = self.R_WC.T @ other.R_WC
-        shift = self.R_WC.T @ (other.eye_W - self.eye_W)
-        return turn.astype(np.float32), shift.astype(np.float32)
+    @cached_property
+    def face_distance_m(self) -> Doubles:
+        """Of the eye before each face's plane, float64 (faces,); only faces with a positive one face the camera."""
+        distance: Doubles = self.faces.normal @ self.eye_W - self.faces.offset
+        for (_, position), of_body in zip(self.moving, self.faces.of_moving, strict=True):
+            distance[of_body] -= self.faces.normal[of_body] @ position
+        return distance
+
+    def heights(self, planes_C: Doubles) -> Doubles:
+        """Return how far inside of planes through the eye each prim's center is, float64 (planes, prims).
+
+        ``planes_C``: unit normals in C, (planes, 3).
+        """
+        planes_W = planes_C @ self.R_WC.T
+        height: Doubles = planes_W @ self.faces.prims.center
+        height -= (planes_W @ self.eye_W)[:, None]
+        for (_, position), of_body in zip(self.moving, self.faces.prims.of_moving, strict=True):
+            height[:, of_body] += (planes_W @ position)[:, None]
+        return height
+
+    def vertices(self, prims: Indices) -> Doubles:
+        """Return the corners of prims (ascending) in C, (3, 4, n): x, y and z of each corner."""
+        corners = self.faces.quads.take(prims, axis=0)
+        corners -= self.eye_W
+        for (_, position), of_body in zip(self.moving, self.faces.prims.of_moving, strict=True):
+            corners[slice(*np.searchsorted(prims, (of_body.start, of_body.stop)))] += position
+        return (corners.reshape(-1, 3) @ self.R_WC).reshape(-1, 4, 3).transpose(2, 1, 0).copy()
+
+    def affine(self, functions: Doubles, face: Indices) -> tuple[Doubles, Doubles]:
+        """Return functions of the point on these faces, relative to the eye in C: slopes (n, k, 3), offsets (n, k).
+
+        ``functions``: of all faces, of the point in W (of moving bodies: in their own frame), (faces, k, 4).
+        """
+        functions = functions.take(face, axis=0)
+        to_C_and_eye = np.column_stack([self.R_WC, self.eye_W])
+        slope_and_offset = (functions[..., :3].reshape(-1, 3) @ to_C_and_eye).reshape(functions.shape)
+        slope, offset = slope_and_offset[..., :3], slope_and_offset[..., 3]
+        offset += functions[..., 3]
+        for body, position in self.moving:
+            of_body = self.faces.body.take(face) == body
+            offset[of_body] -= functions[of_body, :, :3] @ position
+        return slope, offset
+
+    def camera_from(self, other: Placed) -> Doubles:
+        """Return the matrix (3, 4) that takes homogeneous points in the other's C to this one's."""
+        moved = np.empty((3, 4))
+        moved[:, :3] = self.R_WC.T @ other.R_WC
+        moved[:, 3] = self.R_WC.T @ (other.eye_W - self.eye_W)
+        return moved
 
     def moved_since(self, before: Placed) -> Iterator[tuple[int, Doubles]]:
         """Yield every moving body with its displacement (x, y, z) in W."""
         for (body, now), (_, then) in zip(self.moving, before.moving, strict=True):
             yield body, now - then
-
-
-def _shifted(affine: Doubles, shift: Doubles) -> Doubles:
-    """Return affine functions of the point in a body's frame as functions of the point in W."""
-    return np.column_stack([affine[:, :3], affine[:, 3] - (affine[:, :3] * shift).sum(axis=1)])
-
-
-def _seen_from(affine: Doubles, eye: Doubles, R_RW: Doubles) -> Floats:
-    """Return affine functions of the point in W as functions of the point minus the eye, along R's axes."""
-    at_eye = affine[:, :3] @ eye + affine[:, 3]
-    seen: Floats = np.vstack([R_RW @ affine[:, :3].T, at_eye]).astype(np.float32)
-    return seen

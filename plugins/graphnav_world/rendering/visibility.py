@@ -2,28 +2,55 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from graphnav.arrays import Doubles, Floats, Ints, Longs
+from graphnav.arrays import Doubles, Floats, Indices
 from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.placed_faces import Placed
 
-FLOOR = -1
 LEVEL_RATIO, TINY = 1e-9, 1e-30
 """An edge nearer than this to a picture row's direction is taken to bound the row far left, inside or out."""
+NEAR_M, MARGIN_PX = 1e-6, 1e-3
+"""A prim in front of the camera is looked for between its topmost and lowest corner, with a margin for rounding."""
 
 
 @dataclass(frozen=True)
 class Visible:
-    """The faces seen by the pixels, flat, row by row.
+    """What is seen of bodies: pixels, each part of a run in one row and of one prim.
 
-    ``prim``: int32 (pixels,), -1 for the floor (and above the horizon). ``inverse_depth``: float32 (pixels,), 1/m
-    along the optical axis, 0 above the horizon.
+    ``face``: of each prim in view, (prims,); ``per_ray``: float64 (prims, 3), its inverse depth (1/m, along the optical
+    axis) as a linear function of a pixel's ray in C. ``prim`` (one of these) and ``row``, (runs,). ``run``, ``pixel``
+    (flat index), ``x`` (columns right of the principal point) and ``inverse_depth``, (pixels,).
     """
 
-    prim: Ints
+    face: Indices
+    per_ray: Doubles
+    prim: Indices
+    row: Indices
+    run: Indices
+    pixel: Indices
+    x: Floats
     inverse_depth: Floats
+
+    @property
+    def pixel_face(self) -> Indices:
+        """The face of every pixel, (pixels,)."""
+        return self.face.take(self.prim).take(self.run)
+
+
+_NO_INDICES, _NO_FLOATS = np.zeros(0, np.intp), np.zeros(0, np.float32)
+_NOTHING = Visible(
+    face=_NO_INDICES,
+    per_ray=np.zeros((0, 3)),
+    prim=_NO_INDICES,
+    row=_NO_INDICES,
+    run=_NO_INDICES,
+    pixel=_NO_INDICES,
+    x=_NO_FLOATS,
+    inverse_depth=_NO_FLOATS,
+)
 
 
 class ZBuffer:
@@ -40,79 +67,105 @@ class ZBuffer:
         self._camera = camera
         cx, cy = camera.center_px
         self._y = ((np.arange(camera.rows) - cy) / camera.focal_px).astype(np.float32)
-        self._cx, self._focal = cx, camera.focal_px
-        half = np.array([cx + 0.5, cy + 0.5]) / camera.focal_px
-        self._frustum = np.array([[1, 0, half[0]], [-1, 0, half[0]], [0, 1, half[1]], [0, -1, half[1]], [0, 0, 1.0]])
-        down = camera.R_RC[2]
-        floor = -(camera.rays() @ down) / camera.height_m
-        self.floor_inverse_depth: Floats = np.maximum(floor, 0.0).astype(np.float32).reshape(-1)
+        self._cx, self._cy, self._focal = cx, cy, camera.focal_px
+        self._row_shift = np.array([[-cy], [cy]]) + MARGIN_PX
+        half_x, half_y = (cx + 0.5) / camera.focal_px, (cy + 0.5) / camera.focal_px
+        sides = np.array([[1, 0, half_x], [-1, 0, half_x], [0, 1, half_y], [0, -1, half_y]])
+        self._frustum: Doubles = sides / np.linalg.norm(sides, axis=1, keepdims=True)
 
-    def render(self, quads_C: Doubles, normal_C: Doubles, distance_m: Doubles) -> Visible:
-        """Return the visible quads of every pixel, given quads in C, float64 (prims, 4, 3).
+    def find(self, placed: Placed) -> Visible:
+        """Return what is seen of the bodies."""
+        faces = placed.faces
+        distance = placed.face_distance_m
+        is_near = placed.heights(self._frustum).min(axis=0) >= -faces.prims.radius_m
+        is_near &= (distance > 1e-9).take(faces.face_of_prim)
+        prims = np.flatnonzero(is_near)
+        if not len(prims):
+            return _NOTHING
+        face = faces.face_of_prim.take(prims).astype(np.intp)
+        per_ray = faces.normal.take(face, axis=0) @ placed.R_WC / -distance.take(face)[:, None]
+        prim, row, first, count = self._spans(placed.vertices(prims))
+        run = np.repeat(np.arange(len(count)), count)
+        column = np.arange(len(run))
+        column += (first - np.cumsum(count) + count).take(run)
+        pixel = (row * self._camera.cols).take(run)
+        pixel += column
+        x = column.astype(np.float32)
+        per_x, per_y, one = per_ray.astype(np.float32).T.take(prim, axis=1)
+        per_x /= np.float32(self._focal)
+        at_zero = per_y * self._y.take(row) + one - per_x * np.float32(self._cx)
+        inverse = per_x.take(run)
+        inverse *= x
+        inverse += at_zero.take(run)
+        x -= np.float32(self._cx)
+        return self._nearest(Visible(face, per_ray, prim, row, run, pixel, x, inverse))
 
-        ``normal_C``: outward normals (prims, 3). ``distance_m``: of the eye before the planes; only prims with a
-        positive one face the camera.
+    def _nearest(self, drawn: Visible) -> Visible:
+        """Return the pixels of which no other one lies in front."""
+        parts = np.empty((len(drawn.pixel), 2), np.int32)
+        parts[:, 0] = drawn.run
+        parts[:, 0] += 1
+        parts[:, 1] = drawn.inverse_depth.view(np.int32)
+        fragment = parts.view(np.int64)[:, 0]
+        nearest = np.zeros(self._camera.rows * self._camera.cols, np.int64)
+        np.maximum.at(nearest, drawn.pixel, fragment)
+        seen = np.flatnonzero(nearest.take(drawn.pixel) == fragment)
+        if len(seen) == len(fragment):
+            return drawn
+        return replace(
+            drawn,
+            run=drawn.run.take(seen),
+            pixel=drawn.pixel.take(seen),
+            x=drawn.x.take(seen),
+            inverse_depth=drawn.inverse_depth.take(seen),
+        )
+
+    def _spans(self, vertices: Doubles) -> tuple[Indices, Indices, Indices, Indices]:
+        """Return prim, row, first column and number of pixels of every span, each (spans,).
+
+        ``vertices``: corners in C, (3, 4, prims).
         """
-        camera = self._camera
-        shown = np.flatnonzero(distance_m > 1e-9)
-        beyond = (quads_C[shown].reshape(-1, 3) @ self._frustum.T < 0).reshape(-1, 4, 5).all(axis=1).any(axis=1)
-        shown = shown[~beyond]
-        key = np.zeros(camera.rows * camera.cols, np.int64)
-        if len(shown):
-            self._paint(key, shown.astype(np.int32), quads_C[shown], normal_C[shown] / -distance_m[shown, None])
-        halves = key.view(np.int32).reshape(-1, 2)
-        prim = halves[:, 0] - np.int32(1)
-        inverse_depth = np.where(prim < 0, self.floor_inverse_depth, halves[:, 1].view(np.float32))
-        return Visible(prim, inverse_depth)
+        prim, row = self._rows(vertices)
+        slope, offset = self._bounds(vertices)
+        bound = slope.take(prim, axis=1)
+        bound *= self._y.take(row)
+        bound += offset.take(prim, axis=1)
+        first, minus_last = np.ceil(bound.reshape(2, 4, -1).max(axis=1))
+        span = np.flatnonzero(first + minus_last <= 0)
+        first = first.take(span)
+        count = (1 - minus_last.take(span) - first).astype(np.intp)
+        return prim.take(span), row.take(span), first.astype(np.intp), count
 
-    def _paint(self, key: Longs, prims: Ints, quads: Doubles, per_ray: Doubles) -> None:
-        """Raise ``key`` (inverse depth's bits above, prim + 1 below) to the nearest of these prims."""
-        first, last = self._spans(quads)
-        prim, row = np.nonzero(last >= first)
-        start = first[prim, row]
-        count = last[prim, row] - start + np.int32(1)
-        ends = np.cumsum(count, dtype=np.int32)
-        if not len(ends):
-            return
-        pixel_x = np.arange(ends[-1], dtype=np.int32)
-        pixel_x += np.repeat(start - ends + count, count)
-        x, y, one = per_ray.astype(np.float32).T
-        slope = (x / np.float32(self._focal)).take(prim)
-        at_zero = y.take(prim) * self._y.take(row) + one.take(prim) - slope * np.float32(self._cx)
-        depth = np.repeat(slope, count)
-        depth *= pixel_x
-        depth += np.repeat(at_zero, count)
-        fragment = np.empty((ends[-1], 2), np.int32)
-        fragment[:, 0] = np.repeat((prims + np.int32(1)).take(prim), count)
-        fragment[:, 1] = depth.view(np.int32)
-        pixel = np.repeat(row * self._camera.cols, count)
-        pixel += pixel_x
-        np.maximum.at(key, pixel, fragment.view(np.int64).reshape(-1))
+    def _rows(self, vertices: Doubles) -> tuple[Indices, Indices]:
+        """Return every pair of a prim and a row that may show it: prim, row, each (pairs,)."""
+        _, y, z = vertices
+        down = y / np.maximum(z, NEAR_M)
+        down *= self._focal
+        minus_first, last = (np.concatenate([-down, down]).reshape(2, 4, -1).max(axis=1) + self._row_shift) // 1
+        reaches_behind = z.min(axis=0) <= NEAR_M
+        minus_first[reaches_behind], last[reaches_behind] = 0, np.inf
+        first = -np.minimum(minus_first, 0)
+        count = np.maximum(np.minimum(last, self._camera.rows - 1) - first + 1, 0).astype(np.intp)
+        prim = np.repeat(np.arange(len(count)), count)
+        row = np.arange(len(prim))
+        row += (first - np.cumsum(count) + count).astype(np.intp).take(prim)
+        return prim, row
 
-    def _spans(self, quads: Doubles) -> tuple[Ints, Ints]:
-        """Return the first and last column of every prim in every row, int32 (prims, rows).
+    def _bounds(self, vertices: Doubles) -> tuple[Floats, Floats]:
+        """Return the bounds that edges set to each row, as slope * y + offset: slope, offset, each (8, prims).
 
-        The plane through the eye and an edge is a x + b y + c = 0 in the picture, positive inside, so that in each
-        row it bounds x from the left (a > 0) or from the right.
+        The first four bound the first column from below, the others minus the last column. The plane through the eye
+        and an edge is a x + b y + c = 0 in the picture, positive inside, so that it bounds x from the left (a > 0) or
+        from the right.
         """
-        x0, y0, z0 = quads.transpose(2, 1, 0)
-        x1, y1, z1 = quads.take([1, 2, 3, 0], axis=1).transpose(2, 1, 0)
+        (x0, y0, z0), (x1, y1, z1) = vertices, vertices.take([1, 2, 3, 0], axis=1)
         a, b, c = y1 * z0 - z1 * y0, z1 * x0 - x1 * z0, x1 * y0 - y1 * x0
-        level = np.abs(a) <= LEVEL_RATIO * (np.abs(b) + np.abs(c))
-        a[level] = LEVEL_RATIO * (np.abs(b) + np.abs(c))[level] + TINY
+        level = LEVEL_RATIO * (np.abs(b) + np.abs(c)) + TINY
+        a = np.where(np.abs(a) <= level, level, a)
         scale = -self._focal / a
-        slope, offset = scale * b, scale * c + self._cx
-        offset[level & (b == 0) & (c == 0)] = -1.0
         left = a > 0
-        first = self._bound(np.where(left, slope, 0.0), np.where(left, offset, -1.0)).max(axis=0)
-        right = self._camera.cols
-        last = self._bound(np.where(left, 0.0, slope), np.where(left, right, offset)).min(axis=0)
-        np.ceil(np.clip(first, 0, right, out=first), out=first)
-        np.floor(np.clip(last, -1, right - 1, out=last), out=last)
-        return first.astype(np.int32), last.astype(np.int32)
-
-    def _bound(self, slope: Doubles, offset: Doubles) -> Floats:
-        """Return slope * y + offset for every row, float32 (edges, prims, rows)."""
-        bound: Floats = slope.astype(np.float32)[..., None] * self._y
-        bound += offset.astype(np.float32)[..., None]
-        return bound
+        slope, offset = scale * b, np.where(level > TINY, scale * c + self._cx, 0)
+        last = self._camera.cols - 1
+        slopes = np.concatenate([np.where(left, slope, 0), np.where(left, 0, -slope)])
+        offsets = np.concatenate([np.where(left, offset, 0), np.where(left, -last, -offset)])
+        return slopes.astype(np.float32), offsets.astype(np.float32)

@@ -1,0 +1,34 @@
+"""The constants of a world's prims: where they are, and which of them move."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphnav.arrays import Doubles, Ints
+
+
+@dataclass(frozen=True)
+class Prims:
+    """Bounding spheres of convex quads: ``center``, float64 (3, prims), and ``radius_m``, (prims,).
+
+    ``of_moving``: the prims of each moving body.
+    """
+
+    center: Doubles
+    radius_m: Doubles
+    of_moving: tuple[slice, ...]
+
+    @classmethod
+    def of(cls, quads: Doubles, body: Ints, moving: Sequence[int]) -> Prims:
+        """Return the constants of quads, float64 (prims, 4, 3), of these bodies, ascending (prims,)."""
+        center = quads.mean(axis=1)
+        radius = np.linalg.norm(quads - center[:, None], axis=2).max(axis=1, initial=0.0)
+        return cls(np.ascontiguousarray(center.T), radius, slices_of(body, moving))
+
+
+def slices_of(body: Ints, bodies: Sequence[int]) -> tuple[slice, ...]:
+    """Return what belongs to each of these bodies; ``body``: ascending."""
+    return tuple(slice(*np.searchsorted(body, (one, one + 1)).tolist()) for one in bodies)
