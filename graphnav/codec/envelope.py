@@ -19,7 +19,8 @@ _ENVELOPE = frozenset({"utime", "seq"})
 
 def encode(message: Message, utime: int, seq: int) -> bytes:
     """Return a message's bytes, stamped ``utime`` (microseconds) and numbered ``seq``; raises EncodeError."""
-    data = _encoder_of(type(message))(message, utime, seq)
+    message_class: type = type(message)
+    data = _encoder_of(message_class)(message, utime, seq)
     if data is not None:
         return data
     return codec_of(message.lcm_class).encode({**message.lcm_fields(), "utime": utime, "seq": seq})
@@ -27,12 +28,14 @@ def encode(message: Message, utime: int, seq: int) -> bytes:
 
 def not_finite(message: Message) -> str | None:
     """Return what the message's own ``not_finite`` returns; quicker where all is well."""
-    return None if _check_of(type(message))(message) else message.not_finite()
+    message_class: type = type(message)
+    return None if _check_of(message_class)(message) else message.not_finite()
 
 
 def decode(message_class: type[M], data: bytes) -> tuple[int, int, M]:
     """Return ``(utime, seq, message)``; raises DecodeError for anything that is not such a message."""
-    decoded = _decoder_of(message_class)(data)
+    cached: type = message_class
+    decoded: tuple[int, int, M] | None = _decoder_of(cached)(data)
     if decoded is not None:
         return decoded
     values = codec_of(message_class.lcm_class).decode(data)
