@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from typing import Any, TypeVar
 
@@ -52,7 +53,7 @@ def _encoder_of(message_class: type[Message]) -> MessageEncoder:
     fields = fields_of(message_class.lcm_class)
     named = {field.name for field in fields} - sizes_of(fields)
     is_plain = message_class.lcm_fields is Message.lcm_fields
-    if not is_plain or not is_flat(fields) or {*message_class.field_names, *_ENVELOPE} != named:
+    if not is_plain or not is_flat(fields) or {*_names(message_class), *_ENVELOPE} != named:
         return _unable
     return message_encoder(fields, fingerprint(message_class.lcm_class))
 
@@ -62,9 +63,10 @@ def _check_of(message_class: type[Message]) -> FinitenessCheck:
     """Return the generated check of a class; one that always returns None if its fields are not the type's."""
     fields = fields_of(message_class.lcm_class)
     is_plain = message_class.not_finite is Message.not_finite
-    if not is_plain or not {field.name for field in fields}.issuperset(message_class.field_names):
+    if not is_plain or not {field.name for field in fields}.issuperset(_names(message_class)):
         return _unable
-    return finiteness_check(fields, message_class.finite_names)
+    may_be_infinite = {f.name for f in dataclasses.fields(message_class) if not f.metadata.get("finite", True)}
+    return finiteness_check(fields, set(_names(message_class)) - may_be_infinite)
 
 
 @functools.cache
@@ -73,9 +75,13 @@ def _decoder_of(message_class: type[Message]) -> MessageDecoder:
     fields = fields_of(message_class.lcm_class)
     names = {field.name for field in fields}
     is_plain = message_class.is_plain and _function(message_class.from_lcm_fields) is _function(Message.from_lcm_fields)
-    if not is_plain or not is_flat(fields) or not names.issuperset({*message_class.field_names, *_ENVELOPE}):
+    if not is_plain or not is_flat(fields) or not names.issuperset({*_names(message_class), *_ENVELOPE}):
         return _unable
-    return message_decoder(fields, fingerprint(message_class.lcm_class), message_class, message_class.field_names)
+    return message_decoder(fields, fingerprint(message_class.lcm_class), message_class, _names(message_class))
+
+
+def _names(message_class: type[Message]) -> tuple[str, ...]:
+    return tuple(field.name for field in dataclasses.fields(message_class))
 
 
 def _unable(*_: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import struct
 from typing import Any
@@ -42,7 +43,7 @@ def message_of(message_class: type[Message], seed: int) -> Message:
     if message_class.__name__ == "Image":
         return message_class(pixels=rng.integers(0, 256, (2, 3), np.uint8), step_px=4)  # type: ignore[call-arg]
     values = {}
-    for name in message_class.field_names:
+    for name in (field.name for field in dataclasses.fields(message_class)):
         shape = tuple(dim if isinstance(dim, int) else sizes[dim] for dim in fields[name].dims)
         values[name] = value_of(fields[name], shape, rng)
     return message_class(**values)
