@@ -106,7 +106,8 @@ class Tap:
             if self._closing.is_set() and stop_s == math.inf:
                 stop_s = time.monotonic() + _CLOSE_TIMEOUT_S
             self._announce_again(bus)
-            bus.drain()
+            if not burst_messages or not self._waiting:  # rarely: a call of LCM may take the interpreter from the run
+                bus.drain()
             if self._waiting:
                 channel, self._utime, data = self._waiting.popleft()
                 self._taken_bytes += len(data) + _PER_MESSAGE_BYTES

@@ -79,6 +79,12 @@ def doubles(data: bytes, at: int, *shape: int) -> Any:
     return np.frombuffer(data, ">f8", math.prod(shape), at).astype("f8").reshape(shape)
 
 
+def raw(array: Any) -> bytes:
+    """Return the memory of an array."""
+    data: bytes = array.tobytes()
+    return data
+
+
 def octets(data: bytes, at: int, *shape: int) -> Any:
     """Return the bytes at an offset as an array."""
     return np.frombuffer(data, "u1", math.prod(shape), at).reshape(shape)
@@ -87,7 +93,7 @@ def octets(data: bytes, at: int, *shape: int) -> Any:
 def put_image(utime: int, seq: int, m: Any) -> bytes:
     """Encode a gray image."""
     rows, cols = m.pixels.shape
-    return IMAGE.pack(IMAGE_ID, utime, seq, m.step_px, rows, cols, 1, rows * cols) + m.pixels.tobytes()
+    return IMAGE.pack(IMAGE_ID, utime, seq, m.step_px, rows, cols, 1, rows * cols) + raw(m.pixels)
 
 
 def take_image(data: bytes) -> tuple[int, Any]:
@@ -113,7 +119,7 @@ def put_state(utime: int, seq: int, m: Any) -> bytes:
     check(m.x_m, m.y_m, m.yaw_rad, m.v_mps, m.omega_radps, m.clearance_m)
     check_array(m.moving)
     scalars = m.x_m, m.y_m, m.yaw_rad, m.v_mps, m.omega_radps, m.clearance_m, m.contact, m.at_goal
-    return STATE.pack(STATE_ID, utime, seq, *scalars, len(m.moving)) + m.moving.astype(">f8").tobytes()
+    return STATE.pack(STATE_ID, utime, seq, *scalars, len(m.moving)) + raw(m.moving.astype(">f8"))
 
 
 def take_state(data: bytes) -> tuple[int, Any]:
@@ -128,7 +134,7 @@ def put_truth(utime: int, seq: int, m: Any) -> bytes:
     check_array(m.flow_px)
     rows, cols = m.obstacle.shape
     head = TRUTH.pack(TRUTH_ID, utime, seq, m.interval_us, m.step_px, rows, cols)
-    return b"".join((head, m.obstacle.tobytes(), wire(m.depth_m), wire(m.flow_px)))
+    return b"".join((head, raw(m.obstacle), wire(m.depth_m), wire(m.flow_px)))
 
 
 def take_truth(data: bytes) -> tuple[int, Any]:
@@ -150,7 +156,7 @@ def put_flow(utime: int, seq: int, m: Any) -> bytes:
     check_array(m.uv_px)
     rows, cols = m.valid.shape
     head = FLOW.pack(FLOW_ID, utime, seq, m.interval_us, m.step_px, rows, cols)
-    return b"".join((head, wire(m.uv_px), m.valid.tobytes()))
+    return b"".join((head, wire(m.uv_px), raw(m.valid)))
 
 
 def take_flow(data: bytes) -> tuple[int, Any]:
@@ -166,7 +172,7 @@ def put_planar(utime: int, seq: int, m: Any) -> bytes:
     check_array(m.residual_px)
     rows, cols = m.planar_valid.shape
     head = FLOW.pack(PLANAR_ID, utime, seq, m.interval_us, m.step_px, rows, cols)
-    return b"".join((head, wire(m.planar_uv_px), m.planar_valid.tobytes(), wire(m.residual_px)))
+    return b"".join((head, wire(m.planar_uv_px), raw(m.planar_valid), wire(m.residual_px)))
 
 
 def take_planar(data: bytes) -> tuple[int, Any]:
@@ -184,7 +190,7 @@ def put_plane(utime: int, seq: int, m: Any) -> bytes:
     rows, cols = m.valid.shape
     scalars = m.step_px, m.obstacle_ratio, m.threshold, m.converged
     head = PLANE.pack(PLANE_ID, utime, seq, *scalars, rows, cols)
-    return b"".join((head, m.obstacle.tobytes(), wire(m.score), m.valid.tobytes()))
+    return b"".join((head, raw(m.obstacle), wire(m.score), raw(m.valid)))
 
 
 def take_plane(data: bytes) -> tuple[int, Any]:

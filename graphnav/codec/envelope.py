@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from typing import Any, TypeVar
 
@@ -19,7 +20,8 @@ _ENVELOPE = frozenset({"utime", "seq"})
 
 def encode(message: Message, utime: int, seq: int) -> bytes:
     """Return a message's bytes, stamped ``utime`` (microseconds) and numbered ``seq``; raises EncodeError."""
-    data = _encoder_of(type(message))(message, utime, seq)
+    message_class: type = type(message)
+    data = _encoder_of(message_class)(message, utime, seq)
     if data is not None:
         return data
     return codec_of(message.lcm_class).encode({**message.lcm_fields(), "utime": utime, "seq": seq})
@@ -27,12 +29,14 @@ def encode(message: Message, utime: int, seq: int) -> bytes:
 
 def not_finite(message: Message) -> str | None:
     """Return what the message's own ``not_finite`` returns; quicker where all is well."""
-    return None if _check_of(type(message))(message) else message.not_finite()
+    message_class: type = type(message)
+    return None if _check_of(message_class)(message) else message.not_finite()
 
 
 def decode(message_class: type[M], data: bytes) -> tuple[int, int, M]:
     """Return ``(utime, seq, message)``; raises DecodeError for anything that is not such a message."""
-    decoded = _decoder_of(message_class)(data)
+    cached: type = message_class
+    decoded: tuple[int, int, M] | None = _decoder_of(cached)(data)
     if decoded is not None:
         return decoded
     values = codec_of(message_class.lcm_class).decode(data)
@@ -49,7 +53,7 @@ def _encoder_of(message_class: type[Message]) -> MessageEncoder:
     fields = fields_of(message_class.lcm_class)
     named = {field.name for field in fields} - sizes_of(fields)
     is_plain = message_class.lcm_fields is Message.lcm_fields
-    if not is_plain or not is_flat(fields) or {*message_class.field_names, *_ENVELOPE} != named:
+    if not is_plain or not is_flat(fields) or {*_names(message_class), *_ENVELOPE} != named:
         return _unable
     return message_encoder(fields, fingerprint(message_class.lcm_class))
 
@@ -59,9 +63,10 @@ def _check_of(message_class: type[Message]) -> FinitenessCheck:
     """Return the generated check of a class; one that always returns None if its fields are not the type's."""
     fields = fields_of(message_class.lcm_class)
     is_plain = message_class.not_finite is Message.not_finite
-    if not is_plain or not {field.name for field in fields}.issuperset(message_class.field_names):
+    if not is_plain or not {field.name for field in fields}.issuperset(_names(message_class)):
         return _unable
-    return finiteness_check(fields, message_class.finite_names)
+    may_be_infinite = {f.name for f in dataclasses.fields(message_class) if not f.metadata.get("finite", True)}
+    return finiteness_check(fields, set(_names(message_class)) - may_be_infinite)
 
 
 @functools.cache
@@ -70,9 +75,13 @@ def _decoder_of(message_class: type[Message]) -> MessageDecoder:
     fields = fields_of(message_class.lcm_class)
     names = {field.name for field in fields}
     is_plain = message_class.is_plain and _function(message_class.from_lcm_fields) is _function(Message.from_lcm_fields)
-    if not is_plain or not is_flat(fields) or not names.issuperset({*message_class.field_names, *_ENVELOPE}):
+    if not is_plain or not is_flat(fields) or not names.issuperset({*_names(message_class), *_ENVELOPE}):
         return _unable
-    return message_decoder(fields, fingerprint(message_class.lcm_class), message_class, message_class.field_names)
+    return message_decoder(fields, fingerprint(message_class.lcm_class), message_class, _names(message_class))
+
+
+def _names(message_class: type[Message]) -> tuple[str, ...]:
+    return tuple(field.name for field in dataclasses.fields(message_class))
 
 
 def _unable(*_: Any) -> None:

@@ -21,6 +21,7 @@ MessageEncoder = Callable[[Any, int, int], bytes | None]
 FinitenessCheck = Callable[[Any], bool | None]
 
 _LENGTH = struct.Struct(">I")
+_MAX_VECTOR = 8
 
 
 def field_encoder(fields: list[Field], fingerprint: bytes) -> FieldEncoder:
@@ -89,6 +90,7 @@ def _encoder(
         "strings": _strings,
         "fp": fingerprint,
     }
+    names |= {f"native_{f.primitive}": dtypes(f)[0] for f in fields if f.dims and f.primitive != "string"}
     values = {**sources, **_size_variables(fields)}
     pieces: list[str] = []
     codes, scalars, n_arrays = "8s", ["fp"], 0
@@ -103,18 +105,28 @@ def _encoder(
             codes += PRIMITIVES[field.primitive]
             scalars.append(values[field.name])
             continue
+        if _is_vector(field):
+            codes += f"{field.dims[0]}d"
+            scalars.append(f"*x{n_arrays}.tolist()")
+            n_arrays += 1
+            continue
         end_scalars()
         codes, scalars = "", []
         if field.primitive == "string":
             pieces.append(f"strings(x{n_arrays})" if field.dims else f"strings(({values[field.name]},))")
         else:
-            names[f"native_{field.primitive}"], names[f"wire_{field.primitive}"] = native, _ = dtypes(field)
-            is_byte = native.itemsize == 1
-            pieces.append(f"x{n_arrays}" if is_byte else f"x{n_arrays}.astype(wire_{field.primitive}, 'C')")
+            native, names[f"wire_{field.primitive}"] = dtypes(field)
+            converted = "" if native.itemsize == 1 else f".astype(wire_{field.primitive}, 'C')"
+            pieces.append(f"x{n_arrays}{converted}")
         n_arrays += bool(field.dims)
     end_scalars()
     result = pieces[0] if len(pieces) == 1 else f"join(({', '.join(pieces)}))"
     return compiled(arguments, [*checks, f"return {result}"], names)
+
+
+def _is_vector(field: Field) -> bool:
+    """Whether it is an array of a few doubles, which are packed like scalars."""
+    return field.primitive == "double" and len(field.dims) == 1 and field.dims[0] in range(1, _MAX_VECTOR + 1)
 
 
 def _size_variables(fields: list[Field]) -> dict[str, str]:

@@ -44,11 +44,10 @@ class Message:
     and ages count from the arrival."""
     n_classes: ClassVar[int] = 0
     """The number of message classes declared so far, by which caches notice new ones."""
-    field_names: ClassVar[tuple[str, ...]]
     is_plain: ClassVar[bool]
-    """Whether making a message means no more than storing its fields."""
-    finite_names: ClassVar[tuple[str, ...]]
-    """The fields whose floats must be finite."""
+    """Whether the constructor only stores the fields, so that a decoder need not call it."""
+    _names: ClassVar[tuple[str, ...]]
+    _floats: ClassVar[tuple[str, ...]]
 
     def __init_subclass__(cls, lcm: type | None = None, grid: tuple[str, ...] = (), **kwargs: Any) -> None:
         """Make ``cls`` a frozen dataclass; ``grid`` names the fields whose first axes are rows and columns."""
@@ -62,9 +61,9 @@ class Message:
         if lcm is not None:
             cls.lcm_class = lcm
         cls.grid = grid or cls.grid
-        cls.field_names = tuple(f.name for f in fields(cls))
+        cls._names = tuple(f.name for f in fields(cls))
         cls.is_plain = is_made_by_storing and cls.__new__ is object.__new__ and all(f.init for f in fields(cls))
-        cls.finite_names = tuple(f.name for f in fields(cls) if f.metadata.get("finite", True))
+        cls._floats = tuple(f.name for f in fields(cls) if f.metadata.get("finite", True))
         Message.n_classes += 1
 
     def lcm_fields(self) -> Mapping[str, Any]:
@@ -74,7 +73,7 @@ class Message:
     @classmethod
     def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
         """Return the message with the LCM fields ``values`` (all of them)."""
-        return cls(**{name: values[name] for name in cls.field_names})
+        return cls(**{name: values[name] for name in cls._names})
 
     def thin(self, step: int) -> Self:
         """Return the message with every ``step``-th row and column of its grids, with ``step_px`` adjusted."""
@@ -83,7 +82,7 @@ class Message:
 
     def not_finite(self) -> str | None:
         """Return the name of the first field with a NaN or infinity that is not allowed, None without one."""
-        for name in self.finite_names:
+        for name in self._floats:
             value = getattr(self, name)
             if isinstance(value, float):
                 if not math.isfinite(value):
