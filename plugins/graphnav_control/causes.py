@@ -42,7 +42,7 @@ def lost(port: str, input: Latest[Any], max_age_s: float, waited_s: float) -> li
 
 def judged_ratio(plane: Plane) -> float:
     """Return the share of the plane's cells that were judged."""
-    return float(np.count_nonzero(plane.valid)) / max(plane.valid.size, 1)
+    return int(np.count_nonzero(plane.valid)) / max(plane.valid.size, 1)
 
 
 def contrast(image: Image) -> float:
@@ -52,4 +52,4 @@ def contrast(image: Image) -> float:
     """
     blocks = cv2.resize(image.pixels, _BLOCKS, interpolation=cv2.INTER_AREA)
     gray = blocks if blocks.ndim == 2 else blocks.mean(axis=-1)
-    return float(gray.std())
+    return float(cv2.meanStdDev(gray)[1][0, 0])

@@ -79,6 +79,9 @@ class Guard(Stage):
         self._last = STANDSTILL
         self._begin: int | None = None
         self._before = 0
+        # Of the last plane and the last image: the guard fires more often than they come.
+        self._judged: tuple[Plane | None, float] = None, 0.0
+        self._contrast: tuple[Image | None, float] = None, 0.0
 
     def step(
         self,
@@ -130,7 +133,9 @@ class Guard(Stage):
         causes = lost("plane", plane, self.max_age_s, waited_s)
         if causes or plane.value is None:
             return causes
-        judged = judged_ratio(plane.value)
+        if self._judged[0] is not plane.value:
+            self._judged = plane.value, judged_ratio(plane.value)
+        judged = self._judged[1]
         if judged < self.min_judged_ratio:
             causes.append(Cause("blind", "plane", judged, self.min_judged_ratio))
         if plane.value.obstacle_ratio > self.max_obstacle_ratio:
@@ -141,7 +146,9 @@ class Guard(Stage):
         causes = lost("image", image, self.max_age_s, waited_s)
         if causes or image.value is None:
             return causes
-        seen = contrast(image.value)
+        if self._contrast[0] is not image.value:
+            self._contrast = image.value, contrast(image.value)
+        seen = self._contrast[1]
         return [Cause("blind", "image", seen, self.min_contrast_gray)] if seen < self.min_contrast_gray else []
 
     def _of_stop(self, stop: Latest[Stop]) -> list[Cause]:

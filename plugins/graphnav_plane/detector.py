@@ -90,7 +90,7 @@ class Detector(Stage):
             score=score,
             valid=valid.astype(np.uint8),
             step_px=step_px,
-            obstacle_ratio=np.count_nonzero(obstacle) / max(np.count_nonzero(valid), 1),
+            obstacle_ratio=int(np.count_nonzero(obstacle)) / max(int(np.count_nonzero(valid)), 1),
             threshold=limit,
             converged=converged,
         )

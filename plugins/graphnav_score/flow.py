@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
+import cv2
 import numpy as np
 
 import graphnav
 from graphnav import Metric, Stage, Truth, coarsen, param
+from graphnav.arrays import Floats
 from graphnav_score.pixels import cell_factor
 
 
@@ -51,17 +53,21 @@ class Flow(Stage):
             The flow's grid does not fit the truth.
         """
         cell_factor(truth, flow.valid.shape, flow.step_px)
+        true_px = truth.flow_px if flow.step_px == truth.step_px else self._cell_means(truth, flow.step_px)
+        off_px = cv2.magnitude(*cv2.split(cv2.subtract(flow.uv_px, true_px)))
+        is_off = (off_px > self.outlier_px).view(np.uint8)
+        self._frames += 1
+        self._vectors += flow.valid.size
+        self._valid += cv2.countNonZero(flow.valid)
+        self._outliers += cv2.countNonZero(cv2.copyTo(is_off, flow.valid))
+        self._sum_px += cv2.norm(off_px, cv2.NORM_L1, flow.valid)
+
+    def _cell_means(self, truth: Truth, step_px: int) -> Floats:
         everywhere = np.ones(truth.obstacle.shape, np.uint8)
         true = graphnav.Flow(
             uv_px=truth.flow_px, valid=everywhere, interval_us=truth.interval_us, step_px=truth.step_px
         )
-        error = flow.uv_px - coarsen(true, flow.step_px).uv_px
-        off_px = np.hypot(error[..., 0], error[..., 1])[flow.valid != 0]
-        self._frames += 1
-        self._vectors += flow.valid.size
-        self._valid += off_px.size
-        self._outliers += int(np.count_nonzero(off_px > self.outlier_px))
-        self._sum_px += float(off_px.sum(dtype=np.float64))
+        return coarsen(true, step_px).uv_px
 
     def summary(self) -> Mapping[str, float]:
         """Return the metrics that are defined."""

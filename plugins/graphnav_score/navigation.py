@@ -6,13 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-import numpy as np
-
 from graphnav import UNDEFINED, Latest, Map, Metric, Stage, Stamp, State, param
-from graphnav.arrays import Doubles
 
 NOTHING_NEAR_M = 1000.0
 """The clearance that `State` gives where there is nothing."""
+
+Pair = tuple[float, float]
 
 
 class Navigation(Stage):
@@ -86,23 +85,23 @@ class Navigation(Stage):
         self._at_goal = self._contact = False
         self._min_clearance_m, self._sum_clearance_m = math.inf, 0.0
         self._path_m = 0.0
-        self._place_m = np.zeros(2)
+        self._place_m = (0.0, 0.0)
         self._jerk = MeanJerk()
 
     def step(self, state: State, map: Latest[Map], stamp: Stamp) -> None:  # noqa: A002  # the port's name
         """Count this state."""
         self._map = map.value or self._map
-        place_m = np.array([state.x_m, state.y_m])
+        place_m = (state.x_m, state.y_m)
         if not self._states:
             self._first_us, self._place_m = stamp, place_m
-        self._path_m += float(np.hypot(*(place_m - self._place_m)))
+        self._path_m += math.dist(place_m, self._place_m)
         self._place_m, self._last_us = place_m, stamp
         self._states += 1
         self._at_goal |= state.at_goal
         self._contact |= state.contact
         self._min_clearance_m = min(self._min_clearance_m, state.clearance_m)
         self._sum_clearance_m += state.clearance_m
-        velocity = state.v_mps * np.array([math.cos(state.yaw_rad), math.sin(state.yaw_rad)])
+        velocity = (state.v_mps * math.cos(state.yaw_rad), state.v_mps * math.sin(state.yaw_rad))
         self._jerk.add(velocity, stamp * 1e-6)
 
     def summary(self) -> Mapping[str, float]:
@@ -140,8 +139,8 @@ class MeanJerk:
     """Mean length of the second derivative of a velocity (x, y), m/s^3, by differences."""
 
     def __init__(self) -> None:
-        self._velocity: tuple[Doubles, float] | None = None
-        self._acceleration: tuple[Doubles, float] | None = None
+        self._velocity: tuple[Pair, float] | None = None
+        self._acceleration: tuple[Pair, float] | None = None
         self._sum, self._count = 0.0, 0
 
     @property
@@ -149,14 +148,15 @@ class MeanJerk:
         """The mean; None for fewer than three velocities."""
         return self._sum / self._count if self._count else None
 
-    def add(self, velocity_mps: Doubles, time_s: float) -> None:
+    def add(self, velocity_mps: Pair, time_s: float) -> None:
         """Count a velocity; times have to grow."""
         if self._velocity is not None:
-            before, then_s = self._velocity
-            acceleration, middle_s = (velocity_mps - before) / (time_s - then_s), (time_s + then_s) / 2
+            (x, y), then_s = self._velocity
+            interval_s, middle_s = time_s - then_s, (time_s + then_s) / 2
+            acceleration = (velocity_mps[0] - x) / interval_s, (velocity_mps[1] - y) / interval_s
             if self._acceleration is not None:
                 earlier, earlier_s = self._acceleration
-                self._sum += float(np.hypot(*(acceleration - earlier))) / (middle_s - earlier_s)
+                self._sum += math.dist(acceleration, earlier) / (middle_s - earlier_s)
                 self._count += 1
             self._acceleration = acceleration, middle_s
         self._velocity = velocity_mps, time_s

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
-from graphnav import Truth, block_sum
-from graphnav.arrays import Longs
+from graphnav import Truth
+from graphnav.arrays import Bools, Doubles
+from graphnav.grid import block_mean
 
 
 def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
@@ -26,8 +28,8 @@ def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
     return factor
 
 
-def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Longs, Longs]:
-    """Return how many true pixels of each cell are obstacle and how many are ground, both ``shape``.
+def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> Doubles:
+    """Return how many true pixels of each cell are ground and how many are obstacle, (2, cells).
 
     The same as repeating each cell over its pixels: cells cut off at the rim count their remaining pixels. Pixels
     above the horizon are neither.
@@ -39,5 +41,16 @@ def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> tuple[Lo
     """
     factor = cell_factor(truth, shape, step_px)
     is_obstacle = truth.obstacle != 0
-    is_ground = ~is_obstacle & np.isfinite(truth.depth_m)
-    return block_sum(is_obstacle.astype(np.int64), factor), block_sum(is_ground.astype(np.int64), factor)
+    counts = np.empty((2, *shape))
+    _count(is_obstacle, factor, counts[1])
+    shows_sky = not cv2.norm(truth.depth_m, cv2.NORM_INF) < np.inf
+    if shows_sky or any(size % factor for size in is_obstacle.shape):
+        _count(~is_obstacle & np.isfinite(truth.depth_m), factor, counts[0])
+    else:
+        np.subtract(factor * factor, counts[1], out=counts[0])
+    return counts.reshape(2, -1)
+
+
+def _count(pixels: Bools, factor: int, counts: Doubles) -> None:
+    """Set ``counts`` to how many ``pixels`` are true in each block of ``factor`` rows and columns."""
+    np.rint(block_mean(pixels.astype(np.float32), factor) * np.float32(factor * factor), out=counts)

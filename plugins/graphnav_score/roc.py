@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphnav.arrays import Floats, Longs
+from graphnav.arrays import Doubles, Floats, Ints
 
 KEPT_BITS = 18
 """Of a float32's 32: sign, exponent and nine bits of the mantissa, so that a bin is at most 0.2 % wide."""
@@ -19,9 +19,9 @@ class Roc:
     """
 
     def __init__(self) -> None:
-        self._obstacle, self._ground = np.zeros((2, 1 << KEPT_BITS), np.int64)
+        self._obstacle, self._ground = np.zeros((2, 1 << KEPT_BITS))
 
-    def add(self, score: Floats, obstacle: Longs, ground: Longs) -> None:
+    def add(self, score: Floats, obstacle: Doubles, ground: Doubles) -> None:
         """Count ``obstacle`` and ``ground`` pixels at each ``score``; all (n,), scores finite."""
         bins = _bins(score)
         np.add.at(self._obstacle, bins, obstacle)
@@ -57,8 +57,9 @@ class Roc:
         return bool(self._obstacle.any() and self._ground.any())
 
 
-def _bins(score: Floats) -> Longs:
+def _bins(score: Floats) -> Ints:
     """Return the bin of every score; greater scores have no smaller bins (negative floats count backwards)."""
-    bits = (score + np.float32(0.0)).astype(np.float32).view(np.int32).astype(np.int64)
-    ordered = np.where(bits < 0, -(bits & 0x7FFFFFFF), bits) + (1 << 31)
-    return np.asarray(ordered >> (32 - KEPT_BITS))
+    bits = (score + np.float32(0.0)).astype(np.float32, copy=False).view(np.int32)
+    if bits.min(initial=0) < 0:
+        bits = np.where(bits < 0, np.iinfo(np.int32).min - bits, bits)
+    return np.asarray((bits >> (32 - KEPT_BITS)) + (1 << (KEPT_BITS - 1)))

@@ -7,6 +7,7 @@ from array import array
 from collections.abc import Mapping
 from typing import ClassVar
 
+import cv2
 import numpy as np
 
 import graphnav
@@ -59,15 +60,17 @@ class Steering(Stage):
 
     def step(self, steering: graphnav.Steering, truth: Truth) -> None:
         """Count this frame."""
-        first, second = steering.eigenvalues
+        first, second = steering.eigenvalues.tolist()
         if first > 0:
             self._ratios.append(first / second if second > 0 else math.inf)
-        half = truth.obstacle.shape[1] // 2
-        is_obstacle = truth.obstacle != 0
-        left = np.count_nonzero(is_obstacle[:, :half]) / is_obstacle.size
-        right = np.count_nonzero(is_obstacle[:, is_obstacle.shape[1] - half :]) / is_obstacle.size
-        clear = max(left, right) >= self.min_side_ratio * min(left, right)
-        if not clear or abs(left - right) < self.min_difference_ratio:
+        obstacle = truth.obstacle
+        half, odd = divmod(obstacle.shape[1], 2)
+        left = cv2.countNonZero(obstacle[:, :half])
+        right = cv2.countNonZero(obstacle) - left
+        if odd:
+            right -= cv2.countNonZero(obstacle[:, half : half + 1])
+        is_clear = max(left, right) >= self.min_side_ratio * min(left, right)
+        if not is_clear or abs(left - right) < self.min_difference_ratio * obstacle.size:
             return
         self._frames += 1
         to_the_right = float(steering.control[0])

@@ -35,13 +35,21 @@ def obstacle_field(weighted: Doubles, sigma_cells: float, border: Border) -> Fie
     """
     rows, cols = weighted.shape
     smooth_y, slope_y = _matrices(rows, sigma_cells, border)
-    smooth_x, slope_x = _matrices(cols, sigma_cells, border)
-    level = OBSTACLE_LEVEL * weighted
-    along_x, along_y = level @ smooth_x.T, smooth_y @ level
+    along_x = weighted @ _matrices_x(cols, sigma_cells, border)
+    potential_and_right = smooth_y @ along_x
     gradient = np.empty((rows, cols, 2))
-    gradient[..., 0] = along_y @ slope_x.T
-    gradient[..., 1] = slope_y @ along_x
-    return Field(smooth_y @ along_x, gradient)
+    gradient[..., 0] = potential_and_right[:, cols:]
+    gradient[..., 1] = slope_y @ along_x[:, :cols]
+    return Field(potential_and_right[:, :cols], gradient)
+
+
+@lru_cache(maxsize=16)
+def _matrices_x(cells: int, sigma_cells: float, border: Border) -> Doubles:
+    """Return the matrix that smooths rows, beside that which differentiates them, (cells, 2 cells), times 255."""
+    matrix: Doubles = OBSTACLE_LEVEL * np.concatenate(_matrices(cells, sigma_cells, border)).T
+    matrix = np.ascontiguousarray(matrix)
+    matrix.setflags(write=False)
+    return matrix
 
 
 @lru_cache(maxsize=16)

@@ -85,7 +85,7 @@ class Forces(Stage):
         )
 
     def _theta_rad(self, control: Doubles, side: float) -> float:
-        if np.hypot(*control) < MIN_FORCE:
+        if math.hypot(*control.tolist()) < MIN_FORCE:
             return side * math.pi / 2
         if control[0] == 0.0 and control[1] < 0.0:
             return side * math.pi

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from graphnav_steer.attention import cell_weights
 from graphnav_steer.axes import AHEAD, upright
 from graphnav_steer.field import OBSTACLE_LEVEL, Field, obstacle_field
 from graphnav_steer.forces import Forces
-from graphnav_steer.principal import Principal
+from graphnav_steer.principal import Principal, mean_gradient
 
 Strength = Literal["share", "gradient"]
 
@@ -57,11 +58,12 @@ class Potential(Forces):
         sigma_cells = self.sigma_ratio * plane.obstacle.shape[1]
         field = obstacle_field(weighted, sigma_cells, self.border)
         found = self._to_obstacle(field.gradient)
-        share = float(weighted.sum()) / max(float((weights * plane.valid).sum()), TINY)
+        columns = weighted.sum(axis=0).tolist()
+        share = sum(columns) / max(float(np.vdot(weights, plane.valid)), TINY)
         repulsive = self._repulsive_force(found.direction, share, field, sigma_cells)
         guiding = self._guiding_force(goal, planar)
         return (
-            self._steering(repulsive, guiding, _freer_side(weighted), found.eigenvalues),
+            self._steering(repulsive, guiding, _freer_side(columns), found.eigenvalues),
             graphnav.Potential(
                 potential=field.potential.astype(np.float32),
                 gradient=field.gradient.astype(np.float32),
@@ -73,7 +75,7 @@ class Potential(Forces):
         """Return r; ``obstacle`` is the direction to it (right, down)."""
         length = self.gain * share
         if self.strength == "gradient":
-            mean = float(np.hypot(*field.gradient.mean(axis=(0, 1))))
+            mean = math.hypot(*mean_gradient(field.gradient))
             length = self.gain * mean * sigma_cells / OBSTACLE_LEVEL
         if share >= EVERYWHERE_RATIO:
             return -max(length, 1.0) * AHEAD
@@ -83,8 +85,11 @@ class Potential(Forces):
         return force if self.backward else np.array([force[0], max(force[1], 0.0)])
 
 
-def _freer_side(weighted: Doubles) -> float:
-    """Return 1.0 where the left half holds less obstacle than the right, -1.0 where it holds more, else 0.0."""
-    half = weighted.shape[1] // 2
-    left, right = weighted[:, :half].sum(), weighted[:, weighted.shape[1] - half :].sum()
-    return float(np.sign(right - left))
+def _freer_side(columns: list[float]) -> float:
+    """Return 1.0 where the left half holds less obstacle than the right, -1.0 where it holds more, else 0.0.
+
+    ``columns``: the obstacle in each column. Both halves are added from the border inwards, so that equal ones tie.
+    """
+    half = len(columns) // 2
+    left, right = sum(columns[:half]), sum(columns[::-1][:half])
+    return float((left < right) - (left > right))

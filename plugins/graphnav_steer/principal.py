@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple
 
+import cv2
 import numpy as np
 
 from graphnav.arrays import Doubles
 
 About = Literal["centroid", "zero"]
+Pair = tuple[float, float]
 
 NOTHING = 1e-6
 """Zero threshold, relative to the gradients' root mean square."""
@@ -31,15 +33,17 @@ def principal_direction(gradient: Doubles, about: About, isotropic_ratio: float)
     everywhere, or nowhere.
     """
     g = gradient.reshape(-1, 2)
-    mean = g.mean(axis=0)
-    second = g.T @ g / len(g)
-    nothing = NOTHING * math.sqrt(float(second[0, 0] + second[1, 1]))
-    M = second - np.outer(mean, mean) if about == "centroid" else second
-    v1, eigenvalues = _first_eigenvector(M)
-    agreement = float(v1 @ mean)
-    if eigenvalues[0] < isotropic_ratio * eigenvalues[1] or abs(agreement) <= nothing:
+    x, y = mean = mean_gradient(g)
+    (xx, xy), (_, yy) = (g.T @ g / len(g)).tolist()
+    nothing = NOTHING * math.sqrt(xx + yy)
+    if about == "centroid":
+        xx, xy, yy = xx - x * x, xy - x * y, yy - y * y
+    (v1_x, v1_y), (first, second) = _first_eigenvector(xx, xy, yy)
+    agreement = v1_x * x + v1_y * y
+    eigenvalues = np.array([first, second])
+    if first < isotropic_ratio * second or abs(agreement) <= nothing:
         return Principal(_direction(mean, nothing), eigenvalues)
-    return Principal(v1 if agreement > 0 else -v1, eigenvalues)
+    return Principal(np.array([v1_x, v1_y]) * math.copysign(1.0, agreement), eigenvalues)
 
 
 def mean_direction(gradient: Doubles) -> Principal:
@@ -48,18 +52,23 @@ def mean_direction(gradient: Doubles) -> Principal:
     ``gradient``: (..., 2). Without a mean gradient there is none.
     """
     g = gradient.reshape(-1, 2)
-    nothing = NOTHING * math.sqrt(float((g * g).sum()) / len(g))
-    return Principal(_direction(g.mean(axis=0), nothing), np.zeros(2))
+    nothing = NOTHING * math.sqrt(float(np.vdot(g, g)) / len(g))
+    return Principal(_direction(mean_gradient(g), nothing), np.zeros(2))
 
 
-def _direction(vector: Doubles, nothing: float) -> Doubles | None:
-    length = float(np.hypot(*vector))
-    return vector / length if length > nothing else None
+def mean_gradient(gradient: Doubles) -> Pair:
+    """Return the mean of gradients (..., 2), right and down; ten times as fast as numpy's."""
+    x, y, *_ = cv2.mean(gradient.reshape(-1, 1, 2))
+    return x, y
 
 
-def _first_eigenvector(M: Doubles) -> tuple[Doubles, Doubles]:
-    """Return the unit vector of the largest eigenvalue of a symmetric 2 x 2 matrix, and both eigenvalues."""
-    a, b, c = float(M[0, 0]), float(M[0, 1]), float(M[1, 1])
+def _direction(vector: Pair, nothing: float) -> Doubles | None:
+    length = math.hypot(*vector)
+    return np.array(vector) / length if length > nothing else None
+
+
+def _first_eigenvector(a: float, b: float, c: float) -> tuple[Pair, Pair]:
+    """Return the unit vector of the largest eigenvalue of ((a, b), (b, c)), and both eigenvalues."""
     half, radius = (a + c) / 2, math.hypot((a - c) / 2, b)
     turn = 0.5 * math.atan2(2 * b, a - c)
-    return np.array([math.cos(turn), math.sin(turn)]), np.array([half + radius, max(half - radius, 0.0)])
+    return (math.cos(turn), math.sin(turn)), (half + radius, max(half - radius, 0.0))

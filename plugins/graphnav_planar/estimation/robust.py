@@ -24,7 +24,8 @@ def agreement(squares_px2: Field, noise_px: float) -> Field:
     """
     explained = squares_px2 * squares_px2.dtype.type(1 / noise_px**2)
     explained += 1
-    return np.reciprocal(explained, out=explained)
+    np.reciprocal(explained, out=explained)
+    return explained
 
 
 def weights(squares_px2: Field, noise_px: float, counts: Field) -> Field:
@@ -32,4 +33,5 @@ def weights(squares_px2: Field, noise_px: float, counts: Field) -> Field:
     weight = squares_px2 * squares_px2.dtype.type(1 / noise_px**2)
     weight += 1
     weight *= weight
-    return np.divide(counts, weight, out=weight)
+    np.divide(counts, weight, out=weight)
+    return weight
