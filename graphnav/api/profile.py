@@ -50,13 +50,22 @@ def profile(
     refuse_live(checked)
     if functions and (missing := functions_missing()):
         raise UserError(missing)
-    stages = checked.make_stages()
+    found = _measured(checked, folder, tap, functions=functions)
+    if found.outcome == Outcome.STOPPED:
+        raise KeyboardInterrupt
+    if found.failure:
+        tell(f"the run failed: {found.failure}")
+    return found
+
+
+def _measured(graph: Graph, folder: PathLike | None, tap: TapMode, *, functions: bool) -> Profile:
+    stages = graph.make_stages()
     kept = new_folder(folder)
     run_id = new_run_id()
     try:
         with one_thread():
-            found = measure(
-                checked,
+            return measure(
+                graph,
                 stages,
                 kept.path,
                 functions=functions,
@@ -68,8 +77,3 @@ def profile(
         if error.outcome == Outcome.STOPPED:
             raise KeyboardInterrupt from error
         raise
-    if found.outcome == Outcome.STOPPED:
-        raise KeyboardInterrupt
-    if found.failure:
-        tell(f"the run failed: {found.failure}")
-    return found

@@ -79,6 +79,8 @@ def main(args: argparse.Namespace) -> int:
         _write(args.flame, profile)
     if profile.failure:
         print(profile.failure, file=sys.stderr)
+    if profile.outcome == "stopped":
+        print("stopped; these are the times up to there", file=sys.stderr)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(profile.outcome, OK)
 
 

@@ -9,21 +9,27 @@ from graphnav.profiling.process_threads import process_threads
 from graphnav.profiling.profile import ChannelTime, Instruments, Node, Profile, StageTime
 from graphnav.profiling.profiled_runner import ProfiledRunner
 from graphnav.profiling.step_functions import Function
-from graphnav.profiling.stopwatch import Part, Span, boundary_cost_us
+from graphnav.profiling.stopwatch import Part, Span
 from graphnav.runner.recording.summary import Summary
 
 _OF_A_CHANNEL = (Part.ENCODE, Part.DELIVER, Part.DECODE, Part.LOG, Part.TAP)
 _REMAINDERS = (Part.TICK, Part.STAGE)
 
 
-def profile_of(runner: ProfiledRunner, summary: Summary) -> Profile:
-    """Return the profile of a run with at least one timed tick."""
+def profile_of(runner: ProfiledRunner, summary: Summary, reading_us: float) -> Profile:
+    """Return the profile of a run with at least one timed tick.
+
+    ``reading_us``: the cost of a clock reading of the instruments. Nearly all of them are made between the other
+    parts, so that it is taken from what the runner seems to need.
+    """
     watch = runner.watch
     n_ticks = watch.n_ticks
     parts = dict.fromkeys(("step", "check", *map(str, _OF_A_CHANNEL), "runner"), 0)
     for span in _spans(watch.root):
         parts["runner" if span.part in _REMAINDERS else str(span.part)] += span.ns
     total_ns = sum(parts.values())
+    parts["instruments"] = min(round(watch.n_readings * reading_us * 1e3), parts["runner"])
+    parts["runner"] -= parts["instruments"]
     return Profile(
         graph=summary.graph,
         seed=summary.seed,
@@ -37,10 +43,10 @@ def profile_of(runner: ProfiledRunner, summary: Summary) -> Profile:
         stages=tuple(_stages(runner, total_ns)),
         channels=tuple(_channels(runner)),
         instruments=Instruments(
-            boundaries=watch.n_boundaries / n_ticks,
-            boundary_us=boundary_cost_us(),
+            readings=watch.n_readings / n_ticks,
+            reading_us=reading_us,
             timed_p50_ms=watch.root.ticks.quantile_s(0.5) * 1e3,
-            bare_p50_ms=runner.bare.quantile_s(0.5) * 1e3,
+            bare_p50_ms=runner.bare.quantile_s(0.5) * 1e3 if runner.bare.count else None,
         ),
         threads=process_threads(),
         tree=_node(watch.root, runner),
@@ -58,7 +64,7 @@ def _stages(runner: ProfiledRunner, total_ns: int) -> Iterator[StageTime]:
     n_ticks = runner.watch.n_ticks
     for name, unit in runner.units.items():
         fired = runner.watch.root.children.get((Part.STAGE, name))
-        if fired is None:
+        if fired is None or not fired.count:  # a tick that failed leaves spans without a count
             continue
         step = fired.children[Part.STEP, name]
         all_ns = sum(span.ns for span in _spans(fired))
@@ -101,7 +107,7 @@ def _channels(runner: ProfiledRunner) -> Iterator[ChannelTime]:
 def _node(span: Span, runner: ProfiledRunner) -> Node:
     """Return the box of a span, and below a step those of its functions."""
     n_ticks = runner.watch.n_ticks
-    children = [_node(child, runner) for child in span.children.values()]
+    children = [_node(child, runner) for child in span.children.values() if child.count]
     ms = span.ns / n_ticks / 1e6 + sum(child.ms for child in children)
     label, note = span.name, f"{span.count / n_ticks:.3g} in a tick"
     if span.part is Part.TICK:

@@ -62,6 +62,7 @@ def flame_svg(profile: Profile) -> str:
         ideal=f"the steps alone take {profile.ideal_ms:.3f} ms, {_share(profile.ideal_ms, profile.tick_ms)} of it",
         measured=f"means of {profile.ticks['timed']} ticks, seed {profile.seed}",
         width=width,
+        shrinks=width == _MIN_WIDTH_PX,
         height=max(box.y for box in boxes) + _ROW_PX + 8,
         row=_ROW_PX - 1,
         boxes=boxes,

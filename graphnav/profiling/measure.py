@@ -8,6 +8,7 @@ from pathlib import Path
 from graphnav.bus import Bus
 from graphnav.errors import GraphnavError, UserError, shown_path
 from graphnav.graph import Graph
+from graphnav.profiling.calibrate import reading_us
 from graphnav.profiling.evaluate import profile_of
 from graphnav.profiling.profile import Profile
 from graphnav.profiling.profiled_runner import WARM_UP, ProfiledRunner
@@ -71,7 +72,7 @@ def measure(
     )
     runner = runners[0]
     if runner.watch.n_ticks:
-        return profile_of(runner, summary)
+        return profile_of(runner, summary, reading_us(max(1, len(runner.n_messages))))
     raise NothingMeasuredError(_why_nothing(summary.outcome, summary.failure, runner.ticks), summary.outcome)
 
 
@@ -84,7 +85,7 @@ def refuse_live(graph: Graph) -> None:
 
 
 def _why_nothing(outcome: str, failure: str, n_ticks: int) -> str:
-    what = f"nothing was measured: the run ended after {n_ticks} ticks, of which the first {WARM_UP} warm up"
+    what = f"nothing was measured: the run ended after {n_ticks} ticks, and the first {WARM_UP} only warm up"
     if outcome == Outcome.FAILED:
         return f"{failure}\n{what}"
     return what if outcome == Outcome.STOPPED else f"{what}\n  let it run longer, with --until or a longer input"

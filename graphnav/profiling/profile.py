@@ -52,20 +52,21 @@ class ChannelTime:
 
 @dataclass(frozen=True)
 class Instruments:
-    """The cost of measuring: ``boundaries`` clock readings in a tick, ``boundary_us`` each.
+    """The cost of measuring: ``readings`` of the clock in a tick, ``reading_us`` each.
 
     ``timed_p50_ms`` and ``bare_p50_ms``: the medians of ticks with and without them.
     """
 
-    boundaries: float
-    boundary_us: float
+    readings: float
+    reading_us: float
     timed_p50_ms: float
-    bare_p50_ms: float
+    bare_p50_ms: float | None
+    """None if every tick was measured."""
 
     @property
     def ms(self) -> float:
         """The cost in a tick by the count of readings."""
-        return self.boundaries * self.boundary_us / 1e3
+        return self.readings * self.reading_us / 1e3
 
 
 @dataclass(frozen=True)
@@ -102,8 +103,8 @@ class Profile:
     ticks: dict[str, int]
     """Ticks by kind: ``timed``, ``bare`` (without instruments), ``sampled`` (functions), ``warm_up``."""
     parts: dict[str, float]
-    """Milliseconds of a tick by part: ``step``, ``check``, ``encode``, ``deliver``, ``decode``, ``log``, ``tap``, and
-    ``runner``, the remainder."""
+    """Milliseconds of a tick by part: ``step``, ``check``, ``encode``, ``deliver``, ``decode``, ``log``, ``tap``;
+    ``instruments``, at least; and ``runner``, the remainder."""
     tick_ms: float
     """The mean tick, the sum of ``parts``."""
     tick_p50_ms: float

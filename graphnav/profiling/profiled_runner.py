@@ -67,6 +67,7 @@ class ProfiledRunner(Runner):
         """Their number."""
         self._clock = clock
         self._random = random.Random(0)
+        self._sent: list[tuple[str, int]] = []
         self._is_sampled = False
         for name, unit in self._units.items():
             unit.durations = TimedSteps(name, watch, functions)
@@ -75,9 +76,11 @@ class ProfiledRunner(Runner):
         """Fire everything that is due at the next stamp; return the outcome if a source ended the run."""
         kind = self._next_kind()
         if kind is TickKind.TIMED:
+            self._sent.clear()
             self.watch.begin()
             outcome = super().tick()
             self.watch.end()
+            self._count_messages()
         elif kind is TickKind.BARE:
             begin_ns = self._clock()
             outcome = super().tick()
@@ -89,9 +92,16 @@ class ProfiledRunner(Runner):
         self.kinds[kind] += 1
         return outcome
 
+    def _count_messages(self) -> None:
+        for channel, n_bytes in self._sent:
+            self.n_bytes[channel] += n_bytes
+            self.n_messages[channel] += 1
+
     def _next_kind(self) -> TickKind:
         if self.ticks < WARM_UP:
             return TickKind.WARM_UP
+        if not self.watch.n_ticks:
+            return TickKind.TIMED
         if self._random.random() < 0.25:
             return TickKind.BARE
         if self.functions is not None and self._random.random() < 0.5:
@@ -125,8 +135,7 @@ class ProfiledRunner(Runner):
         self.watch.enter(Part.ENCODE, channel.name)
         data = super()._encode(channel, utime, seq, message)
         self.watch.leave()
-        self.n_bytes[channel.name] += len(data)
-        self.n_messages[channel.name] += 1
+        self._sent.append((channel.name, len(data)))
         return data
 
     def _decode(self, channel: Channel, data: bytes) -> tuple[int, Message]:

@@ -51,12 +51,17 @@ class Stopwatch:
         self.is_on = False
         """Whether a tick is being measured."""
         self.n_ticks = 0
-        self.n_boundaries = 0
+        self.n_readings = 0
+        """How often the clock was read in ticks that ended."""
         self._clock = clock
         self._top = self.root
-        self._last_ns = 0
-        self._passed: list[tuple[Span, int]] = []
+        self._ends: list[int] = []
+        self._spans: list[Span] = []
+        """The clock at every boundary, and the span that ended there: two lists, since an object for each boundary
+        would make Python collect garbage."""
         self._entered: list[Span] = []
+        self._n_steps = 0
+        """Boundaries that were not read from the clock: where steps began."""
 
     @property
     def name(self) -> str:
@@ -65,19 +70,23 @@ class Stopwatch:
 
     def begin(self) -> None:
         """Begin a tick; forget one that did not end."""
-        self._passed.clear()
+        self._spans.clear()
+        self._ends.clear()
         self._entered.clear()
         self._top = self.root
+        self._n_steps = 0
         self.is_on = True
-        self._last_ns = self._clock()
+        self._spans.append(self.root)
+        self._ends.append(self._clock())
 
     def end(self) -> None:
         """End the tick and count it."""
-        self._passed.append((self._top, self._clock() - self._last_ns))
+        self._ends.append(self._clock())
+        self._spans.append(self._top)
         self.is_on = False
         sums: dict[Span, int] = {}
-        for span, ns in self._passed:
-            sums[span] = sums.get(span, 0) + ns
+        for span, end_ns, begin_ns in zip(self._spans[1:], self._ends[1:], self._ends, strict=False):
+            sums[span] = sums.get(span, 0) + end_ns - begin_ns
         for span, ns in sums.items():
             span.ns += ns
             if span.part is Part.STEP:
@@ -85,23 +94,23 @@ class Stopwatch:
         for span in self._entered:
             span.count += 1
         self.root.count += 1
-        self.root.ticks.add(sum(sums.values()) / 1e9)
+        self.root.ticks.add((self._ends[-1] - self._ends[0]) / 1e9)
         self.n_ticks += 1
-        self.n_boundaries += len(self._passed)
+        self.n_readings += len(self._ends) - self._n_steps
 
     def enter(self, part: Part, name: str) -> None:
         """Open a span within the current one."""
         span = self._child(part, name)
         self._entered.append(span)
-        now_ns = self._clock()
-        self._passed.append((self._top, now_ns - self._last_ns))
-        self._top, self._last_ns = span, now_ns
+        self._spans.append(self._top)
+        self._top = span
+        self._ends.append(self._clock())
 
     def leave(self) -> None:
         """Close the current span."""
-        now_ns = self._clock()
-        self._passed.append((self._top, now_ns - self._last_ns))
-        self._top, self._last_ns = self._top.parent or self.root, now_ns
+        self._ends.append(self._clock())
+        self._spans.append(self._top)
+        self._top = self._top.parent or self.root
 
     def close(self, part: Part) -> None:
         """Close the current span if it is of this part."""
@@ -110,21 +119,19 @@ class Stopwatch:
 
     def lap(self, part: Part, name: str) -> None:
         """Give the time since the last boundary to a span within the current one."""
+        self._ends.append(self._clock())
         span = self._child(part, name)
         self._entered.append(span)
-        now_ns = self._clock()
-        self._passed.append((span, now_ns - self._last_ns))
-        self._last_ns = now_ns
+        self._spans.append(span)
 
     def lap_of(self, part: Part, name: str, ns: int) -> None:
         """Give the last ``ns`` to a span within the current one; what came before belongs to the current one."""
+        now_ns = self._clock()
         span = self._child(part, name)
         self._entered.append(span)
-        now_ns = self._clock()
-        passed_ns = now_ns - self._last_ns
-        ns = min(max(ns, 0), passed_ns)
-        self._passed += ((self._top, passed_ns - ns), (span, ns))
-        self._last_ns = now_ns
+        self._spans += (self._top, span)
+        self._n_steps += 1
+        self._ends += (min(max(now_ns - ns, self._ends[-1]), now_ns), now_ns)
 
     def _child(self, part: Part, name: str) -> Span:
         children = self._top.children
@@ -132,14 +139,3 @@ class Stopwatch:
         if span is None:
             span = children[part, name] = Span(part, name, self._top)
         return span
-
-
-def boundary_cost_us(pairs: int = 2000) -> float:
-    """Return what one boundary of a stopwatch costs, microseconds: the mean over empty spans."""
-    watch = Stopwatch()
-    watch.begin()
-    begin_ns = time.perf_counter_ns()
-    for _ in range(pairs):
-        watch.enter(Part.CHECK, "")
-        watch.leave()
-    return (time.perf_counter_ns() - begin_ns) / (2 * pairs) / 1e3

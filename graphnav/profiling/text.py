@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _MAX_COLS = 1000
 """Tables are as wide as they need: a truncated number would be a wrong one."""
+_FEW = 30
 _PARTS = {
     "check": "types of outputs, NaN",
     "encode": "messages to bytes",
@@ -24,7 +25,8 @@ _PARTS = {
     "decode": "bytes to messages",
     "log": "",
     "tap": "",
-    "runner": "the remainder: firing rule, inputs, clock readings",
+    "runner": "the remainder: firing rule, inputs, queues",
+    "instruments": "of this measurement, at least",
 }
 
 
@@ -103,11 +105,12 @@ def _channel_cells(channel: ChannelTime, has_tap: bool) -> Iterator[str]:  # noq
 def _sum(profile: Profile) -> Table:
     table = _table("part", "ms a tick", "share", "ticks/s", "")
     rows = {part: ms for part, ms in profile.parts.items() if part != "step" and (ms or part == "runner")}
+    last = next(reversed(rows))
     ideal_ms = profile.ideal_ms
     rate = f"{1e3 / ideal_ms:.0f}" if ideal_ms else ""
     table.add_row("steps", f"{ideal_ms:.3f}", _share(ideal_ms, profile), rate, "the ideal: only the steps")
     for part, ms in rows.items():
-        table.add_row(part, f"{ms:.3f}", _share(ms, profile), "", _PARTS[part], end_section=part == "runner")
+        table.add_row(part, f"{ms:.3f}", _share(ms, profile), "", _PARTS[part], end_section=part == last)
     table.add_row(
         "tick",
         f"{profile.tick_ms:.3f}",
@@ -125,9 +128,10 @@ def _share(ms: float, profile: Profile) -> str:
 def _notes(profile: Profile) -> Iterator[Text]:
     found = profile.instruments
     text = Text(
-        f"instruments: {found.boundaries:.0f} clock readings a tick at {found.boundary_us:.2f} µs, "
-        f"about {found.ms:.3f} ms of it"
+        f"instruments: {found.readings:.0f} clock readings a tick at {found.reading_us:.2f} µs, about {found.ms:.3f} ms"
     )
-    if profile.ticks.get("bare"):
+    if found.bare_p50_ms is not None:
         text.append(f"; median tick {found.timed_p50_ms:.3f} ms with, {found.bare_p50_ms:.3f} ms without them")
     yield text
+    if profile.ticks["timed"] < _FEW:
+        yield Text(f"quantiles of {profile.ticks['timed']} ticks are rough: let it run longer")
