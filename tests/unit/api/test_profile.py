@@ -9,6 +9,19 @@ import pytest
 
 import graphnav
 
+from .conftest import STAGES
+
+
+@pytest.fixture
+def graph(tmp_path: Path) -> Path:
+    """Return the file of a graph of eleven ticks."""
+    path = tmp_path / "toy.yaml"
+    path.write_text(
+        f"plugins: [{STAGES}]\nrun: {{until_s: 1, seed: 3}}\nstages:\n"
+        "  sensor: {use: door.sensor}\n  steer: {use: door.steerer, in: {flow: sensor.flow}}\n"
+    )
+    return path
+
 
 def test_a_profile_has_tables_json_and_a_picture(graph: Path) -> None:
     found = graphnav.profile(graph, until_s=5, seed=4, set={"sensor.noise_px": 1})

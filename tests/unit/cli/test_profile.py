@@ -18,7 +18,6 @@ run: {{until_s: 9.9, seed: 3}}
 stages:
   sensor: {{use: door.sensor}}
   steer: {{use: door.steerer, in: {{flow: sensor.flow}}}}
-  way: {{use: door.way, in: {{twist: sensor.twist}}}}
 """
 
 
@@ -53,14 +52,14 @@ def test_json_is_the_profile(graph: str, capsys: pytest.CaptureFixture[str]) -> 
     assert found["ticks"] == {"bare": 11, "timed": 69, "warm_up": 20}
     assert sum(found["parts"].values()) == pytest.approx(found["tick_ms"])
     assert found["parts"]["step"] == found["ideal_ms"] == pytest.approx(sum(one["ms"] for one in found["stages"]))
-    assert [one["name"] for one in found["stages"]] == ["sensor", "steer", "way"]
+    assert [one["name"] for one in found["stages"]] == ["sensor", "steer"]
     assert found["threads"].keys() >= {"blas"}
 
 
 def test_the_slowest_first(graph: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["profile", graph, "--sort"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if " door." in line]
-    assert len(rows) == 3
+    assert len(rows) == 2
     assert [float(row[3]) for row in rows] == sorted((float(row[3]) for row in rows), reverse=True)
 
 
