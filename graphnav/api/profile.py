@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import get_args
 
-from graphnav.api.arguments import PathLike
+from graphnav.api.arguments import PathLike, wrong_type
 from graphnav.api.load import loaded, with_run_options
 from graphnav.api.notices import tell
 from graphnav.api.one_thread import one_thread
@@ -15,6 +16,7 @@ from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import Graph
 from graphnav.profiling import NothingMeasuredError, Profile, functions_missing, measure, refuse_live
+from graphnav.profiling.profile import Clock
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import new_run_id
 
@@ -29,6 +31,7 @@ def profile(
     folder: PathLike | None = None,
     plugins: Sequence[PathLike] = (),
     tap: TapMode = "none",
+    clock: Clock = "wall",
     functions: bool = False,
 ) -> Profile:
     """Run a graph in lockstep, with its log, and return where the time of its ticks went.
@@ -46,11 +49,13 @@ def profile(
         Ctrl-C, or a notebook's stop button, ended the run.
     """
     check_tap(tap)
+    if clock not in get_args(Clock):
+        raise wrong_type("clock", clock, '"wall" or "cpu"', 'write clock="cpu" on a machine that does other work')
     checked = with_run_options(loaded(graph, set, plugins, Catalog()), {"seed": seed, "until_s": until_s})
     refuse_live(checked)
     if functions and (missing := functions_missing()):
         raise UserError(missing)
-    found = _measured(checked, folder, tap, functions=functions)
+    found = _measured(checked, folder, tap, clock, functions=functions)
     if found.outcome == Outcome.STOPPED:
         raise KeyboardInterrupt
     if found.failure:
@@ -58,7 +63,7 @@ def profile(
     return found
 
 
-def _measured(graph: Graph, folder: PathLike | None, tap: TapMode, *, functions: bool) -> Profile:
+def _measured(graph: Graph, folder: PathLike | None, tap: TapMode, clock: Clock, *, functions: bool) -> Profile:
     stages = graph.make_stages()
     kept = new_folder(folder)
     run_id = new_run_id()
@@ -69,6 +74,7 @@ def _measured(graph: Graph, folder: PathLike | None, tap: TapMode, *, functions:
                 stages,
                 kept.path,
                 functions=functions,
+                clock=clock,
                 tap=open_tap(tap, run_id, tell=tell),
                 run_id=run_id,
                 notice=tell,

@@ -35,6 +35,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="also measure copies for viewers on this machine (default: none)",
     )
     parser.add_argument(
+        "--clock",
+        choices=("wall", "cpu"),
+        default="wall",
+        help="wall time (default), or processor time of the run's thread: for a machine that does other work",
+    )
+    parser.add_argument(
         "--flame",
         type=Path,
         metavar="FILE.svg",
@@ -103,6 +109,7 @@ def _measure(args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], f
             stages,
             folder,
             functions=args.flame is not None and not functions_missing(),
+            clock=args.clock,
             tap=open_tap(args.tap, run_id, tell=print_notice),
             run_id=run_id,
             on_tick=on_tick,

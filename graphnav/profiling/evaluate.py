@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from graphnav.profiling.process_threads import process_threads
-from graphnav.profiling.profile import ChannelTime, Instruments, Node, Profile, StageTime
+from graphnav.profiling.profile import ChannelTime, Clock, Instruments, Node, Profile, StageTime
 from graphnav.profiling.profiled_runner import ProfiledRunner
 from graphnav.profiling.step_functions import Function
 from graphnav.profiling.stopwatch import Part, Span
@@ -16,7 +16,7 @@ _OF_A_CHANNEL = (Part.ENCODE, Part.DELIVER, Part.DECODE, Part.LOG, Part.TAP)
 _REMAINDERS = (Part.TICK, Part.STAGE)
 
 
-def profile_of(runner: ProfiledRunner, summary: Summary, reading_us: float) -> Profile:
+def profile_of(runner: ProfiledRunner, summary: Summary, clock: Clock, reading_us: float) -> Profile:
     """Return the profile of a run with at least one timed tick.
 
     ``reading_us``: the cost of a clock reading of the instruments. Nearly all of them are made between the other
@@ -35,6 +35,7 @@ def profile_of(runner: ProfiledRunner, summary: Summary, reading_us: float) -> P
         seed=summary.seed,
         outcome=summary.outcome,
         failure=summary.failure,
+        clock=clock,
         ticks={kind.name.lower(): count for kind, count in sorted(runner.kinds.items(), key=lambda item: item[0].name)},
         parts={part: ns / n_ticks / 1e6 for part, ns in parts.items()},
         tick_ms=total_ns / n_ticks / 1e6,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from graphnav.errors import printable
+from graphnav.profiling.text import CLOCKS
 from graphnav.render.html_templates import rendered
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def flame_svg(profile: Profile) -> str:
         "flame.svg",
         title=f"{printable(profile.graph)}: a tick takes {profile.tick_ms:.3f} ms, {profile.ticks_per_s:.0f} ticks/s",
         ideal=f"the steps alone take {profile.ideal_ms:.3f} ms, {_share(profile.ideal_ms, profile.tick_ms)} of it",
-        measured=f"means of {profile.ticks['timed']} ticks, seed {profile.seed}",
+        measured=f"means of {profile.ticks['timed']} ticks, seed {profile.seed}, {CLOCKS[profile.clock]}",
         width=width,
         shrinks=width == _MIN_WIDTH_PX,
         height=max(box.y for box in boxes) + _ROW_PX + 8,

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 from graphnav.profiling.flame import flame_svg
 from graphnav.profiling.text import profile_text
+
+Clock = Literal["wall", "cpu"]
+"""Wall time, or the processor time of the run's thread."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,8 @@ class Profile:
     """The outcome of the run, as that of `Run`."""
     failure: str
     """The cause if the run failed; the times are those of the ticks before."""
+    clock: Clock
+    """``"wall"``, or ``"cpu"`` where the times are processor time."""
     ticks: dict[str, int]
     """Ticks by kind: ``timed``, ``bare`` (without instruments), ``sampled`` (functions), ``warm_up``."""
     parts: dict[str, float]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import random
-import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from enum import Enum, auto
 
 from graphnav.bus import Bus
@@ -13,7 +13,7 @@ from graphnav.graph import Channel, Graph
 from graphnav.messages import Message
 from graphnav.profiling.step_functions import StepFunctions
 from graphnav.profiling.stopwatch import Part, Stopwatch
-from graphnav.profiling.timed import TimedBus, TimedSink, TimedSteps
+from graphnav.profiling.timed import TimedBus, TimedSink, TimedStep
 from graphnav.runner import Runner
 from graphnav.runner.durations import Durations
 from graphnav.runner.lockstep_unit import LockstepUnit
@@ -52,7 +52,6 @@ class ProfiledRunner(Runner):
         *,
         watch: Stopwatch,
         functions: StepFunctions | None,
-        clock: Callable[[], int] = time.perf_counter_ns,
     ) -> None:
         timed_sinks = [TimedSink(sink, part, watch) for sink, part in zip(sinks, (Part.LOG, Part.TAP), strict=False)]
         super().__init__(graph, stages, TimedBus(bus, watch), timed_sinks)
@@ -65,12 +64,10 @@ class ProfiledRunner(Runner):
         """Bytes of the messages of timed ticks, by channel."""
         self.n_messages: Counter[str] = Counter()
         """Their number."""
-        self._clock = clock
         self._random = random.Random(0)
         self._sent: list[tuple[str, int]] = []
-        self._is_sampled = False
         for name, unit in self._units.items():
-            unit.durations = TimedSteps(name, watch, functions)
+            unit.wrap_step(TimedStep(name, watch, functions).wrap)
 
     def tick(self) -> str | None:
         """Fire everything that is due at the next stamp; return the outcome if a source ended the run."""
@@ -82,13 +79,12 @@ class ProfiledRunner(Runner):
             self.watch.end()
             self._count_messages()
         elif kind is TickKind.BARE:
-            begin_ns = self._clock()
+            begin_ns = self.watch.clock()
             outcome = super().tick()
-            self.bare.add((self._clock() - begin_ns) / 1e9)
+            self.bare.add((self.watch.clock() - begin_ns) / 1e9)
         else:
-            self._is_sampled = kind is TickKind.SAMPLED
-            outcome = super().tick()
-            self._is_sampled = False
+            with self._sampled(kind):
+                outcome = super().tick()
         self.kinds[kind] += 1
         return outcome
 
@@ -96,6 +92,9 @@ class ProfiledRunner(Runner):
         for channel, n_bytes in self._sent:
             self.n_bytes[channel] += n_bytes
             self.n_messages[channel] += 1
+
+    def _sampled(self, kind: TickKind) -> AbstractContextManager[None]:
+        return nullcontext() if self.functions is None or kind is TickKind.WARM_UP else self.functions.on()
 
     def _next_kind(self) -> TickKind:
         if self.ticks < WARM_UP:
@@ -115,9 +114,6 @@ class ProfiledRunner(Runner):
             self.watch.close(Part.CHECK)
             self.watch.leave()
             return outcome
-        if self._is_sampled and self.functions is not None:
-            with self.functions.sampled(unit.node.name):
-                return super()._fire(unit, stamp)
         return super()._fire(unit, stamp)
 
     def _publish(self, channel: Channel, utime: int, message: Message) -> None:

@@ -11,17 +11,14 @@ from typing import TYPE_CHECKING
 
 from graphnav.errors import Problem
 from graphnav.machine.extras import install_command
-from graphnav.runner import unit
 
 if TYPE_CHECKING:
     from pyinstrument import Profiler
     from pyinstrument.frame import Frame
 
 _INTERVAL_S = 1e-4
-_CALLER = unit.__file__
-"""The function ``step`` of this file calls every stage's step ..."""
-_TOLD = str(Path(__file__).with_name("timed.py"))
-"""... and then tells this one that it has ended."""
+_CALLER = str(Path(__file__).with_name("timed.py"))
+"""The function ``timed_step`` of this file calls every stage's step."""
 
 
 @dataclass
@@ -44,31 +41,31 @@ def functions_missing() -> Problem | None:
 
 
 class StepFunctions:
-    """Samples the call stack during steps, a tenth of a millisecond apart."""
+    """Samples the call stack during steps, a tenth of a millisecond apart, in ticks in which it is on."""
 
     def __init__(self) -> None:
         self._profilers: dict[str, Profiler] = {}
-        self._running: Profiler | None = None
+        self.is_on = False
+        """Whether the steps of this tick are sampled."""
+
+    @contextmanager
+    def on(self) -> Iterator[None]:
+        """Turn it on for the block."""
+        self.is_on = True
+        try:
+            yield
+        finally:
+            self.is_on = False
 
     @contextmanager
     def sampled(self, stage: str) -> Iterator[None]:
-        """Sample from here until `stop`, or the end of the block."""
+        """Sample a stage's step."""
         from pyinstrument import Profiler  # noqa: PLC0415 - an extra
 
         if stage not in self._profilers:
             self._profilers[stage] = Profiler(interval=_INTERVAL_S, async_mode="disabled")
-        self._running = self._profilers[stage]
-        self._running.start()
-        try:
+        with self._profilers[stage]:
             yield
-        finally:
-            self.stop()
-
-    def stop(self) -> None:
-        """Stop sampling; has no effect if it was stopped."""
-        running, self._running = self._running, None
-        if running is not None:
-            running.stop()
 
     def of(self, stage: str) -> list[Function]:
         """Return the functions that a stage's step runs, with shares of the step; empty if none was sampled."""
@@ -85,10 +82,10 @@ class StepFunctions:
 
 
 def _below_caller(frame: Frame) -> Iterator[Frame]:
-    """Yield the frames that the runner called as a stage's step; what else it called is built in, or tells the end."""
+    """Yield the frames of a stage's step; what else its caller called ends the sampling."""
     for child in frame.children:
-        if frame.function == "step" and frame.file_path == _CALLER:
-            if child.line_no and child.file_path != _TOLD:
+        if frame.function == "timed_step" and frame.file_path == _CALLER:
+            if child.line_no and child.function != "__exit__":
                 yield child
         else:
             yield from _below_caller(child)

@@ -53,15 +53,13 @@ class Stopwatch:
         self.n_ticks = 0
         self.n_readings = 0
         """How often the clock was read in ticks that ended."""
-        self._clock = clock
+        self.clock = clock
         self._top = self.root
         self._ends: list[int] = []
         self._spans: list[Span] = []
         """The clock at every boundary, and the span that ended there: two lists, since an object for each boundary
         would make Python collect garbage."""
         self._entered: list[Span] = []
-        self._n_steps = 0
-        """Boundaries that were not read from the clock: where steps began."""
 
     @property
     def name(self) -> str:
@@ -74,14 +72,13 @@ class Stopwatch:
         self._ends.clear()
         self._entered.clear()
         self._top = self.root
-        self._n_steps = 0
         self.is_on = True
         self._spans.append(self.root)
-        self._ends.append(self._clock())
+        self._ends.append(self.clock())
 
     def end(self) -> None:
         """End the tick and count it."""
-        self._ends.append(self._clock())
+        self._ends.append(self.clock())
         self._spans.append(self._top)
         self.is_on = False
         sums: dict[Span, int] = {}
@@ -96,7 +93,7 @@ class Stopwatch:
         self.root.count += 1
         self.root.ticks.add((self._ends[-1] - self._ends[0]) / 1e9)
         self.n_ticks += 1
-        self.n_readings += len(self._ends) - self._n_steps
+        self.n_readings += len(self._ends)
 
     def enter(self, part: Part, name: str) -> None:
         """Open a span within the current one."""
@@ -104,11 +101,11 @@ class Stopwatch:
         self._entered.append(span)
         self._spans.append(self._top)
         self._top = span
-        self._ends.append(self._clock())
+        self._ends.append(self.clock())
 
     def leave(self) -> None:
         """Close the current span."""
-        self._ends.append(self._clock())
+        self._ends.append(self.clock())
         self._spans.append(self._top)
         self._top = self._top.parent or self.root
 
@@ -119,19 +116,10 @@ class Stopwatch:
 
     def lap(self, part: Part, name: str) -> None:
         """Give the time since the last boundary to a span within the current one."""
-        self._ends.append(self._clock())
+        self._ends.append(self.clock())
         span = self._child(part, name)
         self._entered.append(span)
         self._spans.append(span)
-
-    def lap_of(self, part: Part, name: str, ns: int) -> None:
-        """Give the last ``ns`` to a span within the current one; what came before belongs to the current one."""
-        now_ns = self._clock()
-        span = self._child(part, name)
-        self._entered.append(span)
-        self._spans += (self._top, span)
-        self._n_steps += 1
-        self._ends += (min(max(now_ns - ns, self._ends[-1]), now_ns), now_ns)
 
     def _child(self, part: Part, name: str) -> Span:
         children = self._top.children

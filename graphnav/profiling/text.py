@@ -13,10 +13,11 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
-    from graphnav.profiling.profile import ChannelTime, Profile, StageTime
+    from graphnav.profiling.profile import ChannelTime, Clock, Profile, StageTime
 
 _MAX_COLS = 1000
 """Tables are as wide as they need: a truncated number would be a wrong one."""
+CLOCKS: dict[Clock, str] = {"wall": "wall time", "cpu": "processor time of the thread"}
 _FEW = 30
 _PARTS = {
     "check": "types of outputs, NaN",
@@ -58,7 +59,7 @@ def _amount(profile: Profile) -> Text:
     others = ", ".join(f"{counts[kind]} {what}" for kind, what in said.items() if counts.get(kind))
     n_threads = ", ".join(f"{name} {number}" for name, number in profile.threads.items())
     text = Text(f"{profile.graph}: {counts['timed']} timed ticks of {sum(counts.values())}")
-    text.append(f" ({others}), seed {profile.seed}; threads: {n_threads}")
+    text.append(f" ({others}), seed {profile.seed}; threads: {n_threads}; {CLOCKS[profile.clock]}")
     return text
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from graphnav.bus import Bus, Handler
 from graphnav.profiling.step_functions import StepFunctions
 from graphnav.profiling.stopwatch import Part, Stopwatch
-from graphnav.runner.durations import Durations
 from graphnav.runner.owned_stages import Sink
 
 
@@ -58,21 +60,30 @@ class TimedSink:
         self._watch.leave()
 
 
-class TimedSteps(Durations):
-    """The durations of a stage's steps, which also tell the stopwatch when a step has ended.
+class TimedStep:
+    """Wraps the step of a stage.
 
-    From there to its first message, and between messages, a stage's outputs are checked.
+    From its end to the stage's first message, and between messages, the outputs are checked.
     """
 
     def __init__(self, stage: str, watch: Stopwatch, functions: StepFunctions | None) -> None:
-        super().__init__()
         self._stage, self._watch, self._functions = stage, watch, functions
 
-    def add(self, duration_s: float) -> None:
-        """Count the step that has just ended."""
-        if self._functions is not None:
-            self._functions.stop()
-        super().add(duration_s)
-        if self._watch.is_on:
-            self._watch.lap_of(Part.STEP, self._stage, round(duration_s * 1e9))
-            self._watch.enter(Part.CHECK, self._stage)
+    def wrap(self, step: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the timed step."""
+        stage, watch, functions = self._stage, self._watch, self._functions
+
+        def timed_step(**inputs: Any) -> Any:
+            if watch.is_on:
+                watch.enter(Part.STEP, stage)
+                try:
+                    return step(**inputs)
+                finally:
+                    watch.leave()
+                    watch.enter(Part.CHECK, stage)
+            if functions is not None and functions.is_on:
+                with functions.sampled(stage):
+                    return step(**inputs)
+            return step(**inputs)
+
+        return timed_step

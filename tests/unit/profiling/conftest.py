@@ -60,12 +60,12 @@ def profile_text(tmp_path: Path) -> ProfileText:
         clock = itertools.count().__next__
         with closing(Bus("memq://")) as bus:
             runner = ProfiledRunner(
-                graph, graph.make_stages(), bus, [Kept()], watch=Stopwatch(clock), functions=functions, clock=clock
+                graph, graph.make_stages(), bus, [Kept()], watch=Stopwatch(clock), functions=functions
             )
             runner.reset(0)
             with suppress(StageError) if may_fail else nullcontext():
                 for _ in range(n_ticks):
                     runner.tick()
-            return profile_of(runner, summary_of(graph), 0.0), runner
+            return profile_of(runner, summary_of(graph), "wall", 0.0), runner
 
     return profiled

@@ -41,25 +41,6 @@ def test_a_lap_takes_the_time_since_the_last_boundary() -> None:
     assert [span.ns for span in spans(watch.root)] == [8, 5, 7]
 
 
-def test_a_step_ends_now_and_began_its_duration_ago() -> None:
-    watch = watch_at([0, 10, 100, 130, 140])
-    watch.begin()
-    watch.enter(Part.STAGE, "plane")
-    watch.lap_of(Part.STEP, "plane", 70)
-    watch.leave()
-    watch.end()
-    stage = watch.root.children[Part.STAGE, "plane"]
-    assert (watch.root.ns, stage.ns, stage.children[Part.STEP, "plane"].ns) == (20, 20 + 30, 70)
-
-
-def test_a_step_is_never_longer_than_what_passed() -> None:
-    watch = watch_at([0, 10, 30])
-    watch.begin()
-    watch.lap_of(Part.STEP, "plane", 1000)
-    watch.end()
-    assert [span.ns for span in spans(watch.root)] == [20, 10]
-
-
 def test_a_tick_that_does_not_end_leaves_no_trace() -> None:
     watch = watch_at(range(0, 1000, 10))
     watch.begin()
@@ -71,7 +52,7 @@ def test_a_tick_that_does_not_end_leaves_no_trace() -> None:
     assert [(span.ns, span.count) for span in spans(watch.root)] == [(10, 1), (0, 0), (0, 0)]
 
 
-@given(st.lists(st.tuples(st.sampled_from(["enter", "leave", "lap", "step"]), st.integers(0, 10**9)), max_size=60))
+@given(st.lists(st.tuples(st.sampled_from(["enter", "leave", "lap"]), st.integers(0, 10**9)), max_size=60))
 def test_the_spans_of_a_tick_add_up_to_it(moves: list[tuple[str, int]]) -> None:
     now_ns = 0
 
@@ -87,10 +68,8 @@ def test_the_spans_of_a_tick_add_up_to_it(moves: list[tuple[str, int]]) -> None:
                 watch.enter(Part.STAGE, f"s{number % 3}")
             case "leave":
                 watch.leave()
-            case "lap":
-                watch.lap(Part.DELIVER, "c")
             case _:
-                watch.lap_of(Part.STEP, "s", passed_ns // 2)
+                watch.lap(Part.DELIVER, "c")
     now_ns += 1
     watch.end()
     assert sum(span.ns for span in spans(watch.root)) == now_ns
