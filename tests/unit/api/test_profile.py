@@ -65,6 +65,8 @@ def test_an_interrupted_run_raises(graph: Path, at_tick: int) -> None:
 def test_arguments_are_checked_before_the_run(graph: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(graphnav.UserError, match=r"tap must be \"thin\", \"full\" or \"none\", not 'thick' \(str\)"):
         graphnav.profile(graph, tap="thick")  # type: ignore[arg-type]
+    with pytest.raises(graphnav.UserError, match=r"clock must be \"wall\" or \"cpu\", not 'sun' \(str\)"):
+        graphnav.profile(graph, clock="sun")  # type: ignore[arg-type]
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
     with pytest.raises(graphnav.UserError, match="pyinstrument is not installed\n  install it: pip install"):
         graphnav.profile(graph, functions=True)

@@ -34,6 +34,7 @@ def test_the_tables_and_nothing_else(graph: str, capsys: pytest.CaptureFixture[s
     out, err = capsys.readouterr()
     assert err == ""
     assert out.startswith("toy: 69 timed ticks of 100 (20 to warm up, 11 without instruments), seed 3; threads: blas ")
+    assert out.splitlines()[0].endswith("; wall time")
     for word in ("door.steerer", "sensor.flow", "the ideal: only the steps", "100.0%", "clock readings a tick"):
         assert word in out
     assert sorted(path.name for path in Path().iterdir()) == ["toy.yaml"]
@@ -46,9 +47,10 @@ def test_the_run_is_that_of_run(graph: str) -> None:
 
 
 def test_json_is_the_profile(graph: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["profile", graph, "--json", "--seed", "5", "--set", "sensor.noise_px=1"]) == 0
+    assert main(["profile", graph, "--json", "--seed", "5", "--set", "sensor.noise_px=1", "--clock", "cpu"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["graph"], found["seed"], found["outcome"], found["failure"]) == ("toy", 5, "timeout", "")
+    assert found["clock"] == "cpu"
     assert found["ticks"] == {"bare": 11, "timed": 69, "warm_up": 20}
     assert sum(found["parts"].values()) == pytest.approx(found["tick_ms"])
     assert found["parts"]["step"] == found["ideal_ms"] == pytest.approx(sum(one["ms"] for one in found["stages"]))
