@@ -25,6 +25,7 @@ from .api.logs.log import (
 from .api.logs.log import (
     open_log as open_log,
 )
+from .api.profile import profile as profile
 from .api.run import run as run
 from .api.studies.ablate import ablate as ablate
 from .api.studies.finished_study import Study as Study
@@ -127,6 +128,7 @@ from .pictures import (
 from .pictures import (
     VideoFrames as VideoFrames,
 )
+from .profiling import Profile as Profile
 from .record import Recording as Recording
 from .spec import (
     FileFormat as FileFormat,

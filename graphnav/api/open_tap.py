@@ -1,10 +1,11 @@
-"""Open the tap of a run, for ``graphnav run`` and `graphnav.run`."""
+"""Open the tap of a run, for commands and the Python door."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Literal, get_args
 
+from graphnav.api.arguments import wrong_type
 from graphnav.errors import GraphnavError
 from graphnav.lcm_url import tap_url
 from graphnav.tap import Tap
@@ -26,3 +27,9 @@ def open_tap(
     except GraphnavError as error:
         tell(f"no tap: {error}")
         return None
+
+
+def check_tap(tap: object) -> None:
+    """Raise UserError for an argument that is not a mode of the tap."""
+    if tap not in get_args(TapMode):
+        raise wrong_type("tap", tap, '"thin", "full" or "none"', 'write tap="thin" to watch with graphnav spy')

@@ -33,6 +33,9 @@ PARAMETERS = {
     "url": "LCM URL of the channels that come in and leave, live.",
     "pictures": "Draw the panels and the map from the log.",
     "check": "Raise `RunError` if the run fails.",
+    "clock": 'What measures: ``"wall"``, or ``"cpu"`` for the processor time of the run, which other work on the '
+    "machine hardly changes.",
+    "functions": "Also sample the functions inside of the steps, for the flame graph; needs pyinstrument.",
     "metrics": 'Columns of the tables, ``"drive.success"``, the one that decides first; none: all of them.',
     "within": "Axes that are conditions: variants are compared with the base under the same one.",
     "one_at_a_time": "Change one axis of the base at a time, in place of crossing them.",

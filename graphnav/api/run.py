@@ -6,7 +6,6 @@ import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
 
 from graphnav.api.arguments import PathLike, plain, wrong_type
 from graphnav.api.execute import execute, runs_live
@@ -14,7 +13,7 @@ from graphnav.api.finished_run import Run
 from graphnav.api.load import add_plugins, loaded, with_run_options
 from graphnav.api.notices import tell
 from graphnav.api.one_thread import one_thread
-from graphnav.api.open_tap import TapMode, open_tap
+from graphnav.api.open_tap import TapMode, check_tap, open_tap
 from graphnav.api.parameters import documented
 from graphnav.api.result_folder import new_folder
 from graphnav.catalog import Catalog
@@ -119,8 +118,7 @@ def _check_arguments(pace: object, tap: object, url: object) -> None:
     """Raise UserError for arguments of a wrong type."""
     if pace is not None and (isinstance(pace, bool) or not isinstance(plain(pace, "pace"), int | float)):
         raise wrong_type("pace", pace, "a number or None", "write pace=1 for wall time")
-    if tap not in get_args(TapMode):
-        raise wrong_type("tap", tap, '"thin", "full" or "none"', 'write tap="thin" to watch with graphnav spy')
+    check_tap(tap)
     if url is not None and not isinstance(url, str):
         raise wrong_type("url", url, "a string or None", 'write url="udpm://239.255.76.67:7667?ttl=0"')
 

@@ -23,6 +23,7 @@ COMMANDS = {
     "new-stage": "write a working one-file plugin and its test",
     "schema": "print the JSON Schema of graphs, studies or maps, for completion in editors",
     "teach": "run an obstacle-free graph and save the learned planar model",
+    "profile": "measure where the time of a tick goes: by stage, by channel; a flame graph",
     "replay": "step the stages of a recorded run again, with swaps, and compare with the recorded messages",
     "figure": "redraw the pictures of a recorded run: panels, single frames, a contact sheet",
     "export": "write a log as video, tables, or a file for Foxglove or Rerun",

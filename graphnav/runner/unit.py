@@ -43,6 +43,10 @@ class Unit:
         """Number of inputs that arrived but were never used in a step."""
         return 0
 
+    def wrap_step(self, wrap: Callable[[Callable[..., Any]], Callable[..., Any]]) -> None:
+        """Call ``wrap(step)`` in place of the stage's step, which a profile measures in this way."""
+        self._step = wrap(self._step)
+
     def judge_deadline(self, ready_s: float, done_s: float) -> None:
         """Count a step that missed the stage's deadline; times in seconds."""
         if self.node.deadline_ms is not None and done_s - ready_s > self.node.deadline_ms / 1e3:

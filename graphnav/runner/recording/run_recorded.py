@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Protocol
@@ -28,6 +28,9 @@ from graphnav.runner.simulated_clock import SimulatedClock
 from graphnav.stage import Stage
 
 SUMMARY = "summary.json"
+
+
+MakeRunner = Callable[[Graph, Mapping[str, Stage], Bus, Sequence[Sink]], Runner]
 
 
 class LiveSink(Sink, Protocol):
@@ -74,6 +77,7 @@ def run_recorded(
     on_tick: Callable[[int], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
     notice: Callable[[str], None] = lambda _: None,
+    make_runner: MakeRunner = Runner,
 ) -> Summary:
     """Run ``graph`` once into ``folder``, which must exist, and return the content of its ``summary.json``.
 
@@ -81,7 +85,7 @@ def run_recorded(
     to there, and the summary states how it ended. ``keep``: the channels to log, None for the graph's ``record``
     option. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows. ``on_tick`` gets
     the stamp of the next tick, ``on_failure`` every error in ``failure``, ``notice`` warnings of lateness and of a
-    large log.
+    large log. ``make_runner``: a runner that measures, in place of the plain one; its sinks are the log and the tap.
 
     Raises
     ------
@@ -90,7 +94,7 @@ def run_recorded(
     """
     run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
     with ExitStack() as cleanup, Interrupt() as interrupt:
-        run.begin(stages, keep, cleanup)
+        run.begin(stages, keep, cleanup, make_runner)
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
         forecast = LogForecast(graph.run.until_s, run.writer, folder, notice) if _keeps_all(graph, keep) else None
         run.perform(clock, forecast, on_tick, lambda: interrupt.asked)
@@ -108,7 +112,9 @@ class _LockstepRun:
         self._scores: dict[str, dict[str, float]] = {}
         self._wall_s = 0.0
 
-    def begin(self, stages: dict[str, Stage], keep: Collection[str] | None, cleanup: ExitStack) -> None:
+    def begin(
+        self, stages: dict[str, Stage], keep: Collection[str] | None, cleanup: ExitStack, make_runner: MakeRunner
+    ) -> None:
         """Open the log, announce the run and wire the stages; ``cleanup`` gets what closes all that."""
         self.writer = _begin(self._graph, self._folder)
         cleanup.callback(self._failures.close, self.writer.close)
@@ -119,7 +125,7 @@ class _LockstepRun:
             sinks.append(self._tap)
         bus = Bus("memq://")
         cleanup.callback(bus.close)
-        self._runner = Runner(self._graph, stages, bus, sinks)
+        self._runner = make_runner(self._graph, stages, bus, sinks)
         cleanup.callback(self._failures.close, self._runner.close)
 
     def perform(

@@ -10,7 +10,7 @@ import pytest
 
 import graphnav
 
-DOOR = ("ablate", "check", "draw", "load", "open_log", "run")
+DOOR = ("ablate", "check", "draw", "load", "open_log", "profile", "run")
 
 
 @pytest.mark.parametrize("name", DOOR)
@@ -23,7 +23,7 @@ def test_every_argument_is_documented_and_typed(name: str) -> None:
     assert all(p.annotation is not p.empty for p in inspect.signature(function).parameters.values())
 
 
-@pytest.mark.parametrize("name", ["Drawing", "Log", "Run", "Study"])
+@pytest.mark.parametrize("name", ["Drawing", "Log", "Profile", "Run", "Study"])
 def test_every_public_attribute_is_documented(name: str) -> None:
     cls = getattr(graphnav, name)
     public = {word: value for word, value in vars(cls).items() if not word.startswith("_")}

@@ -1,0 +1,71 @@
+"""Profiles of small graphs, by a clock that counts how often it is read."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from contextlib import closing, nullcontext, suppress
+from pathlib import Path
+
+import pytest
+
+from graphnav.bus import Bus
+from graphnav.catalog import Catalog
+from graphnav.errors import StageError
+from graphnav.graph import Graph, load_graph
+from graphnav.profiling.evaluate import profile_of
+from graphnav.profiling.profile import Profile
+from graphnav.profiling.profiled_runner import ProfiledRunner
+from graphnav.profiling.step_functions import StepFunctions
+from graphnav.profiling.stopwatch import Stopwatch
+from graphnav.runner.recording.summary import Summary
+
+STAGES = Path(__file__).parents[1] / "runner" / "stages.py"
+GRAPH = """\
+run: {until_s: 20}
+stages:
+  count: {use: probe.counter}
+  plus: {use: probe.plus, in: {twist: count}}
+  join: {use: probe.join, in: {a: count, b: plus}}
+"""
+ProfileText = Callable[..., tuple[Profile, ProfiledRunner]]
+
+
+class Kept:
+    """A receiver that keeps what it gets."""
+
+    def __init__(self) -> None:
+        self.events: list[tuple[str, int, bytes]] = []
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        self.events.append((channel, utime, data))
+
+
+def summary_of(graph: Graph) -> Summary:
+    return Summary("timeout", "", graph.path.stem, 0, None, 0, 0.0, 0.0, {}, {}, [], 0, "", {})
+
+
+@pytest.fixture
+def profile_text(tmp_path: Path) -> ProfileText:
+    """Return a function that runs a graph and gives its profile; a reading of the clock takes a nanosecond."""
+
+    def profiled(
+        text: str = GRAPH, n_ticks: int = 120, *, functions: StepFunctions | None = None, may_fail: bool = False
+    ) -> tuple[Profile, ProfiledRunner]:
+        path = tmp_path / "graph.yaml"
+        path.write_text(text)
+        catalog = Catalog()
+        catalog.add_file(STAGES)
+        graph = load_graph(path, catalog)
+        clock = itertools.count().__next__
+        with closing(Bus("memq://")) as bus:
+            runner = ProfiledRunner(
+                graph, graph.make_stages(), bus, [Kept()], watch=Stopwatch(clock), functions=functions
+            )
+            runner.reset(0)
+            with suppress(StageError) if may_fail else nullcontext():
+                for _ in range(n_ticks):
+                    runner.tick()
+            return profile_of(runner, summary_of(graph), "wall", 0.0), runner
+
+    return profiled
