@@ -50,7 +50,12 @@ def profile_text(tmp_path: Path) -> ProfileText:
     """Return a function that runs a graph and gives its profile; a reading of the clock takes a nanosecond."""
 
     def profiled(
-        text: str = GRAPH, n_ticks: int = 120, *, functions: StepFunctions | None = None, may_fail: bool = False
+        text: str = GRAPH,
+        n_ticks: int = 120,
+        *,
+        functions: StepFunctions | None = None,
+        may_fail: bool = False,
+        n_sinks: int = 1,
     ) -> tuple[Profile, ProfiledRunner]:
         path = tmp_path / "graph.yaml"
         path.write_text(text)
@@ -60,7 +65,12 @@ def profile_text(tmp_path: Path) -> ProfileText:
         clock = itertools.count().__next__
         with closing(Bus("memq://")) as bus:
             runner = ProfiledRunner(
-                graph, graph.make_stages(), bus, [Kept()], watch=Stopwatch(clock), functions=functions
+                graph,
+                graph.make_stages(),
+                bus,
+                [Kept() for _ in range(n_sinks)],
+                watch=Stopwatch(clock),
+                functions=functions,
             )
             runner.reset(0)
             with suppress(StageError) if may_fail else nullcontext():

@@ -43,6 +43,13 @@ def test_the_parts_add_up_to_the_tick(profile_text: ProfileText) -> None:
     assert all(node.ms >= sum(child.ms for child in node.children) - 1e-12 for node in profile.tree.walk())
 
 
+def test_the_second_receiver_is_the_tap(profile_text: ProfileText) -> None:
+    profile, _ = profile_text(n_sinks=2)
+    assert profile.parts["tap"] / NS == pytest.approx(3)
+    assert all(channel.tap_us == channel.log_us == pytest.approx(NS * 1e3) for channel in profile.channels)
+    assert "tap µs" in str(profile)
+
+
 def test_channels_say_how_often_they_are_sent_and_decoded(profile_text: ProfileText) -> None:
     text = GRAPH.replace("probe.counter", "probe.counter, with: {every: 2}").replace("until_s: 20", "until_s: 100")
     profile, runner = profile_text(text, 700)
