@@ -82,10 +82,10 @@ class StepFunctions:
 
 
 def _below_caller(frame: Frame) -> Iterator[Frame]:
-    """Yield the frames of a stage's step; what else its caller called ends the sampling."""
+    """Yield the frames of a stage's step; what else its caller called begins and ends the sampling."""
     for child in frame.children:
         if frame.function == "timed_step" and frame.file_path == _CALLER:
-            if child.line_no and child.function != "__exit__":
+            if child.line_no and child.function not in {"__enter__", "__exit__"}:
                 yield child
         else:
             yield from _below_caller(child)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 import json
+from typing import Any
 
 import pytest
 from rich.console import Console
 
+from graphnav.profiling import step_functions
 from graphnav.profiling.profile import Profile
 from graphnav.profiling.profiled_runner import WARM_UP, TickKind
 from graphnav.profiling.step_functions import Function, StepFunctions
@@ -104,6 +106,18 @@ def test_the_sampled_functions_are_those_of_the_step(profile_text: ProfileText) 
     assert step.source.startswith("runner/stages.py:")
     assert step.share == pytest.approx(1.0)
     assert sum(call.share for call in step.calls.values()) <= 1.0 + 1e-9
+
+
+def test_frames_of_the_sampling_itself_are_left_out() -> None:
+    frames = pytest.importorskip("pyinstrument.frame")
+
+    def frame(function: str, file: str, *children: Any) -> Any:
+        return frames.Frame(f"{function}\0{file}\0001", children=children, time=1.0)
+
+    begin, end = frame("__enter__", "contextlib.py"), frame("__exit__", "contextlib.py")
+    step = frame("step", "mine.py")
+    caller = frame("timed_step", step_functions._CALLER, begin, step, end)
+    assert list(step_functions._below_caller(frame("run", "runner.py", caller))) == [step]
 
 
 def lines_of(profile: Profile, **options: bool) -> list[str]:
