@@ -1,16 +1,18 @@
 """Measure the flow estimators against the simulator's truth and against OpenCV's Farneback, in one process.
 
-``python tools/bench_flow.py [first seed] [seeds]`` prints, for straight, gentle and fast turning drives, the mean
-endpoint error of every estimator and its share of Farneback's, then the time of a step and its share of
-``cv2.calcOpticalFlowFarneback``'s with the tutorial's parameters on the same frames (medians of the thread's own
-processor time, so that other programs do not count; one thread).
+``python tools/bench_flow.py [first seed] [seeds]`` prints for each image size, for straight, gentle and fast turning
+drives, the mean endpoint error of every estimator and its share of Farneback's, then the time of a step and its share
+of ``cv2.calcOpticalFlowFarneback``'s with the tutorial's parameters on the same frames, beside those of the bare
+functions that ``flow.dis`` and ``flow.farneback`` call. Times are medians of the thread's own processor time, so that
+other programs do not count; one thread.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,9 +24,13 @@ from graphnav_flow.lucas_kanade import LucasKanade
 from graphnav_world.world import Pymunk
 
 from graphnav import Finished, Image, Latest, Stage, Stamp, Truth, Twist
+from graphnav.arrays import Bytes
 
 MAP = Path(__file__).parents[1] / "graphs" / "graphnav_graphs" / "maps" / "corridor_ccw.yaml"
 TURNS_RADPS = {"straight": 0.0, "gentle": 0.5, "turning": 1.5}
+SIZES = ((160, 120), (320, 240), (640, 480))
+"""Columns and rows."""
+
 SPEED_MPS = 0.3
 PERIOD_US = 100_000
 WARM_UP_FRAMES = 6
@@ -51,9 +57,9 @@ def estimators() -> dict[str, Stage]:
     }
 
 
-def drive(seed: int, turn_radps: float, frames: int = FRAMES) -> Iterator[Step]:
+def drive(seed: int, turn_radps: float, frames: int = FRAMES, size: tuple[int, int] = SIZES[0]) -> Iterator[Step]:
     """Yield what the world shows at 0.3 m/s, 10 Hz while the robot turns at a constant rate, until it touches."""
-    world = Pymunk(map=MAP)
+    world = Pymunk(map=MAP, size=size)
     world.reset(seed)
     command = Latest(Twist(v_mps=SPEED_MPS, omega_radps=turn_radps), age_s=0.0)
     before: Image | None = None
@@ -68,9 +74,13 @@ def drive(seed: int, turn_radps: float, frames: int = FRAMES) -> Iterator[Step]:
     world.close()
 
 
-def collect(turn_radps: float, seeds: Sequence[int], every: int = 4) -> list[Step]:
+def collect(turn_radps: float, seeds: Sequence[int], every: int = 4, size: tuple[int, int] = SIZES[0]) -> list[Step]:
     """Return every so many steps of one drive a seed, turning left and right alternately."""
-    return [step for seed in seeds for step in list(drive(seed, turn_radps * (-1) ** seed))[::every]]
+    return [
+        step
+        for seed in seeds
+        for step in itertools.islice(drive(seed, turn_radps * (-1) ** seed, size=size), 0, None, every)
+    ]
 
 
 def endpoint_error_px(stage: Stage, steps: Sequence[Step]) -> float:
@@ -85,15 +95,24 @@ def endpoint_error_px(stage: Stage, steps: Sequence[Step]) -> float:
 
 
 def step_ms(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -> dict[str, float]:
-    """Return the median processor time of a step of each stage and, as "cv2", of bare Farneback, interleaved."""
-    spent: dict[str, list[float]] = {name: [] for name in ("cv2", *stages)}
+    """Return the median processor time of a step of each stage, interleaved with OpenCV's own functions.
+
+    Those are "cv2", bare Farneback with the tutorial's parameters, and "cv2 dis", bare DIS with its medium preset.
+    """
+    dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    bare: dict[str, Callable[[Bytes, Bytes], object]] = {
+        "cv2": lambda now, before: cv2.calcOpticalFlowFarneback(now, before, None, 0.5, 3, 15, 3, 5, 1.2, 0),
+        "cv2 dis": lambda now, before: dis.calc(now, before, None),
+    }
+    spent: dict[str, list[float]] = {name: [] for name in (*bare, *stages)}
     for stage in stages.values():
         stage.reset(0)
     for turn in range(rounds):
         step = steps[turn % len(steps)]
-        begin = time.thread_time()
-        cv2.calcOpticalFlowFarneback(step.now.pixels, step.before.pixels, None, 0.5, 3, 15, 3, 5, 1.2, 0)
-        spent["cv2"].append(time.thread_time() - begin)
+        for name, function in bare.items():
+            begin = time.thread_time()
+            function(step.now.pixels, step.before.pixels)
+            spent[name].append(time.thread_time() - begin)
         for name, stage in stages.items():
             begin = time.thread_time()
             stage.step(step.now, Stamp(turn * PERIOD_US))  # type: ignore[attr-defined]
@@ -101,20 +120,39 @@ def step_ms(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -
     return {name: 1000 * float(np.median(times[2:])) for name, times in spent.items()}
 
 
+def time_ratios(size: tuple[int, int], seeds: Sequence[int]) -> dict[str, float]:
+    """Return each step's share of the time of bare Farneback at ``size``, on straight drives.
+
+    "dis / cv2" and "farneback / cv2" are relative to the bare function that the stage calls.
+    """
+    stages = {
+        name: stage for name, stage in estimators().items() if name in ("lucas_kanade", "dis medium", "farneback")
+    }
+    times = step_ms(stages, collect(0.0, seeds, size=size), rounds=60 * SIZES[0][0] // size[0])
+    ratios = {name: times[name] / times["cv2"] for name in stages}
+    return ratios | {"dis / cv2": times["dis medium"] / times["cv2 dis"], "farneback / cv2": ratios["farneback"]}
+
+
 def main(first_seed: int = 0, seeds: int = 10) -> None:
     """Print the results of ``seeds`` drives from ``first_seed``."""
     cv2.setNumThreads(1)
     stages = estimators()
-    shown = {name: collect(turn, range(first_seed, first_seed + seeds)) for name, turn in TURNS_RADPS.items()}
-    for name, steps in shown.items():
-        print(f"{name}: {len(steps)} frames, endpoint error in px (share of Farneback's)")
-        errors = {stage_name: endpoint_error_px(stage, steps) for stage_name, stage in stages.items()}
-        for stage_name, error in errors.items():
-            print(f"  {stage_name:16} {error:6.3f}  ({error / errors['farneback']:.2f})")
-    times = step_ms(stages, shown["straight"])
-    print("time of a step in ms (share of cv2.calcOpticalFlowFarneback's)")
-    for stage_name, ms in times.items():
-        print(f"  {stage_name:16} {ms:6.2f}  ({ms / times['cv2']:.2f})")
+    for size in SIZES:
+        # A larger image has more vectors: fewer frames give as certain a mean.
+        every = 4 * size[0] // SIZES[0][0]
+        shown = {
+            name: collect(turn, range(first_seed, first_seed + seeds), every, size)
+            for name, turn in TURNS_RADPS.items()
+        }
+        for name, steps in shown.items():
+            print(f"{size[0]}x{size[1]}, {name}: {len(steps)} frames, endpoint error in px (share of Farneback's)")
+            errors = {stage_name: endpoint_error_px(stage, steps) for stage_name, stage in stages.items()}
+            for stage_name, error in errors.items():
+                print(f"  {stage_name:16} {error:6.3f}  ({error / errors['farneback']:.2f})")
+        times = step_ms(stages, shown["straight"], rounds=60 * SIZES[0][0] // size[0])
+        print(f"{size[0]}x{size[1]}: time of a step in ms (share of cv2.calcOpticalFlowFarneback's)")
+        for stage_name, ms in times.items():
+            print(f"  {stage_name:16} {ms:6.2f}  ({ms / times['cv2']:.2f})")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 import cv2
+import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
@@ -59,5 +60,6 @@ class Dis(Stage):
         last, self._last = self._last, gray
         if last is None or not interval_us:
             return None
-        uv_px = -self._search.calc(gray, last, None)
+        uv_px = self._search.calc(gray, last, None)
+        np.negative(uv_px, uv_px)
         return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, gray), interval_us=interval_us)

@@ -28,5 +28,5 @@ class Enlargement:
         """Write each of ``planes``, (rows, cols), which it overwrites, to one of ``larger``; pixel i to pixel 2i."""
         for plane, out in zip(planes, larger, strict=True):
             rows, cols = out.shape
-            cv2.sepFilter2D(plane, -1, self._kernel, self._kernel, dst=plane)
-            cv2.pyrUp(plane, dst=out, dstsize=(cols, rows))
+            cv2.sepFilter2D(plane, -1, self._kernel, self._kernel, plane)
+            cv2.pyrUp(plane, out, (cols, rows))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cv2
+import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Bytes
@@ -46,7 +47,7 @@ class Farneback(Stage):
         last, self._last = self._last, gray
         if last is None or not interval_us:
             return None
-        back_px = cv2.calcOpticalFlowFarneback(
+        uv_px = cv2.calcOpticalFlowFarneback(
             gray,
             last,
             None,
@@ -58,5 +59,5 @@ class Farneback(Stage):
             poly_sigma=self.expansion_sigma_px,
             flags=0,
         )
-        uv_px = -back_px
+        np.negative(uv_px, uv_px)
         return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, gray), interval_us=interval_us)

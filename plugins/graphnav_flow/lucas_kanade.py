@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cv2
+import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Floats
@@ -80,11 +81,12 @@ class LucasKanade(Stage):
         if not interval_us:
             return None
         uv_px = self._solve(now, last)
-        return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, gray), interval_us=interval_us)
+        return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, now.layers[0]), interval_us=interval_us)
 
     def _make_buffers(self, rows: int, cols: int) -> None:
         self._pyramids = [Pyramid(rows, cols, self.layers) for _ in range(2)]
         self._doubling = Doubling(rows, cols)
+        self._merged, self._filtered = np.empty((2, rows, cols, 2), np.float32)
         self._refinements = [
             Refinement(
                 *plane.shape,
@@ -102,21 +104,21 @@ class LucasKanade(Stage):
         for layer in reversed(range(len(now.layers))):
             here = self._refinements[layer]
             if above is None:
-                for plane in here.planes:
-                    plane.fill(0)
+                here.field.fill(0)
             else:
                 for plane in above.planes:
-                    cv2.medianBlur(plane, _MEDIAN_PX, dst=plane)
+                    cv2.medianBlur(plane, _MEDIAN_PX, plane)
                 self._enlargement.enlarge(above.planes, here.planes)
             target = now.layers[layer]
             if layer:
                 here.improve(target, last.layers[layer])
                 for plane in here.planes:
-                    cv2.blur(plane, box, dst=plane)
+                    cv2.blur(plane, box, plane)
                 here.improve(target, last.layers[layer], keep_tensor=layer == 1)
             else:
                 here.improve(target, self._doubling.double(last.layers[0]))
             above = here
-        uv_px: Floats = cv2.medianBlur(cv2.merge(here.planes), _MEDIAN_PX)
-        cv2.blur(uv_px, box, dst=uv_px)
+        cv2.merge(here.planes, self._merged)
+        cv2.medianBlur(self._merged, _MEDIAN_PX, self._filtered)
+        uv_px: Floats = cv2.blur(self._filtered, box)
         return uv_px

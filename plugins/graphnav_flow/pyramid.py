@@ -11,8 +11,10 @@ MIN_SIDE_PX = 8
 """A layer is not halved if its shorter side would fall below this: no window fits."""
 
 
-_HALFWAY = np.array([[3, -25, 150, 150, -25, 3]], np.float32) / np.float32(256)
-"""Interpolates half way between two pixels: exact for polynomials up to the fifth degree."""
+_POLE = -3 + 8**0.5
+_SHARPEN = (_POLE ** np.abs(np.arange(-3, 4))).astype(np.float32)[None]
+_SHARPEN /= _SHARPEN.sum()
+"""Inverse of (1, 6, 1) / 8, with which pyrUp averages the pixels of an image: after it they keep their values."""
 
 
 class Pyramid:
@@ -30,9 +32,9 @@ class Pyramid:
 
     def fill(self, gray: Bytes) -> None:
         """Write ``gray`` and its smaller copies to the layers."""
-        np.copyto(self.layers[0], gray)
+        self.layers[0][...] = gray
         for larger, smaller in zip(self.layers, self.layers[1:], strict=False):
-            cv2.pyrDown(larger, dst=smaller)
+            cv2.pyrDown(larger, smaller)
 
 
 class Doubling:
@@ -43,19 +45,14 @@ class Doubling:
     """
 
     def __init__(self, rows: int, cols: int) -> None:
-        self._right = np.empty((rows, cols), np.float32)
-        doubled = np.empty((2 * rows, 2 * cols), np.float32)
-        self._lines, self._between = doubled[::2], doubled[1::2]
-        self._pairs = doubled.reshape(rows, 2, cols, 2)[:, 0]
-        self._doubled = doubled[:-1, :-1]
+        self._sharpened = np.empty((rows, cols), np.float32)
+        self._doubled = np.empty((2 * rows, 2 * cols), np.float32)
 
     def double(self, image: Floats) -> Floats:
         """Return ``image`` with one value between any two, float32 (2 rows - 1, 2 cols - 1), valid until the next call.
 
         Pixel i of the image is its pixel 2i.
         """
-        before = _HALFWAY.size // 2 - 1
-        cv2.filter2D(image, -1, _HALFWAY, dst=self._right, anchor=(before, 0))
-        cv2.merge([image, self._right], dst=self._pairs)
-        cv2.filter2D(self._lines, -1, _HALFWAY.T, dst=self._between, anchor=(0, before))
-        return self._doubled
+        cv2.sepFilter2D(image, -1, _SHARPEN, _SHARPEN, self._sharpened)
+        cv2.pyrUp(self._sharpened, self._doubled)
+        return self._doubled[:-1, :-1]

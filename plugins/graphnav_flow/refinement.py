@@ -11,6 +11,9 @@ from graphnav.arrays import Floats
 _ALONG_ROW = np.array([[1, -8, 0, 8, -1]], np.float32) / np.float32(24)
 _ALONG_COLUMN = _ALONG_ROW.T.copy()
 
+_ZERO = np.float32(0)
+"""Added to copy an image: memcpy is ten times slower on some processors if the addresses agree modulo 4096."""
+
 
 class Refinement:
     """Improves a displacement field between two images of one size; reuses its buffers.
@@ -24,7 +27,8 @@ class Refinement:
     a linearly varying field, as that of a plane nearly is, a fixed point; a larger window would bias it toward texture.
     Where x - f0 leaves the source image, Jw - I is 0: the field is continued.
 
-    ``planes``: the field, one float32 (rows, cols) for u and one for v; the caller writes f0 and reads f there.
+    ``field``: float32 (2, rows, cols), u and v, also as ``planes``; the caller writes f0 and reads f there. Arguments
+    are positional, because parsing keywords takes as long as the work on a small layer.
 
     Parameters
     ----------
@@ -42,21 +46,27 @@ class Refinement:
         self._regularization_gray2, self._zoom = regularization_gray2, zoom
         down, right = np.mgrid[:rows, :cols].astype(np.float32)
         self._places = zoom * np.concatenate([right, down])
-        # One image of twice the rows for both directions takes half the calls.
-        self._field, self._map = np.zeros((2, 2 * rows, cols), np.float32)
-        self.planes = (self._field[:rows], self._field[rows:])
+        # The planes of a field lie below each other in one image: half the calls.
+        self._field_lines, self._map = np.zeros((2, 2 * rows, cols), np.float32)
+        self.field = self._field_lines.reshape(2, rows, cols)
+        self.planes = tuple(self.field)
         self._map_u, self._map_v = self._map[:rows], self._map[rows:]
-        self._warped, self._difference, self._total, self._ratio, self._step = np.empty((5, rows, cols), np.float32)
+        self._step = self._map.reshape(2, rows, cols)  # used when the map no longer is
+        self._warped, self._total, self._ratio = np.empty((3, rows, cols), np.float32)
         self._g = np.empty((2, rows, cols), np.float32)
         self._gu, self._gv = self._g
         self._kernel = np.full((1, window_px), 1 / window_px, np.float32)
-        # Products below each other, half a window of zeros apart: one filter sums several.
+        # So do the products, apart by half a window of zeros: one filter sums several.
         pitch = rows + window_px // 2
-        self._products, self._sums = np.zeros((2, 5 * pitch, cols), np.float32)
-        products = self._products.reshape(5, pitch, cols)[:, :rows]
-        self._squares, self._uv, self._gd = products[:2], products[2], products[3:]
-        self._sum_planes = tuple(self._sums.reshape(5, pitch, cols)[:, :rows])
-        self._diagonal, self._others, self._right_side = np.s_[: 2 * pitch], np.s_[2 * pitch :], np.s_[3 * pitch :]
+        products, sums = np.zeros((3 * pitch, cols), np.float32), np.zeros((5 * pitch, cols), np.float32)
+        planes = products.reshape(3, pitch, cols)[:, :rows]
+        self._squares, self._uv, self._gd = planes[:2], planes[0], planes[1:]
+        self._diagonal = products[: 2 * pitch], sums[: 2 * pitch]
+        self._others = products, sums[2 * pitch :]
+        self._right_side = products[pitch:], sums[3 * pitch :]
+        summed = sums.reshape(5, pitch, cols)[:, :rows]
+        self._uu_vv, self._ud_vd = summed[:2], summed[3:]
+        self._sums = tuple(summed)
 
     def improve(self, target: Floats, source: Floats, *, keep_tensor: bool = False) -> None:
         """Add the correction to the field: target pixel x is found at x - (u, v) in the source.
@@ -65,54 +75,41 @@ class Refinement:
         """
         self._warp(target, source)
         self._linearize(target)
-        if keep_tensor:
-            self._sum_windows(self._right_side)
-        else:
-            np.multiply(self._g, self._g, out=self._squares)
-            np.multiply(self._gu, self._gv, out=self._uv)
-            self._sum_windows(self._diagonal, self._regularization_gray2)
-            self._sum_windows(self._others)
+        if not keep_tensor:
+            np.multiply(self._g, self._g, self._squares)
+            self._sum_windows(*self._diagonal, self._regularization_gray2)
+            np.multiply(self._gu, self._gv, self._uv)
+        np.multiply(self._g, self._warped, self._gd)
+        self._sum_windows(*(self._right_side if keep_tensor else self._others))
+        if not keep_tensor:
             self._decompose()
         self._correct()
 
     def _warp(self, target: Floats, source: Floats) -> None:
-        cv2.addWeighted(self._field, -self._zoom, self._places, 1, 0, dst=self._map)
-        np.copyto(self._warped, target)
-        cv2.remap(
-            source, self._map_u, self._map_v, cv2.INTER_LINEAR, dst=self._warped, borderMode=cv2.BORDER_TRANSPARENT
-        )
+        cv2.addWeighted(self._field_lines, -self._zoom, self._places, 1.0, 0.0, self._map)
+        np.add(target, _ZERO, self._warped)
+        cv2.remap(source, self._map_u, self._map_v, cv2.INTER_LINEAR, self._warped, cv2.BORDER_TRANSPARENT)
 
     def _linearize(self, target: Floats) -> None:
-        np.add(self._warped, target, out=self._total)
-        cv2.filter2D(self._total, -1, _ALONG_ROW, dst=self._gu)
-        cv2.filter2D(self._total, -1, _ALONG_COLUMN, dst=self._gv)
-        np.subtract(self._warped, target, out=self._difference)
-        np.multiply(self._g, self._difference, out=self._gd)
+        """Write the mean gradient; from here on ``_warped`` holds Jw - I."""
+        np.add(self._warped, target, self._total)
+        cv2.filter2D(self._total, -1, _ALONG_ROW, self._gu)
+        cv2.filter2D(self._total, -1, _ALONG_COLUMN, self._gv)
+        np.subtract(self._warped, target, self._warped)
 
-    def _sum_windows(self, lines: slice, added: float = 0) -> None:
-        cv2.sepFilter2D(
-            self._products[lines],
-            -1,
-            self._kernel,
-            self._kernel,
-            dst=self._sums[lines],
-            delta=added,
-            borderType=cv2.BORDER_CONSTANT,
-        )
+    def _sum_windows(self, products: Floats, sums: Floats, added: float = 0.0) -> None:
+        cv2.sepFilter2D(products, -1, self._kernel, self._kernel, sums, (-1, -1), added, cv2.BORDER_CONSTANT)
 
     def _decompose(self) -> None:
-        """Replace vv by vv - uv^2 / uu: the tensor's factors without a square root."""
-        uu, vv, uv, _, _ = self._sum_planes
-        cv2.divide(uv, uu, dst=self._ratio, scale=-1)
+        """Replace vv by vv - uv^2 / uu, for the elimination of du."""
+        uu, vv, uv, _, _ = self._sums
+        cv2.divide(uv, uu, self._ratio, -1.0)
         cv2.accumulateProduct(uv, self._ratio, vv)
 
     def _correct(self) -> None:
-        """Add the solution of [[uu, uv], [uv, vv]] d = (ud, vd) by elimination."""
-        uu, vv, _, ud, vd = self._sum_planes
-        u, v = self.planes
+        """Add the solution of [[uu, uv], [uv, vv]] d = (ud, vd) to the field."""
+        _, _, _, ud, vd = self._sums
         cv2.accumulateProduct(ud, self._ratio, vd)
-        np.divide(vd, vv, out=self._step)
-        np.add(v, self._step, out=v)
-        cv2.accumulateProduct(self._ratio, self._step, u)
-        np.divide(ud, uu, out=self._step)
-        np.add(u, self._step, out=u)
+        np.divide(self._ud_vd, self._uu_vv, self._step)
+        np.add(self.field, self._step, self.field)
+        cv2.accumulateProduct(self._ratio, self._step[1], self.field[0])

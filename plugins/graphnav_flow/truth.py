@@ -8,7 +8,7 @@ import numpy as np
 
 import graphnav
 from graphnav import Flow, Role, Stage, param
-from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, came_from_inside
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, Inside
 
 
 class Truth(Stage):
@@ -21,7 +21,17 @@ class Truth(Stage):
 
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
 
+    def reset(self, seed: int) -> None:  # noqa: ARG002
+        """Forget the size of the images."""
+        self._inside: Inside | None = None
+
     def step(self, truth: graphnav.Truth) -> Flow:
         """Return the true flow since the last image."""
-        valid = came_from_inside(truth.flow_px, self.margin_px) & np.isfinite(truth.depth_m)
-        return Flow(uv_px=truth.flow_px, valid=valid, interval_us=truth.interval_us, step_px=truth.step_px)
+        if self._inside is None:
+            rows, cols = truth.depth_m.shape
+            self._inside = Inside(rows, cols, self.margin_px)
+        valid = self._inside.mark(truth.flow_px)
+        valid &= np.isfinite(truth.depth_m)
+        return Flow(
+            uv_px=truth.flow_px, valid=valid.view(np.uint8), interval_us=truth.interval_us, step_px=truth.step_px
+        )

@@ -11,9 +11,6 @@ A vector is valid where
 
 from __future__ import annotations
 
-import math
-
-import cv2
 import numpy as np
 
 from graphnav.arrays import Bools, Bytes, Floats
@@ -24,44 +21,52 @@ MARGIN_DOC = "vectors from or at places nearer to the border than this are not v
 MIN_TEXTURE_GRAY2 = 4.0
 MIN_TEXTURE_DOC = "minimum of the smaller eigenvalue of the structure tensor for a vector to be valid"
 
+_BOTH = 0x0101
+"""Two adjacent true values, read as one integer."""
+
 
 class Validity:
     """Applies the rule to the flow on images of one size."""
 
     def __init__(self, margin_px: float, min_texture_gray2: float) -> None:
         self._margin_px, self._min_texture_gray2 = margin_px, min_texture_gray2
-        self._texture: Texture | None = None
+        self._parts: tuple[Texture, Inside] | None = None
 
-    def mark(self, uv_px: Floats, gray: Bytes) -> Bytes:
-        """Return 1 where a vector on the image ``gray`` is valid by both parts of the rule, uint8 (rows, cols)."""
-        if self._texture is None:
-            self._texture = Texture(*gray.shape)
-        valid = self._texture.reaches(gray, self._min_texture_gray2)
-        clear_outside(valid, uv_px, self._margin_px)
+    def mark(self, uv_px: Floats, gray: Bytes | Floats) -> Bytes:
+        """Return 1 where a vector on the image ``gray`` is valid by both parts of the rule, uint8 (rows, cols).
+
+        ``gray``: uint8 or float32 (rows, cols).
+        """
+        if self._parts is None:
+            rows, cols = gray.shape
+            self._parts = Texture(rows, cols), Inside(rows, cols, self._margin_px)
+        texture, inside = self._parts
+        valid = inside.mark(uv_px)
+        texture.clear_below(self._min_texture_gray2, gray, valid)
         return valid.view(np.uint8)
 
 
-def came_from_inside(uv_px: Floats, margin_px: float) -> Bytes:
-    """Return 1 where a pixel and its source lie inside the image by ``margin_px``, uint8 (rows, cols).
+class Inside:
+    """Finds the vectors that stay inside images of one size by a margin; reuses its buffers."""
 
-    ``uv_px``: float32 (rows, cols, 2), displacement since the last frame of what is now at the pixel.
-    """
-    valid = np.ones(uv_px.shape[:2], bool)
-    clear_outside(valid, uv_px, margin_px)
-    return valid.view(np.uint8)
+    def __init__(self, rows: int, cols: int, margin_px: float) -> None:
+        x, y = np.arange(cols, dtype=np.float32), np.arange(rows, dtype=np.float32)[:, None]
+        self._most, self._least = np.empty((2, rows, cols, 2), np.float32)
+        for channel, (place, size) in enumerate(((x, cols), (y, rows))):
+            self._most[..., channel] = place - margin_px
+            self._least[..., channel] = place - (size - 1 - margin_px)
+        # Nothing is at least inf.
+        self._least[(self._most < 0).any(axis=-1) | (self._least > 0).any(axis=-1)] = np.inf
+        self._fits, self._fits_too = np.empty((2, rows, cols, 2), bool)
+        self._both = self._fits.view(np.uint16)[..., 0]
 
+    def mark(self, uv_px: Floats) -> Bools:
+        """Return where a pixel and its source lie inside, (rows, cols).
 
-def clear_outside(valid: Bools, uv_px: Floats, margin_px: float) -> None:
-    """Clear ``valid``, (rows, cols), where a pixel or its source is nearer than ``margin_px`` to the border."""
-    lowest, highest, _, _ = cv2.minMaxLoc(uv_px.reshape(len(uv_px), -1))
-    longest_px = max(highest, -lowest)
-    border = math.ceil(margin_px)
-    for lines, shifts in ((valid.T, uv_px[..., 0].T), (valid, uv_px[..., 1])):
-        count = len(lines)
-        # What is farther inside than the longest vector cannot come from outside.
-        reach = min(count, math.ceil(margin_px + longest_px) + 1)
-        place = np.arange(count, dtype=np.float32)[:, None]
-        lines[:reach] &= shifts[:reach] <= place[:reach] - margin_px
-        lines[-reach:] &= shifts[-reach:] >= place[-reach:] - (count - 1 - margin_px)
-        if border:
-            lines[:border] = lines[-border:] = False
+        ``uv_px``: float32 (rows, cols, 2), displacement since the last frame of what is now at the pixel.
+        """
+        np.less_equal(uv_px, self._most, self._fits)
+        np.greater_equal(uv_px, self._least, self._fits_too)
+        np.logical_and(self._fits, self._fits_too, self._fits)
+        inside: Bools = self._both == _BOTH
+        return inside

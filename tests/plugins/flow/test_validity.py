@@ -13,7 +13,7 @@ from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 from graphnav_flow.texture import Texture, min_eigenvalue
 from graphnav_flow.truth import Truth
-from graphnav_flow.validity import came_from_inside
+from graphnav_flow.validity import Inside
 
 import graphnav
 from graphnav import Stage
@@ -27,14 +27,14 @@ def uniform(u: float, v: float, shape: tuple[int, int] = (20, 30)) -> np.ndarray
 
 
 def test_the_margin_holds_for_the_pixel_and_for_its_source() -> None:
-    valid = came_from_inside(uniform(5.0, 0.0), 3.0)
+    valid = Inside(20, 30, 3.0).mark(uniform(5.0, 0.0))
     rows, cols = np.nonzero(valid)
     assert (rows.min(), rows.max()) == (3, 16)
     assert (cols.min(), cols.max()) == (8, 26)
 
 
 def test_what_moves_up_came_from_below() -> None:
-    valid = came_from_inside(uniform(0.0, -4.0), 0.0)
+    valid = Inside(20, 30, 0.0).mark(uniform(0.0, -4.0))
     assert valid[:16].all()
     assert not valid[16:].any()
 
@@ -44,7 +44,14 @@ def test_the_margin_counts_pixel_centres(margin_px: float) -> None:
     at = np.minimum(np.arange(30), 29 - np.arange(30))
     down = np.minimum(np.arange(20), 19 - np.arange(20))
     expected = (at >= margin_px)[None] & (down >= margin_px)[:, None]
-    assert np.array_equal(came_from_inside(uniform(0.0, 0.0), margin_px), expected)
+    assert np.array_equal(Inside(20, 30, margin_px).mark(uniform(0.0, 0.0)), expected)
+
+
+def test_vectors_that_are_not_finite_are_not_valid() -> None:
+    flow = uniform(0.0, 0.0)
+    flow[8, 10, 0], flow[9, 11, 1], flow[10, 12, 0] = np.nan, np.inf, -np.inf
+    invalid = ~Inside(20, 30, 2.0).mark(flow)[2:-2, 2:-2]
+    assert list(zip(*np.nonzero(invalid), strict=True)) == [(6, 8), (7, 9), (8, 10)]
 
 
 def test_the_smaller_eigenvalue_is_that_of_numpy() -> None:
@@ -53,6 +60,30 @@ def test_the_smaller_eigenvalue_is_that_of_numpy() -> None:
     matrices = root @ np.swapaxes(root, -1, -2)
     smaller = min_eigenvalue(*(np.ascontiguousarray(matrices[..., i, j]) for i, j in ((0, 0), (0, 1), (1, 1))))
     assert smaller == pytest.approx(np.linalg.eigvalsh(matrices)[..., 0], abs=1e-5)
+
+
+@pytest.mark.parametrize("shape", [(120, 160), (119, 161), (7, 5), (3, 2), (1, 1)])
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_texture_is_the_eigenvalue_of_block_means(shape: tuple[int, int], dtype: type) -> None:
+    gray = cv2.GaussianBlur(np.random.default_rng(0).integers(0, 256, shape, np.uint8), (0, 0), 1.5)
+    gu, gv = (cv2.Sobel(gray.astype(float), cv2.CV_64F, *order, ksize=1) / 2 for order in ((1, 0), (0, 1)))
+    blocks = (max(1, shape[1] // 4), max(1, shape[0] // 4))
+    means = [
+        cv2.blur(cv2.resize(product, blocks, interpolation=cv2.INTER_AREA), (3, 3))
+        for product in (gu * gu, gu * gv, gu * gv, gv * gv)
+    ]
+    smaller = np.linalg.eigvalsh(np.stack(means, axis=-1).reshape(*means[0].shape, 2, 2))[..., 0]
+    measured = Texture(*shape).measure(gray.astype(dtype))
+    assert measured == pytest.approx(cv2.resize(smaller, shape[::-1]), abs=0.01)
+
+
+@pytest.mark.parametrize("threshold_gray2", [0.0, 3.0, 1e6])
+def test_what_has_too_little_texture_is_cleared(threshold_gray2: float) -> None:
+    gray = cv2.GaussianBlur(np.random.default_rng(0).integers(0, 256, (60, 80), np.uint8), (0, 0), 2)
+    texture, mask = Texture(60, 80), np.random.default_rng(1).random((60, 80)) < 0.5
+    expected = mask & (texture.measure(gray) >= threshold_gray2)
+    texture.clear_below(threshold_gray2, gray, mask)
+    assert np.array_equal(mask, expected)
 
 
 def test_texture_of_noise_is_half_its_variance() -> None:
@@ -72,7 +103,9 @@ def test_estimators_and_truth_agree_on_what_came_from_inside(
         flow_px=pair.flow_px.astype(np.float32),
         interval_us=100_000,
     )
-    oracle = Truth().step(truth)
+    stage = Truth()
+    stage.reset(0)
+    oracle = stage.step(truth)
     assert oracle.interval_us == 100_000
     assert np.array_equal(oracle.uv_px, truth.flow_px)
     estimated = pair.estimate(estimator())
@@ -87,7 +120,9 @@ def test_true_flow_is_not_valid_above_the_horizon() -> None:
     depth_m[:20] = np.inf
     flow_px = np.zeros((48, 64, 2), np.float32)
     truth = graphnav.Truth(obstacle=np.zeros((48, 64), np.uint8), depth_m=depth_m, flow_px=flow_px, interval_us=1)
-    valid = Truth(margin_px=6.0).step(truth).valid
+    stage = Truth(margin_px=6.0)
+    stage.reset(0)
+    valid = stage.step(truth).valid
     assert not valid[:20].any()
     assert valid[20:-6, 6:-6].all()
 
