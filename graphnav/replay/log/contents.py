@@ -36,10 +36,10 @@ class Logged(NamedTuple):
 
 @dataclass(frozen=True)
 class Contents:
-    """The messages of a log on the channels of a graph."""
+    """The messages of a log on the channels of its graphs: of the replay, and of the run."""
 
     messages: Mapping[str, tuple[Logged, ...]]
-    """Messages by channel, in file order; includes every channel of the graph."""
+    """Messages by channel, in file order; includes every channel of the graphs."""
     order: tuple[Logged, ...]
     """All messages in file order."""
     other_types: frozenset[str]
@@ -57,8 +57,10 @@ class Contents:
         return max((message.utime for message in self.order), default=0)
 
 
-def read_contents(recording: Recording, graph: Graph, about: About | None, *, is_live: bool) -> Contents:
-    """Return the undamaged messages of a log on the channels of ``graph``.
+def read_contents(
+    recording: Recording, graph: Graph, about: About | None, recorded: Graph | None = None, *, is_live: bool
+) -> Contents:
+    """Return the undamaged messages of a log on the channels of ``graph``, and of ``recorded`` if it is given.
 
     ``is_live``: whether it is the log of a live run, whose events have the run's clock, not the messages' timestamps.
 
@@ -67,7 +69,8 @@ def read_contents(recording: Recording, graph: Graph, about: About | None, *, is
     UserError
         The log holds several runs.
     """
-    channels = {channel.name: channel for channel in graph.channels.values()}
+    every = [*(recorded.channels.values() if recorded is not None else ()), *graph.channels.values()]
+    channels = {channel.name: channel for channel in every}
     heads = [head for head in recording.heads() if not head.channel.startswith(RESERVED)]
     own = [head for head in heads if head.channel in channels]
     is_own = not is_live and 2 * sum(head.logged_us == head.utime for head in own) > len(own)
