@@ -112,7 +112,12 @@ class Recording:
         if is_of_tap or not isinstance(options, dict) or options.get("record") != "replayable":
             return ""
         log = self.path.parent if self.path.name == LOG else self.path
-        return f"make what this log leaves out again: graphnav replay {shown_name(str(log))} -o full.lcmlog"
+        return f"make the rest again: graphnav replay {shown_name(str(log))} -o full.lcmlog"
+
+    def completion_notice(self) -> str:
+        """Return a notice of what the log leaves out, as `completion_hint`; else an empty string."""
+        hint = self.completion_hint
+        return f"{self.path} leaves out large messages that a replay makes again\n  {hint}" if hint else ""
 
     @property
     def begin_us(self) -> int:

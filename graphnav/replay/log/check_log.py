@@ -20,7 +20,7 @@ from graphnav.tap import PACKET_BYTES
 Wires = Mapping[str, Mapping[str, Any]]
 
 _HINT = (
-    "record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
+    "record what a replay needs: --set run.record=replayable, 'graphnav run --tap full' for a logger; "
     "or play the outputs of these stages with --play"
 )
 
