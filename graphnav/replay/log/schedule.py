@@ -30,6 +30,7 @@ def ticks_of(graph: Graph, held: Iterable[Channel], contents: Contents, *, is_co
     for message in contents.order:
         if message.channel in walk.channels:
             walk.take(message)
+    walk.finish()
     return [walk.ticks[utime] for utime in sorted(walk.ticks)]
 
 
@@ -63,6 +64,11 @@ class _Walk:
             return
         self._note(channel)
         self._put(message)
+
+    def finish(self) -> None:
+        """Put messages that wait for a next tick into one of their own, at the end of the log."""
+        if self._waiting and self._utime is not None:
+            self._begin(max(self._utime + 1, *(message.utime for message in self._waiting)))
 
     def _begin(self, utime: int) -> None:
         self._utime, self._is_past_sources = utime, False

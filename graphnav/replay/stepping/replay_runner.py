@@ -22,12 +22,14 @@ from graphnav.stage import Stage
 class Timetable(NamedTuple):
     """When the stages step: at ``ticks``, from ``start_us`` on.
 
-    ``before``: messages from before the first tick, for stages that sample their channels.
+    ``before``: messages from before the first tick, for stages that sample their channels. ``end_us``: the newest stamp
+    of the log, up to which sources are stepped again; 0 if only a part of the log can be replayed.
     """
 
     ticks: Sequence[Tick]
-    before: Sequence[Logged] = ()
-    start_us: int = 0
+    before: Sequence[Logged]
+    start_us: int
+    end_us: int
 
 
 class Sinks(NamedTuple):
@@ -109,6 +111,8 @@ class ReplayRunner(WiredStages):
             self._tick(tick)
             self.ticks += 1
             yield tick.utime
+        while self._again is not None and self._again.utime < self._timetable.end_us:
+            self._tick(Tick(self._again.next_due()))
 
     def _due_before(self, utime: int) -> Iterator[int]:
         """Yield the stamps before a tick at which a source is stepped again, each when the one before is done."""
