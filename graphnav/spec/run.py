@@ -9,7 +9,7 @@ from graphnav.errors import ParamError
 from graphnav.stage import param
 
 RecordOption = Literal["all", "small", "replayable"]
-"""What a log keeps."""
+"""Selection of the messages that a log keeps."""
 
 URL_SCHEMES = ("udpm://", "memq://")
 """Between processes, and inside one."""

@@ -69,8 +69,8 @@ def read_contents(
     UserError
         The log holds several runs.
     """
-    every = [*(recorded.channels.values() if recorded is not None else ()), *graph.channels.values()]
-    channels = {channel.name: channel for channel in every}
+    graphs = [graph] if recorded is None else [recorded, graph]
+    channels = {channel.name: channel for one in graphs for channel in one.channels.values()}
     heads = [head for head in recording.heads() if not head.channel.startswith(RESERVED)]
     own = [head for head in heads if head.channel in channels]
     is_own = not is_live and 2 * sum(head.logged_us == head.utime for head in own) > len(own)
@@ -86,14 +86,8 @@ def read_contents(
         if _is_damaged(head, channels, known, is_own=is_own):
             lost.append(f"event {head.place} of channel {head.channel!a} is damaged")
         elif head.channel in channels and not _is_repeated(head, messages[head.channel]):
-            message = Logged(
-                head.channel,
-                head.place,
-                head.utime,
-                head.seq,
-                head.n_bytes,
-                head.logged_us if is_live else head.utime,
-            )
+            at_us = head.logged_us if is_live else head.utime
+            message = Logged(head.channel, head.place, head.utime, head.seq, head.n_bytes, at_us)
             messages[head.channel].append(message)
             order.append(message)
     if not is_own and not is_live:
