@@ -247,11 +247,24 @@ def _check_declaration(cls: type[Stage], origin: str) -> None:
             f"{origin}: {cls.__qualname__} is a Source, but its input '{plain[0]}' is not sampled",
             "annotate it Latest[...], or derive the class from Stage",
         )
+    if issubclass(cls, Source):
+        _check_reproducible(cls, origin)
     if not issubclass(cls, Source) and all(port.may_be_open for port in ports_of(cls).inputs):
         raise CatalogError(
             f"{origin}: nothing fires {cls.__qualname__}: it is not a Source and all its inputs are sampled",
             "derive it from Source, or annotate an input without Latest",
         )
+
+
+def _check_reproducible(cls: type[Source], origin: str) -> None:
+    names = [port.name for port in ports_of(cls).outputs]
+    for name in cls.reproducible:
+        if name not in names:
+            what = f"{origin}: {cls.__qualname__} names '{name}' as reproducible, which is not an output of its step"
+            raise CatalogError(what, did_you_mean(name, names) or f"outputs are {', '.join(names) or 'none'}")
+    if names and set(cls.reproducible) == set(names):
+        what = f"{origin}: all outputs of {cls.__qualname__} are reproducible: none is left to check what is reproduced"
+        raise CatalogError(what, "leave out one of them, which is then recorded")
 
 
 def _real_file(path: Path) -> str:

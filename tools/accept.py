@@ -19,6 +19,7 @@ from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
 from acceptance.notebook import notebook_item
+from acceptance.replayable import replayable_item
 from acceptance.replaying import replay_item
 from acceptance.same_results import results_item
 from acceptance.screens import screens_item
@@ -56,6 +57,7 @@ ITEMS = {
     "cost": cost_item,
     "page": page_item,
     "replay": replay_item,
+    "replayable": replayable_item,
     "damage": damage_item,
     "screens": screens_item,
     "exchange": exchange_item,

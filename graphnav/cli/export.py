@@ -77,7 +77,8 @@ def main(args: argparse.Namespace) -> int:
                 catalog=catalog,
                 on_time=lambda at_s: show(round(at_s * 1e6)),
             )
+        left_out = recording.completion_notice()
     print(f"{args.target}: {done.contents}, {size_text(done.n_bytes)}")
-    for loss in done.losses:
+    for loss in (*done.losses, *filter(None, [left_out])):
         print_notice(loss)
     return OK

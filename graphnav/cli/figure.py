@@ -63,10 +63,13 @@ def main(args: argparse.Namespace) -> int:
             raise UserError.of(
                 f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"
             ) from error
+        left_out = recording.completion_notice()
         if not drawn:
             raise UserError.of(f"{log} contains nothing to draw", "record images, planes or a robot's states")
     for path in drawn:
         print(path)
     for damage in (*recording.damaged, *filter(None, [recording.truncated])):
         print_notice(f"{log}: {damage}; the pictures show the rest")
+    if left_out:
+        print_notice(left_out)
     return OK

@@ -76,8 +76,10 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
     from graphnav.view import LiveSource, LogSource, PageServer
 
     source = LiveSource(feed) if feed.is_live else LogSource(feed.path)
-    if isinstance(source, LogSource) and not source.n_events:
-        raise feed.silence(None)
+    if isinstance(source, LogSource):
+        if not source.n_events:
+            raise feed.silence(None)
+        _print_notice_of(source.completion_notice)
 
     def ready(url: str) -> None:
         print(f"{feed.name} is shown at {url}  (Ctrl-C exits)", flush=True)
@@ -100,8 +102,10 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
     from graphnav.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer
 
     source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path)
-    if isinstance(source, LogPlayer) and not source.n_events:
-        raise feed.silence(None)
+    if isinstance(source, LogPlayer):
+        if not source.n_events:
+            raise feed.silence(None)
+        _print_notice_of(source.recording.completion_notice())
     server, ending = FoxgloveServer(source, Catalog()), threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ending.set())
 
@@ -115,6 +119,13 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
         server.serve(host, port, ready, ending)
     finally:
         source.close()
+
+
+def _print_notice_of(notice: str) -> None:
+    from graphnav.notices import print_notice
+
+    if notice:
+        print_notice(notice)
 
 
 def _open(url: str) -> None:

@@ -29,7 +29,7 @@ from graphnav.runner.lockstep import Outcome
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.failures import Failures
-from graphnav.runner.recording.kept_messages import ChannelsExcept, ChannelsOnly, SmallOnly
+from graphnav.runner.recording.kept_messages import ChannelsExcept, kept
 from graphnav.runner.recording.run_recorded import LiveSink, write_summary
 from graphnav.runner.recording.saved_graph import save_graph
 from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
@@ -100,7 +100,7 @@ class _LiveRun:
         cleanup.callback(writer.close)
         self._runner = LiveRunner(graph, stages, self._clock, intakes, self._wake)
         cleanup.callback(self._failures.close, self._runner.close)
-        sinks = [_kept(graph, writer, keep), *_watched(graph, tap, self._url)]
+        sinks = [kept(graph, writer, keep, is_live=True), *_watched(graph, tap, self._url)]
         self._runner.log_to(sinks, writer if keep is None else None)
         if tap is not None:
             cleanup.callback(tap.close)
@@ -201,13 +201,6 @@ def _needs_all(graph: Graph, ref: str) -> bool:
             if i.port.since or (i.port.is_plain and (len(plain) > 1 or queued)):
                 return True
     return False
-
-
-def _kept(graph: Graph, writer: Sink, keep: Collection[str] | None) -> Sink:
-    """Return the sink of the log."""
-    if keep is not None:
-        return ChannelsOnly(writer, keep)
-    return writer if graph.run.record == "all" else SmallOnly(writer)
 
 
 def _live_part(status: Status, writer: ThreadedLogWriter, url: str) -> dict[str, object]:

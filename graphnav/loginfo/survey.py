@@ -58,6 +58,8 @@ class LogInfo:
     n_jumps: int
     channels: list[ChannelInfo]
     origin: LogOrigin | None
+    completion_hint: str
+    """How to make again what the log leaves out, see `Recording`."""
     damaged: list[Damaged]
     truncated: TruncatedEvent | None
 
@@ -95,6 +97,7 @@ def survey(path: Path) -> LogInfo:
             n_jumps=recording.timeline.n_jumps,
             channels=[surveys[name].finished(declared.get(name)) for name in sorted(surveys)],
             origin=origin_of(recording),
+            completion_hint=recording.completion_hint,
             damaged=recording.damaged,
             truncated=recording.truncated,
         )

@@ -11,12 +11,13 @@ from types import TracebackType
 from typing import Any, NamedTuple, Self, TypeVar
 
 from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
-from graphnav.errors import LogError, UserError
+from graphnav.errors import LogError, UserError, shown_name
 from graphnav.messages import About, Message
 from graphnav.record.event import Damaged, Entry, Event, LogFile, TruncatedEvent
 from graphnav.record.index import Index
 from graphnav.record.scan import scan
 from graphnav.record.timeline import Timeline
+from graphnav.run_folder import LOG
 from graphnav.spec import parse_yaml
 
 M = TypeVar("M", bound=Message)
@@ -99,6 +100,24 @@ class Recording:
             or type_of(self.event(channel, 0).data)
             for channel in self._index.channels
         }
+
+    @property
+    def completion_hint(self) -> str:
+        """How to make again what the log leaves out, which ``record: replayable`` allows; else an empty string."""
+        try:
+            options = self.graph.get("run")
+        except LogError:
+            return ""
+        is_of_tap = self.about is not None and bool(self.about.run_id)  # which sends everything
+        if is_of_tap or not isinstance(options, dict) or options.get("record") != "replayable":
+            return ""
+        log = self.path.parent if self.path.name == LOG else self.path
+        return f"make the rest again: graphnav replay {shown_name(str(log))} -o full.lcmlog"
+
+    def completion_notice(self) -> str:
+        """Return a notice of what the log leaves out, as `completion_hint`; else an empty string."""
+        hint = self.completion_hint
+        return f"{self.path} leaves out large messages that a replay makes again\n  {hint}" if hint else ""
 
     @property
     def begin_us(self) -> int:

@@ -40,8 +40,10 @@ class Plan:
         return [node.name for node in self.stepped.nodes if any(i.channel == channel for i in node.inputs)]
 
 
-def make_plan(graph: Graph, play: Sequence[str] = ()) -> Plan:
+def make_plan(graph: Graph, play: Sequence[str] = (), reproduced: Collection[str] = ()) -> Plan:
     """Return the plan that plays sources, inputs, and the channels ``play`` (``stage.port``).
+
+    ``reproduced``: channels of sources that are not played, because their sources make them again, by reference.
 
     Raises
     ------
@@ -51,14 +53,15 @@ def make_plan(graph: Graph, play: Sequence[str] = ()) -> Plan:
     played = {channel.ref for node in graph.sources for channel in node.outputs.values()} | set(graph.inputs)
     for word in play:
         played |= _refs(graph, word)
-    stepping = {n.name for n in graph.order if not n.outputs or any(c.ref not in played for c in n.outputs.values())}
+    given, played = played, played.difference(reproduced)
+    stepping = {n.name for n in graph.order if not n.outputs or any(c.ref not in given for c in n.outputs.values())}
     not_needed = []
     while (idle := _idle(graph, stepping)) is not None:
         stepping.discard(idle)
         not_needed.append(idle)
     if not stepping:
         raise UserError.of("no stage is left to step: every channel is played", "leave out some of --play")
-    nodes, order = (tuple(n for n in given if n.name in stepping) for given in (graph.nodes, graph.order))
+    nodes, order = (tuple(n for n in every if n.name in stepping) for every in (graph.nodes, graph.order))
     read = {i.channel.ref for node in nodes for i in node.inputs if i.channel is not None}
     channels = [channel for ref, channel in graph.channels.items() if ref in played]
     compared = tuple(c for node in order for c in node.outputs.values() if c.ref not in played)

@@ -5,21 +5,23 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
 from graphnav.codec import DecodeError, encode
 from graphnav.errors import GraphnavError, StageError, UserError
+from graphnav.graph import Graph
 from graphnav.graph.wiring.channels import RESERVED
 from graphnav.live.about import live_about
 from graphnav.record import ABOUT, LogWriter, Recording
 from graphnav.replay.comparison.comparison import Comparison, Scope
 from graphnav.replay.comparison.field_differences import Tolerance
-from graphnav.replay.comparison.result import ReplayResult
+from graphnav.replay.comparison.result import ReplayResult, Reproduced
 from graphnav.replay.log.contents import read_contents
 from graphnav.replay.log.log_graph import LogGraph
 from graphnav.replay.log.recorded_metrics import recorded_scores
+from graphnav.replay.log.reproduction import Reproduction, reproduction_of
 from graphnav.replay.plan import make_plan
 from graphnav.replay.session import live_session, lockstep_session
 from graphnav.replay.stepping.message_counts import MessageCounts
@@ -86,9 +88,9 @@ def replay(
         ``out`` cannot be written.
     """
     wall_begin_s = time.monotonic()
-    work = _Replay(recording, made, options)
+    work = _Replay(recording, made, options, is_logged=out is not None)
     with ExitStack() as cleanup:
-        log = None if out is None else cleanup.enter_context(_log_writer(out, made, work.begin_us))
+        log = None if out is None else cleanup.enter_context(_log_writer(out, work.logged_graph, made, work.begin_us))
         replayer = work.begin(log)
         cleanup.callback(replayer.close)
         work.step(replayer, on_tick, on_failure)
@@ -99,17 +101,22 @@ def replay(
 class _Replay:
     """A replay in progress, from what the log holds to how the replayed messages differ."""
 
-    def __init__(self, recording: Recording, made: LogGraph, options: ReplayOptions) -> None:
+    def __init__(self, recording: Recording, made: LogGraph, options: ReplayOptions, *, is_logged: bool) -> None:
         self._recording, self._made, self._options = recording, made, options
-        self._plan = make_plan(made.graph, options.play)
-        self._contents = read_contents(recording, made.graph, made.about, is_live=made.is_live)
+        self._contents = read_contents(recording, made.graph, made.about, made.recorded, is_live=made.is_live)
+        self._reproduction = reproduction_of(made, self._contents, wants_all=is_logged)
+        reproduced = self._reproduction.channels if self._reproduction is not None else ()
+        self._plan = make_plan(made.graph, options.play, [channel.ref for channel in reproduced])
         self.begin_us = recording.begin_us if made.is_live else 0
         self._from_us = self.begin_us + round(options.from_s * 1e6)
         self._done_us, self._failure = self.begin_us, ""
         self._check_reach()
-        make_session = live_session if made.is_live else lockstep_session
         start_us = self._from_us if options.is_cold else self.begin_us
-        self._session = make_session(recording, made, self._plan, self._contents, start_us)
+        self._session = (
+            live_session(recording, made, self._plan, self._contents, start_us)
+            if made.is_live
+            else lockstep_session(recording, made, self._plan, self._contents, start_us, self._reproduction)
+        )
         self._lost = [*self._contents.lost, *self._session.lost]
         recorded = {c.ref for c in self._plan.compared if self._contents.messages[c.name]}
         self._stages = self._plan.stepped.make_stages(made.graph.read | recorded)
@@ -125,12 +132,22 @@ class _Replay:
             what = f"{path} ends at {(end_us - self.begin_us) / 1e6:.2f} s"
             raise UserError.of(what, f"--from {self._options.from_s:g} is after the end")
 
+    @property
+    def logged_graph(self) -> Graph:
+        """The graph in the log of the replay, which holds everything unless a stage is not needed."""
+        graph = self._made.graph
+        if graph.run.record != "replayable" or self._plan.not_needed:
+            return graph
+        return replace(graph, run=replace(graph.run, record="all"))
+
     def begin(self, log: LogWriter | None) -> Replayer:
         """Wire the stages to what compares their messages; return what steps them."""
-        made, compared = self._made, self._plan.compared
+        made = self._made
+        reproduced = self._reproduction.outputs if self._reproduction is not None else ()
+        compared = (*reproduced, *self._plan.compared)
         recorded = made.about.channels if made.about is not None else None
         last_us, tolerance = self._session.last_us, self._options.tolerance
-        scope = Scope(self.begin_us, self._from_us, last_us, tolerance, made.is_small, recorded)
+        scope = Scope(self.begin_us, self._from_us, last_us, tolerance, made.complete, recorded)
         self._new = [channel for channel in compared if recorded is not None and channel.name not in recorded]
         known = [channel for channel in compared if channel not in self._new]
         self._comparison = Comparison(self._recording, known, self._contents, scope)
@@ -158,7 +175,8 @@ class _Replay:
     def result(self, replayer: Replayer, scores: dict[str, dict[str, float]], wall_s: float) -> ReplayResult:
         """Return how what was replayed differs from the log."""
         plan, contents, path = self._plan, self._contents, self._recording.path
-        stepped = {channel.name for channel in plan.compared}
+        again = self._reproduction
+        stepped = {channel.name for channel in (*plan.compared, *(again.channels if again is not None else ()))}
         played = tuple(channel.name for channel in plan.played if contents.messages[channel.name])
         replayed = (stepped | set(played)) - contents.other_types
         return ReplayResult(
@@ -171,6 +189,7 @@ class _Replay:
             stepped=tuple(node.name for node in plan.stepped.order),
             played=played,
             not_needed=plan.not_needed,
+            reproduced=tuple(_reproduced(again)) if again is not None else (),
             channels=self._comparison.results(self._done_us if replayer.ticks else self.begin_us - 1),
             new={channel.name: self._counts.of(channel.name) for channel in self._new},
             not_replayed=tuple(_not_replayed(self._recording, self._made, replayed)),
@@ -189,14 +208,23 @@ def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> 
         return {}
 
 
-def _log_writer(path: Path, made: LogGraph, begin_us: int) -> LogWriter:
+def _reproduced(reproduction: Reproduction) -> Iterator[Reproduced]:
+    """Yield what each source made again."""
+    for node in reproduction.nodes:
+        made = [channel.name for channel in node.outputs.values() if channel in reproduction.channels]
+        checked = [channel.name for channel in node.outputs.values() if channel.name not in made]
+        heard = [i.channel.name for i in node.inputs if i.channel is not None]
+        yield Reproduced(node.name, tuple(made), tuple(heard), tuple(checked))
+
+
+def _log_writer(path: Path, graph: Graph, made: LogGraph, begin_us: int) -> LogWriter:
     if path.exists():
         raise UserError.of(f"{path} already exists", "choose another file with -o")
     try:
         writer = LogWriter(path)
     except OSError as error:
         raise UserError.of(f"cannot write {path}: {error.strerror}", "choose another file with -o") from error
-    about = live_about(made.graph, by_outside_names=False) if made.is_live else about_of(made.graph)
+    about = live_about(graph, by_outside_names=False) if made.is_live else about_of(graph)
     writer.write(ABOUT, begin_us, encode(about, begin_us, 0))
     return writer
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,12 +13,14 @@ from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unre
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import read_firings
 from graphnav.replay.log.log_graph import LogGraph
+from graphnav.replay.log.reproduction import Reproduction
 from graphnav.replay.log.schedule import ticks_of
 from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.firing_log import FiringLog
 from graphnav.replay.stepping.firing_runner import FiringRunner
 from graphnav.replay.stepping.renumbered import Renumbered
-from graphnav.replay.stepping.replay_runner import ReplayRunner
+from graphnav.replay.stepping.replay_runner import ReplayRunner, Sinks, Timetable
+from graphnav.replay.stepping.reproduced_sources import ReproducedSources
 from graphnav.runner.owned_stages import Sink
 from graphnav.stage import Stage
 
@@ -37,8 +40,17 @@ class Session:
     """Consequences of damage of the log."""
 
 
-def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents: Contents, start_us: int) -> Session:
+def lockstep_session(
+    recording: Recording,
+    made: LogGraph,
+    plan: Plan,
+    contents: Contents,
+    start_us: int,
+    reproduction: Reproduction | None = None,
+) -> Session:
     """Return the session that replays a lockstep run from a timestamp on.
+
+    ``reproduction``: the sources that make again what the log leaves out, from its start on.
 
     Raises
     ------
@@ -50,14 +62,21 @@ def lockstep_session(recording: Recording, made: LogGraph, plan: Plan, contents:
         raise UserError.of(what, "replay it with a graph that runs in lockstep")
     refuse_unreadable(plan, contents, recording, made.about)
     refuse_unread(plan, contents, recording, made.wires)
-    reach = reach_of(plan, contents, recording, start_us, is_small=made.is_small)
-    ticks = [tick for tick in ticks_of(plan, contents) if start_us <= tick.utime <= reach.until_us]
+    reach = reach_of(plan, contents, recording, start_us, made.complete, reproduction)
+    is_complete = all(channel.name in made.complete for channel in plan.graph.channels.values())
+    held = (*plan.played, *plan.copied)
+    every = ticks_of(plan.graph, held, contents, is_complete=is_complete)
+    ticks = [tick for tick in every if start_us <= tick.utime <= reach.until_us]
     earlier = ([m for m in contents.messages[channel.name] if m.utime < start_us] for channel in plan.needed)
     before = [messages[-1] for messages in earlier if messages]
 
     def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> ReplayRunner:
         logs = () if log is None else (Renumbered(log) if start_us else log,)
-        return ReplayRunner(plan, stages, Bus("memq://"), (*sinks, *logs), recording, ticks, before, logs)
+        again = None
+        if reproduction is not None:
+            again = ReproducedSources(reproduction, reproduction.make_stages(), recording, contents)
+        timetable = Timetable(ticks, before, start_us, contents.last_us if math.isinf(reach.until_us) else 0)
+        return ReplayRunner(plan, stages, Bus("memq://"), recording, timetable, Sinks(sinks, logs), again)
 
     return Session(make, contents.last_us, reach.lost)
 
@@ -72,7 +91,7 @@ def live_session(recording: Recording, made: LogGraph, plan: Plan, contents: Con
     """
     refuse_unreadable(plan, contents, recording, made.about)
     logged = read_firings(plan, contents, recording, made.wires)
-    refuse_unlogged(plan, contents, recording, logged, is_small=made.is_small)
+    refuse_unlogged(plan, contents, recording, logged, made.complete)
 
     def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> FiringRunner:
         firing_log = None if log is None else FiringLog(log)

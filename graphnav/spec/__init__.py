@@ -16,7 +16,7 @@ from graphnav.spec.declared import (
 )
 from graphnav.spec.file_bytes import read_bytes
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, QueueSpec, parse_times
-from graphnav.spec.run import RunOptions, check_url
+from graphnav.spec.run import RecordOption, RunOptions, check_url
 from graphnav.spec.scalar import Scalar, parse_scalar
 from graphnav.spec.spec import Spec, StageSpec, parse_spec
 from graphnav.spec.value import Entry, Value
@@ -34,6 +34,7 @@ __all__ = [
     "QueueSpec",
     "Range",
     "Record",
+    "RecordOption",
     "RunOptions",
     "Scalar",
     "Schema",

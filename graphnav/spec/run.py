@@ -8,6 +8,9 @@ from typing import Literal
 from graphnav.errors import ParamError
 from graphnav.stage import param
 
+RecordOption = Literal["all", "small", "replayable"]
+"""Selection of the messages that a log keeps."""
+
 URL_SCHEMES = ("udpm://", "memq://")
 """Between processes, and inside one."""
 
@@ -32,10 +35,10 @@ class RunOptions:
 
     until_s: float | None = param(None, gt=0.0, le=1e9, doc="when to stop; null runs until a source finishes")
     seed: int = param(0, ge=0, le=4_294_967_295, doc="all randomness of a run derives from it")
-    record: Literal["all", "small"] | None = param(
+    record: Literal["all", "small", "replayable"] | None = param(
         None,
-        doc="what the log keeps; small: messages below 4 kB, and the first of every channel; null: all in lockstep, "
-        "small live",
+        doc="what the log keeps; small: messages below 4 kB, and the first of every channel; replayable: also what "
+        "inputs and sources bring, of which 'graphnav replay' makes the rest again; null: all in lockstep, small live",
     )
     url: str | None = param(
         None,

@@ -38,6 +38,7 @@ class Feed:
         self.name = name or tap_url()
         self.is_live = self.name.startswith("udpm:")
         self.truncated = ""
+        self.completion_notice = ""
         self._bus: Bus | None = None
         self._dropped_packets = 0
         if not self.is_live:
@@ -99,6 +100,7 @@ class Feed:
     def _recorded(self) -> Generator[Received | None]:
         with Recording(self.path) as recording:
             self.truncated = str(recording.truncated or "")
+            self.completion_notice = recording.completion_notice()
             for event in recording.events():
                 yield Received(event.channel, event.data, event.utime / 1e6)
 

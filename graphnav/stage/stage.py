@@ -112,6 +112,10 @@ class Source(Stage):
     Its ``step`` may take `Latest` inputs and a `Stamp`, nothing else. It ends the run with `Finished`.
     """
 
+    reproducible: ClassVar[tuple[str, ...]] = ()
+    """Outputs that it makes again, byte for byte, when it is stepped with its seed and the recorded inputs: in lockstep
+    ``record: replayable`` leaves them out. At least one other output is recorded, and compared when that is done."""
+
     rate_hz: float = param(10.0, gt=0.0, le=10_000.0, doc="firings per second")
 
     def rate(self) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from graphnav_world.vehicle import Limits, Pose, Vehicle
 
 class Simulation(Source):
     """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space."""
+
+    reproducible: ClassVar = ("truth",)
 
     map: Path = param(doc="the map's YAML file")
     size: tuple[int, int] = param((160, 120), ge=8, le=4096, doc="columns and rows of the image")

@@ -107,7 +107,27 @@ def test_a_small_log_keeps_the_firings(again: Again, every_kind: str, live: Begi
     assert {one.stage for one in fired} >= {"see", "slow", "both", "guard", "tick"}
     with pytest.raises(UserError, match=r"camera\.image: \d of \d\n"):
         again(run.folder / "run.lcmlog")
+    with pytest.raises(UserError, match=r"record what a replay needs: --set run\.record=replayable"):
+        again(run.folder / "run.lcmlog")
     made = ["see", "slow", "both", "gather", "guard"]
     twin = ("twin+=probe.brightness", "twin.in.image=camera.image")
     with pytest.raises(UserError, match=r"is missing messages that twin read:\n  camera\.image: all but 1\n"):
         again(run.folder / "run.lcmlog", *twin, play=made)
+
+
+def test_a_replayable_log_keeps_what_comes_in(again: Again, every_kind: str, live: Begin, outside: Program) -> None:
+    program = outside("SPEED")
+    run = live(every_kind.replace("record: all", "record: replayable"))
+    program.wait_for(lambda: bool(program.of("SPEED")))
+    for level in range(5):
+        program.show("CAMERA", level, size=(80, 80))
+        program.wait_for(partial(_is_heard, program, 2 * level))
+    _, recording = run.stop()
+    assert recording.count("camera.image") > 1, "a small log has the first one"
+    result = again(run.folder / "run.lcmlog", "twin+=probe.brightness", "twin.in.image=camera.image")
+    assert result.is_equal, result.first
+    assert result.reproduced == ()
+    assert result.new["twin.twist"] > 1
+    with Recording(run.folder / "run.lcmlog") as log:
+        counts = {name: log.count(name) for name in result.channels}
+    assert {name: channel.n_compared for name, channel in result.channels.items()} == counts

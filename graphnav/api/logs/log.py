@@ -17,6 +17,7 @@ from graphnav.api.logs.log_channel import LogChannel, Sample
 from graphnav.api.logs.log_html import log_html
 from graphnav.api.logs.message_table import table_of
 from graphnav.api.logs.stack import Stack, stacked
+from graphnav.api.notices import tell
 from graphnav.arrays import Doubles, Longs
 from graphnav.codec import lcm_name, message_class_of
 from graphnav.errors import LogError, UserError, did_you_mean, shown_name
@@ -30,7 +31,7 @@ def open_log(path: PathLike) -> Log:
     """Open the log of a run folder, or a log file of graphnav, lcm-logger or any other LCM program.
 
     ``path``: the folder or the file. A damaged log can be opened too: complete messages can be read, and `Log.damage`
-    lists the losses.
+    lists the losses. What a log recorded with ``record: replayable`` leaves out is logged as a warning.
 
     Raises
     ------
@@ -41,9 +42,12 @@ def open_log(path: PathLike) -> Log:
     """
     name = path_of(path, "path", "runs/1")
     try:
-        return Log(Recording(find_log(name)))
+        recording = Recording(find_log(name))
     except OSError as error:
         raise UserError.of(f"cannot read {name}: {error.strerror}", "name a run folder or a log") from error
+    if notice := recording.completion_notice():
+        tell(notice)
+    return Log(recording)
 
 
 _MAX_NAMES = 40

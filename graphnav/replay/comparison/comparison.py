@@ -23,15 +23,15 @@ class Scope(NamedTuple):
     """The scope of the comparison: messages published from ``from_us`` on, with a tolerance.
 
     ``begin_us``: the run's clock at its start. ``last_us``: the run's clock at the last tick or firing of the log,
-    which may be incomplete. ``is_small``: whether the log keeps only small messages. ``recorded``: the channels of the
-    run, None if unknown.
+    which may be incomplete. ``complete``: the channels of which the log keeps large messages, too. ``recorded``: the
+    channels of the run, None if unknown.
     """
 
     begin_us: int
     from_us: int
     last_us: int
     tolerance: Tolerance
-    is_small: bool
+    complete: Collection[str]
     recorded: Collection[str] | None
 
 
@@ -129,7 +129,7 @@ class _ChannelComparison:
         """Count a message that is not in the log: it is extra, unless the log cannot hold it."""
         scope = self._scope
         is_after_end = now_us >= scope.last_us
-        is_left_out = (scope.is_small and n_bytes >= SMALL_BYTES) or not self._is_expected
+        is_left_out = (self._name not in scope.complete and n_bytes >= SMALL_BYTES) or not self._is_expected
         if is_after_end or is_left_out or self._fills_gap(utime):
             self.result.n_not_recorded += 1
             return

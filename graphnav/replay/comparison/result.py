@@ -47,7 +47,7 @@ class ChannelResult:
     n_extra: int = 0
     """Messages that only the replay published."""
     n_not_recorded: int = 0
-    """Published messages that cannot be compared: the log is damaged, or keeps only small messages."""
+    """Published messages that cannot be compared: the log is damaged, or keeps only small messages of the channel."""
     first: FirstDifference | None = None
     fields: dict[str, FieldResult] = field(default_factory=dict)
 
@@ -60,6 +60,18 @@ class ChannelResult:
     def max_gap(self) -> float | None:
         """The maximum difference of numbers, None without one."""
         return max((one.max_gap for one in self.fields.values() if one.max_gap is not None), default=None)
+
+
+class Reproduced(NamedTuple):
+    """A source that was stepped again, with the recorded messages of ``inputs``, to make ``channels`` again.
+
+    ``checked``: its other channels, which are in the log and were compared.
+    """
+
+    stage: str
+    channels: tuple[str, ...]
+    inputs: tuple[str, ...]
+    checked: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -79,6 +91,8 @@ class ReplayResult:
     stepped: tuple[str, ...]
     played: tuple[str, ...]
     not_needed: tuple[str, ...]
+    reproduced: tuple[Reproduced, ...]
+    """Sources that made again what the log leaves out."""
     channels: dict[str, ChannelResult]
     """The results by channel, in firing order."""
     new: Mapping[str, int]
@@ -97,6 +111,15 @@ class ReplayResult:
     def is_equal(self) -> bool:
         """Whether all compared messages are equal."""
         return not self.failure and all(channel.is_equal for channel in self.channels.values())
+
+    @property
+    def unlike(self) -> tuple[tuple[Reproduced, tuple[str, ...]], ...]:
+        """The sources that made again what differs from the log, and the channels on which it does."""
+        found = (
+            (one, tuple(name for name in one.checked if name in self.channels and not self.channels[name].is_equal))
+            for one in self.reproduced
+        )
+        return tuple((one, names) for one, names in found if names)
 
     @property
     def first(self) -> tuple[str, FirstDifference] | None:
@@ -119,6 +142,7 @@ class ReplayResult:
             "stepped": list(self.stepped),
             "played": list(self.played),
             "not_needed": list(self.not_needed),
+            "reproduced": [one._asdict() for one in self.reproduced],
             "new": dict(self.new),
             "not_replayed": list(self.not_replayed),
             "channels": {name: _channel_as_json(channel) for name, channel in self.channels.items()},

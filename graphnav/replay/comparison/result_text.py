@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rich import box
@@ -13,7 +13,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from graphnav.replay.comparison.result import ChannelResult, FirstDifference, ReplayResult
+from graphnav.replay.comparison.result import ChannelResult, FirstDifference, ReplayResult, Reproduced
 
 _MAX_CHARS = 40
 _MAX_COLS = 1000
@@ -43,6 +43,7 @@ def as_text(result: ReplayResult, console: Console) -> Group:
         lines.append(Text(f"not needed: {', '.join(result.not_needed)}"))
     if result.not_replayed:
         lines.append(Text(f"in the log, not in the replay: {', '.join(map(_quoted, result.not_replayed))}"))
+    lines += [Text(_unlike(one, names), style="red") for one, names in result.unlike]
     return Group(_headline(result), *tables, *lines, _verdict(result))
 
 
@@ -53,6 +54,20 @@ def _headline(result: ReplayResult) -> Text:
     return Text(
         f"{result.until_s:.1f} s replayed in {result.wall_s:.1f} s ({ratio:.1f} x), {result.n_ticks} {counted}{begin}\n"
         f"played: {', '.join(result.played)}\nstepped: {', '.join(result.stepped)}"
+        + "".join(f"\n{_reproduced(one)}" for one in result.reproduced)
+    )
+
+
+def _reproduced(one: Reproduced) -> str:
+    inputs = f" with the recorded {', '.join(one.inputs)}" if one.inputs else ""
+    return f"reproduced: {', '.join(one.channels)}, by stepping {one.stage}{inputs}"
+
+
+def _unlike(one: Reproduced, names: Sequence[str]) -> str:
+    differing = ", ".join(names)
+    return (
+        f"{', '.join(one.channels)} may not be as in the run: {one.stage} does not make {differing} as recorded; "
+        "replay on the kind of machine and with the versions of the run's summary.json"
     )
 
 

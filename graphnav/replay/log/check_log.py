@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from graphnav.errors import UserError
@@ -13,13 +13,14 @@ from graphnav.record import Recording
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import LoggedFirings
 from graphnav.replay.log.missing_messages import MissingMessages, is_first_only, missing_messages
+from graphnav.replay.log.reproduction import Reproduction
 from graphnav.replay.plan import Plan
 from graphnav.tap import PACKET_BYTES
 
 Wires = Mapping[str, Mapping[str, Any]]
 
 _HINT = (
-    "record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
+    "record what a replay needs: --set run.record=replayable, 'graphnav run --tap full' for a logger; "
     "or play the outputs of these stages with --play"
 )
 
@@ -37,14 +38,14 @@ def refuse_unreadable(plan: Plan, contents: Contents, recording: Recording, abou
 
 
 def refuse_unlogged(
-    plan: Plan, contents: Contents, recording: Recording, logged: LoggedFirings, *, is_small: bool
+    plan: Plan, contents: Contents, recording: Recording, logged: LoggedFirings, complete: Collection[str]
 ) -> None:
     """Refuse a live log without the messages of new wires, which were not read in the run.
 
     Raises
     ------
     UserError
-        It has no messages of such a channel, or only the first one because it keeps only small messages.
+        It has no messages of such a channel, or only the first one because the channel is not ``complete``.
     """
     newly = {
         i.channel.name
@@ -55,13 +56,13 @@ def refuse_unlogged(
     lines = []
     for channel in plan.played:
         found = contents.messages[channel.name]
-        if channel.name not in newly or (found and not (is_small and is_first_only(found, contents))):
+        if channel.name not in newly or (found and (channel.name in complete or not is_first_only(found, contents))):
             continue
         lines.append(f"{channel.name}: {'all but 1' if found else 'all of them'}")
     if lines:
         readers = ", ".join(sorted({n for c in plan.played if c.name in newly for n in plan.readers_of(c)}))
         what = f"{recording.path} is missing messages that {readers} read:"
-        raise UserError.of("\n  ".join([what, *lines]), _HINT)
+        raise UserError.of("\n  ".join([what, *lines]), _hint(recording))
 
 
 def refuse_unread(plan: Plan, contents: Contents, recording: Recording, wires: Wires) -> None:
@@ -93,11 +94,18 @@ class Reach(NamedTuple):
     lost: tuple[str, ...] = ()
 
 
-def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int, *, is_small: bool) -> Reach:
+def reach_of(
+    plan: Plan,
+    contents: Contents,
+    recording: Recording,
+    start_us: int,
+    complete: Collection[str],
+    reproduction: Reproduction | None,
+) -> Reach:
     """Return the replayable part of a log from ``start_us`` on.
 
-    In the log of a run that records everything, messages are missing only through damage: then the part before the
-    damage is used.
+    Messages of ``complete`` channels, of which the run has recorded everything, are missing only through damage: then
+    the part before the damage is used.
 
     Raises
     ------
@@ -109,15 +117,25 @@ def reach_of(plan: Plan, contents: Contents, recording: Recording, start_us: int
         missing = [part for part in missing_messages(channel, plan, contents) if part.before_us > start_us]
         if missing:
             incomplete[channel] = missing
+    names = {name for channel in incomplete for name in plan.readers_of(channel)}
+    if reproduction is not None:
+        lacking = dict(reproduction.missing_inputs(contents))
+        names.update(node.name for node in reproduction.nodes if any(i.channel in lacking for i in node.inputs))
+        incomplete.update(lacking)
     if not incomplete:
         return Reach(math.inf)
-    readers = ", ".join(sorted({name for channel in incomplete for name in plan.readers_of(channel)}))
+    readers = ", ".join(sorted(names))
     until_us = min(missing[0].after_us for missing in incomplete.values())
-    if (contents.lost or (contents.is_own and not is_small)) and until_us >= start_us:
+    is_damage = contents.is_own and all(channel.name in complete for channel in incomplete)
+    if (contents.lost or is_damage) and until_us >= start_us:
         lines = "; ".join(_lines(incomplete, contents))
         return Reach(until_us, (f"replayed up to {until_us / 1e6:.2f} s; later messages are missing: {lines}",))
     what = f"{recording.path} is missing messages that {readers} read:"
-    raise UserError.of("\n  ".join([what, *_lines(incomplete, contents)]), _HINT)
+    raise UserError.of("\n  ".join([what, *_lines(incomplete, contents)]), _hint(recording))
+
+
+def _hint(recording: Recording) -> str:
+    return f"{recording.completion_hint}, and replay that" if recording.completion_hint else _HINT
 
 
 def _lines(incomplete: Mapping[Channel, list[MissingMessages]], contents: Contents) -> Iterator[str]:

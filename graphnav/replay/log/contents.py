@@ -36,10 +36,10 @@ class Logged(NamedTuple):
 
 @dataclass(frozen=True)
 class Contents:
-    """The messages of a log on the channels of a graph."""
+    """The messages of a log on the channels of its graphs: of the replay, and of the run."""
 
     messages: Mapping[str, tuple[Logged, ...]]
-    """Messages by channel, in file order; includes every channel of the graph."""
+    """Messages by channel, in file order; includes every channel of the graphs."""
     order: tuple[Logged, ...]
     """All messages in file order."""
     other_types: frozenset[str]
@@ -57,8 +57,10 @@ class Contents:
         return max((message.utime for message in self.order), default=0)
 
 
-def read_contents(recording: Recording, graph: Graph, about: About | None, *, is_live: bool) -> Contents:
-    """Return the undamaged messages of a log on the channels of ``graph``.
+def read_contents(
+    recording: Recording, graph: Graph, about: About | None, recorded: Graph | None = None, *, is_live: bool
+) -> Contents:
+    """Return the undamaged messages of a log on the channels of ``graph``, and of ``recorded`` if it is given.
 
     ``is_live``: whether it is the log of a live run, whose events have the run's clock, not the messages' timestamps.
 
@@ -67,7 +69,8 @@ def read_contents(recording: Recording, graph: Graph, about: About | None, *, is
     UserError
         The log holds several runs.
     """
-    channels = {channel.name: channel for channel in graph.channels.values()}
+    graphs = [graph] if recorded is None else [recorded, graph]
+    channels = {channel.name: channel for one in graphs for channel in one.channels.values()}
     heads = [head for head in recording.heads() if not head.channel.startswith(RESERVED)]
     own = [head for head in heads if head.channel in channels]
     is_own = not is_live and 2 * sum(head.logged_us == head.utime for head in own) > len(own)
@@ -83,14 +86,8 @@ def read_contents(recording: Recording, graph: Graph, about: About | None, *, is
         if _is_damaged(head, channels, known, is_own=is_own):
             lost.append(f"event {head.place} of channel {head.channel!a} is damaged")
         elif head.channel in channels and not _is_repeated(head, messages[head.channel]):
-            message = Logged(
-                head.channel,
-                head.place,
-                head.utime,
-                head.seq,
-                head.n_bytes,
-                head.logged_us if is_live else head.utime,
-            )
+            at_us = head.logged_us if is_live else head.utime
+            message = Logged(head.channel, head.place, head.utime, head.seq, head.n_bytes, at_us)
             messages[head.channel].append(message)
             order.append(message)
     if not is_own and not is_live:

@@ -79,9 +79,8 @@ def read_firings(
     if n_missing and not (contents.lost and n_complete):
         lines = [f"{name}: {count} of {reader.read[name]}" for name, count in n_missing.items()]
         what = "\n  ".join([f"{recording.path} is missing messages that its stages stepped with:", *lines])
-        raise UserError.of(
-            what, "record everything: --set run.record=all; or play the outputs of these stages with --play"
-        )
+        hint = "record what a replay needs: --set run.record=replayable; or play what these stages publish with --play"
+        raise UserError.of(what, hint)
     kept = firings if math.isinf(n_complete) else firings[: int(n_complete)]
     held = {channel.name for channel in (*plan.played, *plan.copied)}
     return LoggedFirings(

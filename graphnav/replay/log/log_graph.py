@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
-from typing import Any
+from typing import Any, get_args
 
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, decode
@@ -16,7 +16,8 @@ from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, Recording
 from graphnav.run_folder import GRAPH
 from graphnav.runner.lockstep_status import STATUS
-from graphnav.spec import parse_yaml
+from graphnav.runner.recording.kept_messages import complete_channels, record_option
+from graphnav.spec import RecordOption, parse_yaml
 
 _SEED = Target("run", key="seed")
 
@@ -27,12 +28,14 @@ class LogGraph:
 
     graph: Graph
     about: About | None
-    is_small: bool
-    """Whether the log keeps only small messages."""
+    complete: frozenset[str]
+    """The channels of which the log keeps every message, by its ``record`` option."""
     is_live: bool
     """Whether it is the log of a live run."""
     wires: Mapping[str, Mapping[str, str]]
     """The channels read by each stage's inputs in that run, by stage and port."""
+    recorded: Graph | None = None
+    """The graph of the run itself, where its sources make again what the log leaves out."""
 
 
 def about_in(recording: Recording) -> About | None:
@@ -64,12 +67,17 @@ def graph_to_replay(
         The log does not hold its graph, or the graph has errors.
     """
     about = about_in(recording)
+    names = {path.name for path in plugins}
     if graph is not None:
         found = load_graph(graph, catalog, overrides)
     else:
         with _printable_errors():
-            found = _own_graph(recording, about, catalog, overrides, {path.name for path in plugins})
-    return _log_graph(_with_seed(found, about, overrides), about)
+            found = _own_graph(recording, about, catalog, overrides, names)
+    recorded = None
+    if _option(about) == "replayable" and not _is_live(about):
+        with _printable_errors():
+            recorded = _own_graph(recording, about, catalog, (), names)
+    return _log_graph(_with_seed(found, about, overrides), about, recorded)
 
 
 def _own_graph(
@@ -100,14 +108,26 @@ def _own_graph(
     return graph_of(data, recording.path, catalog, overrides, source, named, is_record=True)
 
 
-def _log_graph(graph: Graph, about: About | None) -> LogGraph:
+def _log_graph(graph: Graph, about: About | None, recorded: Graph | None) -> LogGraph:
+    is_live = _is_live(about)
+    complete = complete_channels(recorded or graph, _option(about), is_live=is_live)
     if about is None:
-        return LogGraph(graph, about, is_small=False, is_live=False, wires={})
-    is_live = STATUS in about.channels
-    record = _section(_yaml_of(about), "run").get("record") or ("small" if is_live else "all")
+        return LogGraph(graph, about, complete, is_live, wires={})
     stages = _section(_yaml_of(about), "stages").items()
     wires = {name: _mapping(stage.get("in")) for name, stage in stages if isinstance(stage, dict)}
-    return LogGraph(graph, about, record == "small", is_live, wires)
+    return LogGraph(graph, about, complete, is_live, wires, recorded)
+
+
+def _is_live(about: About | None) -> bool:
+    """Whether it is the log of a live run."""
+    return about is not None and STATUS in about.channels
+
+
+def _option(about: About | None) -> RecordOption:
+    """Return what the log keeps."""
+    given = None if about is None else _section(_yaml_of(about), "run").get("record")
+    known = next((option for option in get_args(RecordOption) if option == given), None)
+    return record_option(known, is_live=_is_live(about))
 
 
 @contextmanager

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from graphnav.bus import Bus
 from graphnav.codec import decode
@@ -12,16 +13,36 @@ from graphnav.record import Recording
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan
+from graphnav.replay.stepping.reproduced_sources import Made, ReproducedSources
 from graphnav.runner.owned_stages import Sink
 from graphnav.runner.wired_stages import WiredStages
 from graphnav.stage import Stage
 
 
+class Timetable(NamedTuple):
+    """When the stages step: at ``ticks``, from ``start_us`` on.
+
+    ``before``: messages from before the first tick, for stages that sample their channels. ``end_us``: the newest stamp
+    of the log, up to which sources are stepped again; 0 if only a part of the log can be replayed.
+    """
+
+    ticks: Sequence[Tick]
+    before: Sequence[Logged]
+    start_us: int
+    end_us: int
+
+
+class Sinks(NamedTuple):
+    """The receivers of messages: ``results`` take what is stepped, ``logs`` also what is played."""
+
+    results: Sequence[Sink]
+    logs: Sequence[Sink] = ()
+
+
 class ReplayRunner(WiredStages):
     """Owns the stepping stages; fires them tick by tick of the log, in the firing order of the complete graph.
 
-    ``before``: messages from before the first of the ``ticks``, for stages that sample their channels. ``sinks`` take
-    the published messages, ``player_sinks`` the played ones.
+    ``again``: the sources that make again what the log leaves out.
     """
 
     def __init__(
@@ -29,20 +50,31 @@ class ReplayRunner(WiredStages):
         plan: Plan,
         stages: Mapping[str, Stage],
         bus: Bus,
-        sinks: Sequence[Sink],
         recording: Recording,
-        ticks: Sequence[Tick],
-        before: Sequence[Logged] = (),
-        player_sinks: Sequence[Sink] = (),
+        timetable: Timetable,
+        sinks: Sinks,
+        again: ReproducedSources | None = None,
     ) -> None:
-        super().__init__(plan.stepped, stages, bus, sinks)
-        self._recording = recording
-        self._to_come, self._before = ticks, before
-        self._player_sinks = player_sinks
+        super().__init__(plan.stepped, stages, bus, (*sinks.results, *sinks.logs))
+        self._recording, self._timetable = recording, timetable
+        self._results, self._player_sinks = sinks
+        self._again = again
         self._played = {channel.name for channel in plan.played}
-        self._messages = {channel.name: channel.message for channel in plan.played}
+        self._messages = {channel.name: channel.message for channel in plan.graph.channels.values()}
         outside = dict.fromkeys(channel.stage for channel in plan.played if channel.ref in plan.graph.inputs)
         self._firing_order = [*outside, *(node.name for node in (*plan.graph.sources, *plan.graph.order))]
+
+    def reset(self, seed: int) -> None:
+        """Reset the state of every stage from ``seed``, and the sources that are stepped again from that of the run.
+
+        Raises
+        ------
+        StageError
+            A stage cannot be reset.
+        """
+        if self._again is not None:
+            self._again.reset()
+        super().reset(seed)
 
     def close(self) -> None:
         """Close the stages and the bus.
@@ -53,7 +85,11 @@ class ReplayRunner(WiredStages):
             The first failure, after every stage was closed.
         """
         self._bus.close()
-        super().close()
+        try:
+            if self._again is not None:
+                self._again.close()
+        finally:
+            super().close()
 
     def replay(self) -> Iterator[int]:
         """Process the ticks; yield the timestamp of each one, microseconds.
@@ -65,44 +101,77 @@ class ReplayRunner(WiredStages):
         DecodeError
             A message of the log is damaged.
         """
-        for message in self._before:
-            self._prime(message)
-        for tick in self._to_come:
+        self._catch_up()
+        for message in self._timetable.before:
+            data = self._recording.event(message.channel, message.place).data
+            self._prime(message.channel, message.utime, data)
+        for tick in self._timetable.ticks:
+            for stamp in self._due_before(tick.utime):
+                self._tick(Tick(stamp))
             self._tick(tick)
             self.ticks += 1
             yield tick.utime
+        while self._again is not None and self._again.utime < self._timetable.end_us:
+            self._tick(Tick(self._again.next_due()))
+
+    def _due_before(self, utime: int) -> Iterator[int]:
+        """Yield the stamps before a tick at which a source is stepped again, each when the one before is done."""
+        while self._again is not None and (stamp := self._again.next_due()) < utime:
+            yield stamp
+
+    def _catch_up(self) -> None:
+        """Step the sources that are stepped again up to the start; deliver their newest messages."""
+        newest: dict[str, Made] = {}
+        for stamp in self._due_before(self._timetable.start_us):
+            for name in self._firing_order:
+                for made in self._again.fire(name, stamp) if self._again is not None else ():
+                    newest[made.channel.name] = made
+        for name, made in newest.items():
+            if name not in self._played:
+                self._prime(name, made.utime, made.data)
 
     def _tick(self, tick: Tick) -> None:
-        """Play the messages of a tick and fire the stages whose plain inputs are then complete."""
+        """Publish the messages of a tick and fire the stages whose plain inputs are then complete."""
         self.utime = tick.utime
         for name in self._firing_order:
-            for message in tick.played.get(name, ()):
-                self._play(message)
+            made = self._again.fire(name, tick.utime) if self._again is not None else []
+            for message in merged(tick.played.get(name, ()), made, self._played):
+                if isinstance(message, Made):
+                    self._pass_on(message.channel.name, message.utime, message.data, self._sinks)
+                else:
+                    self._play(message)
+            for one in made:
+                if one.channel.name in self._played:
+                    self._compare(one)
             if (unit := self._units.get(name)) is not None:
                 self._fire_complete(unit, tick.utime)
 
-    def _prime(self, message: Logged) -> None:
+    def _compare(self, made: Made) -> None:
+        """Compare a message that is made again with the recorded one, which is played."""
+        for sink in self._results:
+            sink.write(made.channel.name, made.utime, made.data)
+
+    def _prime(self, name: str, utime: int, data: bytes) -> None:
         """Deliver a message from before the first tick to stages that sample its channel; it fires no stage."""
-        name = message.channel
-        data = self._recording.event(name, message.place).data
         readers = [
             (u, i.port) for u in self._units.values() for i in u.node.inputs if i.channel and i.channel.name == name
         ]
         sampling = [(unit, port.name) for unit, port in readers if port.latest]
         if sampling and not any(port.is_plain for _, port in readers):
             for sink in self._player_sinks:
-                sink.write(name, message.utime, data)
-        utime, _, value = decode(self._messages[name], data)
+                sink.write(name, utime, data)
+        sent, _, value = decode(self._messages[name], data)
         for unit, port_name in sampling:
-            unit.deliver(port_name, utime, value)
+            unit.deliver(port_name, sent, value)
 
     def _play(self, message: Logged) -> None:
-        name = message.channel
-        if name not in self._consumed and not self._player_sinks:
-            return
-        data = self._recording.event(name, message.place).data
-        for sink in self._player_sinks:
-            sink.write(name, message.utime, data)
+        if message.channel in self._consumed or self._player_sinks:
+            data = self._recording.event(message.channel, message.place).data
+            self._pass_on(message.channel, message.utime, data, self._player_sinks)
+
+    def _pass_on(self, name: str, utime: int, data: bytes, sinks: Sequence[Sink]) -> None:
+        for sink in sinks:
+            sink.write(name, utime, data)
         if name in self._consumed:
             self._bus.publish(name, data)
             self._bus.drain()
@@ -111,3 +180,20 @@ class ReplayRunner(WiredStages):
         """Publish the output of a stage, unless the channel is played."""
         if channel.name not in self._played:
             super()._publish(channel, utime, message)
+
+
+def merged(recorded: Sequence[Logged], made: Sequence[Made], played: Collection[str]) -> Iterator[Logged | Made]:
+    """Yield the messages of a source at a tick: the recorded ones, and those made again on channels not ``played``.
+
+    Both keep their order; a message made again on a played channel tells where the recorded one belongs.
+    """
+    places = {(one.channel, one.utime, one.seq): place for place, one in enumerate(recorded)}
+    n_done = 0
+    for one in made:
+        place = places.get((one.channel.name, one.utime, one.seq), -1)
+        if one.channel.name not in played:
+            yield one
+        elif place >= n_done:
+            yield from recorded[n_done : place + 1]
+            n_done = place + 1
+    yield from recorded[n_done:]

@@ -4,21 +4,70 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from graphnav.graph import Channel, Graph, Node
 from graphnav.runner.owned_stages import Sink
+from graphnav.spec import RecordOption
+from graphnav.stage import Source
 
 SMALL_BYTES = 4096
 
 
-class SmallOnly:
-    """Passes on messages below 4 kB, and the first of every channel of any size: the map is published once."""
+def kept(graph: Graph, sink: Sink, channels: Collection[str] | None, *, is_live: bool) -> Sink:
+    """Return the sink for the messages of a run of which ``sink``, its log, keeps some.
 
-    def __init__(self, sink: Sink) -> None:
+    ``channels``: the channels to keep, None for the graph's ``record`` option.
+    """
+    if channels is not None:
+        return ChannelsOnly(sink, channels)
+    option = record_option(graph.run.record, is_live=is_live)
+    return sink if option == "all" else SmallOnly(sink, complete_channels(graph, option, is_live=is_live))
+
+
+def record_option(given: RecordOption | None, *, is_live: bool) -> RecordOption:
+    """Return what a log keeps: the ``record`` option of its graph, or the default."""
+    return given or ("small" if is_live else "all")
+
+
+def complete_channels(graph: Graph, option: RecordOption, *, is_live: bool) -> frozenset[str]:
+    """Return the names of the channels of which a log keeps every message.
+
+    ``replayable``: those that no replay makes again, which are inputs and outputs of sources, except reproducible ones
+    of a lockstep run; and those with which sources of reproducible outputs were stepped.
+    """
+    if option == "small":
+        return frozenset()
+    if option == "all":
+        return frozenset(channel.name for channel in graph.channels.values())
+    found = {graph.channels[ref].name for ref in graph.inputs}
+    for node in graph.sources:
+        left_out = () if is_live else reproducible_channels(node)
+        found.update(channel.name for channel in node.outputs.values() if channel not in left_out)
+        if left_out:
+            found.update(i.channel.name for i in node.inputs if i.channel is not None)
+    return frozenset(found)
+
+
+def reproducible_channels(node: Node) -> tuple[Channel, ...]:
+    """Return the channels that a source makes again when it is stepped again (`Source.reproducible`)."""
+    if not issubclass(node.stage_class, Source):
+        return ()
+    return tuple(node.outputs[port] for port in node.stage_class.reproducible)
+
+
+class SmallOnly:
+    """Passes on messages below 4 kB, the first of every channel of any size, and every one of ``complete`` channels.
+
+    The first of a channel may be its only one: the map is published once.
+    """
+
+    def __init__(self, sink: Sink, complete: Collection[str] = ()) -> None:
         self._sink = sink
+        self._complete = frozenset(complete)
         self._begun: set[str] = set()
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Write one message."""
-        if len(data) < SMALL_BYTES or channel not in self._begun:
+        if len(data) < SMALL_BYTES or channel not in self._begun or channel in self._complete:
             self._begun.add(channel)
             self._sink.write(channel, utime, data)
 

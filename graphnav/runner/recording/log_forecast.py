@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
+
+from graphnav.spec import RecordOption
 
 _FROM_TICK, _TO_TICK = 2, 20
 """The first ticks differ: they contain messages that are published once, and no flow."""
 _LARGE_BYTES = 1e9
 _MAX_DISK_RATIO = 0.8
+_FOR_SMALL = "for small messages only: --set run.record=small"
+_HINTS: Mapping[RecordOption, str] = {
+    "all": f"for what a replay needs to make the rest again: --set run.record=replayable; {_FOR_SMALL}",
+    "replayable": _FOR_SMALL,
+    "small": "",
+}
 
 
 class SizedLog(Protocol):
@@ -24,7 +32,7 @@ class SizedLog(Protocol):
 class LogForecast:
     """Warns once, after 20 ticks, if the log will exceed 1 GB or 80 % of the free space of its disk.
 
-    ``until_s``: the latest end of the run, None if unknown; then there is no warning.
+    ``until_s``: the latest end of the run, None if unknown; then there is no warning. ``option``: what the log keeps.
     """
 
     def __init__(
@@ -34,9 +42,10 @@ class LogForecast:
         folder: Path,
         notice: Callable[[str], None],
         free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        option: RecordOption = "all",
     ) -> None:
         self._until_s, self._log, self._folder, self._notice = until_s, log, folder, notice
-        self._free_bytes = free_bytes
+        self._free_bytes, self._hint = free_bytes, _HINTS[option]
         self._ticks = 0
         self._begin = (0, 0)
 
@@ -57,10 +66,7 @@ class LogForecast:
         is_tight = pending_bytes > _MAX_DISK_RATIO * free_bytes
         if n_bytes > _LARGE_BYTES or is_tight:
             free = f", {size_text(free_bytes)} are free" if is_tight else ""
-            self._notice(
-                f"the log will take about {size_text(n_bytes)} by {until_s:g} s{free}; "
-                "for small messages only: --set run.record=small"
-            )
+            self._notice(f"the log will take about {size_text(n_bytes)} by {until_s:g} s{free}; {self._hint}")
 
 
 def size_text(n_bytes: float) -> str:

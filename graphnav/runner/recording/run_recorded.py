@@ -20,7 +20,7 @@ from graphnav.runner.lockstep import Outcome, Runner
 from graphnav.runner.lockstep_status import LockstepStatus
 from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.failures import Failures
-from graphnav.runner.recording.kept_messages import ChannelsOnly, SmallOnly
+from graphnav.runner.recording.kept_messages import kept, record_option
 from graphnav.runner.recording.log_forecast import LogForecast
 from graphnav.runner.recording.saved_graph import save_graph
 from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
@@ -96,8 +96,7 @@ def run_recorded(
     with ExitStack() as cleanup, Interrupt() as interrupt:
         run.begin(stages, keep, cleanup, make_runner)
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
-        forecast = LogForecast(graph.run.until_s, run.writer, folder, notice) if _keeps_all(graph, keep) else None
-        run.perform(clock, forecast, on_tick, lambda: interrupt.asked)
+        run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, lambda: interrupt.asked)
     summary = run.summary(clock.behind_s)
     write_summary(summary, folder)
     return summary
@@ -118,7 +117,7 @@ class _LockstepRun:
         """Open the log, announce the run and wire the stages; ``cleanup`` gets what closes all that."""
         self.writer = _begin(self._graph, self._folder)
         cleanup.callback(self._failures.close, self.writer.close)
-        sinks = [_kept(self._graph, self.writer, keep)]
+        sinks = [kept(self._graph, self.writer, keep, is_live=False)]
         if self._tap is not None:
             cleanup.callback(self._tap.close)
             self._tap.announce(about_of(self._graph))
@@ -207,13 +206,11 @@ def _begin(graph: Graph, folder: Path) -> LogWriter:
         raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
 
 
-def _kept(graph: Graph, writer: LogWriter, keep: Collection[str] | None) -> Sink:
-    """Return the sink of the log."""
-    if keep is not None:
-        return ChannelsOnly(writer, keep)
-    return writer if _keeps_all(graph, keep) else SmallOnly(writer)
-
-
-def _keeps_all(graph: Graph, keep: Collection[str] | None) -> bool:
-    """Whether the log contains every message."""
-    return keep is None and graph.run.record != "small"
+def _forecast(
+    graph: Graph, keep: Collection[str] | None, writer: LogWriter, folder: Path, notice: Callable[[str], None]
+) -> LogForecast | None:
+    """Return the forecast of the log's size, None for a log of selected channels or of small messages."""
+    option = record_option(graph.run.record, is_live=False)
+    if keep is not None or option == "small":
+        return None
+    return LogForecast(graph.run.until_s, writer, folder, notice, option=option)

@@ -32,6 +32,7 @@ class LogWatch:
         self.name = feed.name
         self.path: Path = feed.path
         self._recording = Recording(self.path)
+        self.completion_notice = self._recording.completion_notice()
         self._traffic = Traffic(None)
         self._lock = threading.Lock()
         self._closing = threading.Event()

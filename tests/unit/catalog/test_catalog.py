@@ -182,3 +182,24 @@ def test_one_package_may_serve_two_families(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(graphnav.catalog, "entry_points", lambda **_: points)
     catalog = Catalog()
     assert catalog.stage("current.dis") is catalog.stage("flow.dis")
+
+
+@pytest.mark.parametrize(
+    ("declared", "said"),
+    [
+        (("imag",), "Same names 'imag' as reproducible, which is not an output of its step\n  did you mean 'image'?"),
+        (
+            ("image",),
+            """all outputs of Same are reproducible: none is left to check what is reproduced
+  leave out one of them, which is then recorded""",
+        ),
+    ],
+)
+def test_reproducible_outputs_are_checked(tmp_path: Path, declared: tuple[str, ...], said: str) -> None:
+    text = STAGE.format(name="Same").replace("self, image: Image", "self").replace("(Stage)", "(Source)")
+    text = text.replace("    def step", f"    reproducible = {declared}\n    def step")
+    catalog = Catalog()
+    catalog.add_file(plugin(tmp_path, f"from graphnav import Source\n{text}"))
+    with pytest.raises(CatalogError) as caught:
+        catalog.stage("my_stage.same")
+    assert str(caught.value).endswith(f"my_stage.py: {said}")

@@ -62,6 +62,56 @@ class Robot(Source):
         return out
 
 
+class Seen(NamedTuple):
+    """The output of `World`."""
+
+    image: Image | None
+    noise: Stamped[Motion] | None
+    truth: Image | None
+
+
+class World(Source):
+    """Moves by commands; publishes a large truth, which it makes again, only with the images that are due."""
+
+    reproducible: ClassVar = ("truth",)
+
+    image_steps: int = param(1, ge=1, doc="steps from one picture to the next")
+
+    def reset(self, seed: int) -> None:
+        """Draw from the seed."""
+        self._rng = np.random.default_rng(seed)
+        self._count, self._at = 0, 0.0
+
+    def step(self, command: Latest[Twist], utime: Stamp) -> Seen:
+        """Publish what is due."""
+        count, self._count = self._count, self._count + 1
+        self._at += command.value.v_mps * (1 + command.age_s) if command.value else 0.1
+        noise = Motion(forward_m=self._rng.random(), left_m=self._at, turn_rad=0.0, interval_us=1)
+        image = truth = None
+        if count % self.image_steps == 0:
+            image = Image(pixels=np.full((4, 6), int(abs(self._at)) % 200, np.uint8))
+            truth = Image(pixels=self._rng.integers(0, 200, (80, 80), dtype=np.uint8) ^ image.pixels[0, 0])
+        return Seen(image, Stamped(noise, max(0, utime - 3_000)) if count % 2 else None, truth)
+
+
+class Watch(Stage):
+    """Samples a picture."""
+
+    def step(self, twist: Twist, image: Latest[Image]) -> Twist:
+        """Return its mean."""
+        mean = float(image.value.pixels.mean()) if image.value else -1.0
+        return Twist(v_mps=twist.v_mps + mean, omega_radps=image.age_s)
+
+
+class Brighten(Stage):
+    """Publishes a large picture."""
+
+    def step(self, image: Image) -> Image:
+        """Return the picture, larger."""
+        rows, cols = image.pixels.shape
+        return Image(pixels=np.tile(image.pixels, (-(-80 // rows), -(-80 // cols))))
+
+
 class Mean(Stage):
     """The mean gray level with memory: a replay that begins later has another one."""
 
@@ -177,4 +227,4 @@ class Fails(Stage):
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return them all."""
-    return [Robot, Mean, Gather, Late, Score, Spare, SpareStep, Fails]
+    return [Robot, World, Watch, Brighten, Mean, Gather, Late, Score, Spare, SpareStep, Fails]

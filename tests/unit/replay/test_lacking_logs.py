@@ -35,7 +35,7 @@ def test_small_messages_only(record: Record, again: Again) -> None:
     assert str(caught.value) == (
         f"{log} is missing messages that mean read:\n"
         "  robot.image: all but 1, the first after 0.00 s\n"
-        "  record everything: --set run.record=all, 'graphnav run --tap full' for a logger; "
+        "  record what a replay needs: --set run.record=replayable, 'graphnav run --tap full' for a logger; "
         "or play the outputs of these stages with --play"
     )
     result = again(log, play=["mean"])

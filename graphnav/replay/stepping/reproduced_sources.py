@@ -1,0 +1,100 @@
+"""Step sources again by the recorded messages of their inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from graphnav.codec import decode
+from graphnav.graph import Channel
+from graphnav.messages import Message
+from graphnav.record import Recording
+from graphnav.replay.log.contents import Contents
+from graphnav.replay.log.reproduction import Reproduction
+from graphnav.runner.lockstep_unit import LockstepUnit
+from graphnav.runner.owned_stages import OwnedStages
+from graphnav.stage import Source, Stage
+
+
+class Made(NamedTuple):
+    """A message that a source has made again."""
+
+    channel: Channel
+    utime: int
+    seq: int
+    data: bytes
+
+
+class ReproducedSources(OwnedStages[LockstepUnit]):
+    """Owns the sources of a `Reproduction`, which fire by the clock as in the run, with the seed of the run.
+
+    They hear recorded messages only: what other stages of a replay publish changes nothing.
+    """
+
+    def __init__(
+        self, reproduction: Reproduction, stages: Mapping[str, Stage], recording: Recording, contents: Contents
+    ) -> None:
+        super().__init__(())
+        self._reproduction, self._recording = reproduction, recording
+        self._messages = {channel.name: channel.message for channel in reproduction.inputs}
+        self._units = {node.name: LockstepUnit(node, stages[node.name], self._publish) for node in reproduction.nodes}
+        self._heard = {node.name: reproduction.heard_by(node, contents) for node in reproduction.nodes}
+        self._n_heard = dict.fromkeys(self._units, 0)
+        self._due = dict.fromkeys(self._units, (0, 0))
+        """The stamp at which each source is due, and the number of the firing."""
+        self._rates: dict[str, float] = {}
+        self._made: list[Made] = []
+
+    def reset(self, seed: int | None = None) -> None:  # noqa: ARG002 - that of the replay may differ
+        """Reset the sources by the seed of the run.
+
+        Raises
+        ------
+        StageError
+            One cannot be reset.
+        """
+        super().reset(self._reproduction.seed)
+        self._rates = {n: unit.stage.rate() for n, unit in self._units.items() if isinstance(unit.stage, Source)}
+        self._n_heard = dict.fromkeys(self._units, 0)
+        self._due = dict.fromkeys(self._units, (0, 0))
+
+    def next_due(self) -> int:
+        """Return the stamp at which the next source is due, microseconds."""
+        return min(stamp for stamp, _ in self._due.values())
+
+    def fire(self, name: str, utime: int) -> list[Made]:
+        """Step a source if it is due; return what it publishes, nothing if it is not a source that is stepped again.
+
+        Raises
+        ------
+        StageError
+            It raised, or returned something invalid.
+        DecodeError
+            A message that it samples is damaged.
+        """
+        stamp, k = self._due.get(name, (-1, 0))
+        if stamp != utime:
+            return []
+        unit = self._units[name]
+        self._hear(unit, utime)
+        self.utime, self._made = utime, []
+        unit.fire(utime)
+        self._due[name] = round((k + 1) * 1e6 / self._rates[name]), k + 1
+        return self._made
+
+    def _hear(self, unit: LockstepUnit, utime: int) -> None:
+        heard = self._heard[unit.node.name]
+        while (n := self._n_heard[unit.node.name]) < len(heard) and (heard[n].utime, not heard[n].is_before) <= (
+            utime,
+            False,
+        ):
+            channel, place = heard[n].message.channel, heard[n].message.place
+            sent, _, message = decode(self._messages[channel], self._recording.event(channel, place).data)
+            for i in unit.node.inputs:
+                if i.channel is not None and i.channel.name == channel:
+                    unit.deliver(i.port.name, sent, message)
+            self._n_heard[unit.node.name] = n + 1
+
+    def _publish(self, channel: Channel, utime: int, message: Message) -> None:
+        seq = self._next_seq(channel)
+        self._made.append(Made(channel, utime, seq, self._give(channel, utime, seq, message)))
