@@ -52,7 +52,7 @@ def painted_world(world: WorldMap, seed: int, contrast_ratio: float, levels: int
     lack = np.maximum(MIN_FLOOR_M - (high - low), 0.0)
     textures = [draw.textures[name] for name in ("floor", *faces.textures)]
     textures = [replace(one, contrast=one.contrast * contrast_ratio) for one in textures]
-    atlas = Atlas(textures, floor_texels(high - low + lack), rng, levels)
+    atlas = Atlas(textures, floor_texels((high - low + lack).tolist()), rng, levels)
     atlas.pixels.setflags(write=False)
     return PaintedWorld(faces, atlas, low - lack / 2)
 

@@ -2,7 +2,7 @@
 
 from graphnav.ablation.execution.execute_jobs import execute, pending_jobs
 from graphnav.ablation.execution.failure_pictures import draw_failures, pending_drawings
-from graphnav.ablation.execution.local_workers import local_workers
+from graphnav.ablation.execution.local_processes import local_workers
 from graphnav.ablation.execution.study_folder import StudyFolder, read_plan
 from graphnav.ablation.execution.task_factory import TaskFactory
 from graphnav.ablation.execution.workers import Workers, cluster_workers

@@ -11,8 +11,6 @@ from functools import lru_cache
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
-from joblib import Parallel, delayed, parallel_config
-
 from graphnav.ablation.execution.process_pool import ProcessPool
 from graphnav.ablation.worker import Result, Task
 from graphnav.errors import GraphnavError, UserError
@@ -47,6 +45,8 @@ class ClusterWorkers:
 
     def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
         """Yield what comes of the tasks, in the order in which they are finished."""
+        from joblib import Parallel, delayed, parallel_config
+
         try:
             with parallel_config("dask", client=self._client):
                 parallel = Parallel(

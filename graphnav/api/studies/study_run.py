@@ -7,8 +7,6 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Protocol
 
-import joblib
-
 from graphnav.ablation.execution import (
     StudyFolder,
     TaskFactory,
@@ -97,9 +95,7 @@ def run_study(
     plan = study.plan
     folder.begin(plan)
     make_workers = (
-        cluster_workers(options.cluster)
-        if options.cluster
-        else local_workers(options.jobs or joblib.cpu_count(), folder.scratch)
+        cluster_workers(options.cluster) if options.cluster else local_workers(options.jobs or _cores(), folder.scratch)
     )
     with make_workers as workers:
         run = StudyRun(study, folder, workers)
@@ -110,3 +106,10 @@ def run_study(
             run.make(jobs, on_made)
         run.draw(options, observer)
     return write_study_files(plan, folder.path, catalog, study.graphs)
+
+
+def _cores() -> int:
+    """Return the number of cores that this process may use."""
+    from joblib import cpu_count
+
+    return int(cpu_count())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -11,6 +12,7 @@ from graphnav_world.geometry.scene import Kind
 from graphnav_world.maps.draws import Draws
 from graphnav_world.maps.map_file import START_HINT, MapDraw, draw_map, extent_m
 from graphnav_world.maps.map_format import MAP
+from graphnav_world.maps.map_keys import MapKeys
 from graphnav_world.maps.passage import Passage
 
 ATTEMPTS = 300
@@ -44,7 +46,8 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
 
 @lru_cache(maxsize=KEPT)
 def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float) -> WorldMap:
-    keys, problems = MAP.parse(content, source)
+    keys, found = _read(content, source)
+    problems = list(found)
     for attempt in range(ATTEMPTS if keys else 0):
         assert keys is not None
         draws = Draws(seed, attempt)
@@ -67,6 +70,11 @@ def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float) -> Wor
             problems = [misfit]
             break
     raise UserError(problems)
+
+
+@lru_cache(maxsize=KEPT)
+def _read(content: bytes, source: str) -> tuple[MapKeys | None, Sequence[Problem]]:
+    return MAP.parse(content, source)
 
 
 def _misfit(draw: MapDraw, passage: Passage, radius_m: float) -> Problem | None:

@@ -10,7 +10,7 @@ from graphnav_world.maps.world_map import load_map
 from graphnav_world.painted_world import painted_world
 from graphnav_world.world import Pymunk
 
-from graphnav import Latest
+from graphnav import Latest, Stamp
 
 RADIUS_M = 0.2
 
@@ -23,7 +23,7 @@ def map_file(maps: Path, tmp_path: Path) -> Path:
 def frame(map_file: Path, seed: int, contrast_ratio: float = 1.0) -> bytes:
     world = Pymunk(map=map_file, contrast_ratio=contrast_ratio)
     world.reset(seed)
-    return world.step(Latest(None, 0, 0.0), 0).image.pixels.tobytes()
+    return world.step(Latest(), Stamp(0)).image.pixels.tobytes()
 
 
 def test_a_run_in_a_world_that_is_kept_sees_what_a_run_alone_sees(map_file: Path) -> None:

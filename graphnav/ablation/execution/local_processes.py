@@ -39,9 +39,9 @@ class LocalWorkers:
             No folder can be created in ``scratch``.
         """
         queue = TaskQueue(tasks)
-        begun: dict[WorkerProcess, _Begun] = {}
-        for process in self._fresh(min(1 if one_at_a_time else self.at_once, len(queue))):
-            begun[process] = deque()
+        processes = self._fresh(min(1 if one_at_a_time else self.at_once, len(queue)))
+        begun: dict[WorkerProcess, _Begun] = {process: deque() for process in processes}
+        for process in processes:
             self._feed(process, queue, begun)
         while busy := [process for process, own in begun.items() if own]:
             ready = wait([process.connection for process in busy])
@@ -65,7 +65,7 @@ class LocalWorkers:
     def _feed(self, process: WorkerProcess, queue: TaskQueue, begun: dict[WorkerProcess, _Begun]) -> None:
         """Give a process something to do, and more to follow unless the others would then run out of work sooner."""
         own = begun[process]
-        while len(own) < (_AHEAD if len(queue) > len(begun) else 1) and (task := queue.take(process)):
+        while len(own) < (_AHEAD if len(queue) >= len(begun) else 1) and (task := queue.take(process)):
             try:
                 folder = mkdtemp(dir=self._scratch)
             except OSError as error:
