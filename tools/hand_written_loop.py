@@ -15,22 +15,21 @@ from hand_written_types import PUT, TAKE
 
 from graphnav import Latest
 from graphnav.codec import encode
-from graphnav.graph import Graph
 from graphnav.runner import seed_of
 
 PERIOD_US = 100_000
 
 
 class HandWrittenLoop:
-    """Steps the stages in order; a stage gets the messages that came back from LCM."""
+    """Steps the stages of a graph, by name, in order; a stage gets the messages that came back from LCM."""
 
-    def __init__(self, graph: Graph, seed: int, log: Path) -> None:
+    def __init__(self, stages: Mapping[str, Any], seed: int, log: Path) -> None:
         self.inside_s = 0.0
         """The time in the stages' steps so far."""
-        self._stages: Mapping[str, Any] = graph.make_stages()
-        for name, stage in self._stages.items():
+        self._stages = stages
+        for name, stage in stages.items():
             stage.reset(seed_of(seed, name))
-        self._has_scores = "sense" in self._stages
+        self._has_scores = "sense" in stages
         self._read = TAKE.keys() if self._has_scores else TAKE.keys() - {"robot.state", "robot.truth"}
         self._map: Any = None
         self._seqs = dict.fromkeys(PUT, 0)
