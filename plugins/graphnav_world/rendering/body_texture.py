@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import numpy as np
 
@@ -13,7 +15,7 @@ from graphnav_world.rendering.mip import mip_levels
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.visibility import Visible
 
-BLOCK = 256
+LARGEST_SIDE = 4096
 """Columns of the picture into which all pixels of bodies are gathered for the lookup: OpenCV limits its sides."""
 
 
@@ -82,11 +84,13 @@ class BodyTexture:
         ``place``: in the texture, from 0 to 1, (2, pixels). ``cell``: index of texture and finer level.
         """
         n = len(cell)
-        place_px = np.zeros((2, -(-n // BLOCK) * BLOCK, 2), np.float32)
+        rows = math.ceil(n / LARGEST_SIDE)
+        place_px = np.zeros((2, rows * math.ceil(n / rows), 2), np.float32)
         np.multiply(place, self._size_px.take(level, axis=1), out=place_px[0, :n].T)
         np.multiply(place_px[0], np.float32(0.5), out=place_px[1])
         at = place_px.view(np.complex64)[..., 0]
         at[0, :n] += self._origin_px.take(cell)
         at[1, :n] += self._origin_px[1:].take(cell)
-        texels = cv2.remap(self._atlas.pixels, place_px.reshape(-1, BLOCK, 2), None, cv2.INTER_LINEAR).reshape(2, -1)
+        maps = place_px.reshape(2 * rows, -1, 2)
+        texels = cv2.remap(self._atlas.pixels, maps, None, cv2.INTER_LINEAR).reshape(2, -1)
         return texels[0, :n], texels[1, :n]
