@@ -72,7 +72,8 @@ class Placed:
         ``functions``: of all faces, of the point in W (of moving bodies: in their own frame), (faces, k, 4).
         """
         functions = functions.take(face, axis=0)
-        to_C_and_eye = np.column_stack([self.R_WC, self.eye_W])
+        to_C_and_eye = np.empty((3, 4))
+        to_C_and_eye[:, :3], to_C_and_eye[:, 3] = self.R_WC, self.eye_W
         slope_and_offset = (functions[..., :3].reshape(-1, 3) @ to_C_and_eye).reshape(functions.shape)
         slope, offset = slope_and_offset[..., :3], slope_and_offset[..., 3]
         offset += functions[..., 3]

@@ -12,13 +12,15 @@ from graphnav_world.rendering.placed_faces import Placed
 
 LEVEL_RATIO, TINY = 1e-9, 1e-30
 """An edge nearer than this to a picture row's direction is taken to bound the row far left, inside or out."""
+FEW_PRIMS = 8
+"""Of so few, all rows are looked at: finding out which may show them would cost more."""
 NEAR_M, MARGIN_PX = 1e-6, 1e-3
 """A prim in front of the camera is looked for between its topmost and lowest corner, with a margin for rounding."""
 
 
 @dataclass(frozen=True)
 class Visible:
-    """What is seen of bodies: pixels, each part of a run in one row and of one prim.
+    """The pixels that show bodies, in runs of one row and one prim.
 
     ``face``: of each prim in view, (prims,); ``per_ray``: float64 (prims, 3), its inverse depth (1/m, along the optical
     axis) as a linear function of a pixel's ray in C. ``prim`` (one of these) and ``row``, (runs,). ``run``, ``pixel``
@@ -138,6 +140,11 @@ class ZBuffer:
 
     def _rows(self, vertices: Doubles) -> tuple[Indices, Indices]:
         """Return every pair of a prim and a row that may show it: prim, row, each (pairs,)."""
+        n, rows = vertices.shape[2], self._camera.rows
+        if n <= FEW_PRIMS:
+            every = np.arange(n * rows)
+            prim = every // rows
+            return prim, every - prim * rows
         _, y, z = vertices
         down = y / np.maximum(z, NEAR_M)
         down *= self._focal
@@ -145,7 +152,7 @@ class ZBuffer:
         reaches_behind = z.min(axis=0) <= NEAR_M
         minus_first[reaches_behind], last[reaches_behind] = 0, np.inf
         first = -np.minimum(minus_first, 0)
-        count = np.maximum(np.minimum(last, self._camera.rows - 1) - first + 1, 0).astype(np.intp)
+        count = np.maximum(np.minimum(last, rows - 1) - first + 1, 0).astype(np.intp)
         prim = np.repeat(np.arange(len(count)), count)
         row = np.arange(len(prim))
         row += (first - np.cumsum(count) + count).astype(np.intp).take(prim)

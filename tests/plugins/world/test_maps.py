@@ -140,7 +140,7 @@ def test_movers_cross_the_way_and_keep_clear_of_everything_else(seed: int, maps:
     standing = [part for body in bodies if body.patrol is None for part in body.parts]
     assert len(moving) == 8
     for time_s in np.arange(0.0, 60.0, 1.5):
-        places = [patrol.at(time_s) for _, patrol in moving]
+        places = [np.array(patrol.at(time_s)) for _, patrol in moving]
         radii = [np.linalg.norm(body.outline, axis=1).max() for body, _ in moving]
         for (at, radius), (other, its) in itertools.combinations(zip(places, radii, strict=True), 2):
             assert np.linalg.norm(at - other) > radius + its

@@ -95,3 +95,23 @@ def test_the_same_commands_lead_to_the_same_pose_bit_for_bit() -> None:
     one, same = (Vehicle([WALL], START, 0.2, SLUGGISH) for _ in range(2))
     for k, (v, omega) in enumerate(commands, start=1):
         assert one.advance(v, omega, 0.1 * k) == same.advance(v, omega, 0.1 * k)
+
+
+def test_clearance_is_the_distance_to_the_nearest_body_of_all() -> None:
+    rng = np.random.default_rng(2)
+    pillars = [Body.prism(outlines.circle(x, y, 0.1), 0.3, "wall") for x, y in rng.uniform(-4, 4, (30, 2))]
+    paths = [Patrol(rng.uniform(-3, 3, (3, 2)), speed_mps=2.0, around=True) for _ in range(5)]
+    movers = [Body.prism(outlines.box(0, 0, 0.3, 0.2, 0.4), 0.3, "wall", path) for path in paths]
+    vehicle = Vehicle([*pillars, *movers], (0.0, 0.0, 0.3), 0.01, SLUGGISH)
+    for k in range(1, 400):
+        pose = vehicle.advance(0.6, 0.3 * math.sin(k / 30), 0.01 * k)
+        if pose.contact:
+            break
+        outlines_m = [
+            *(body.outline for body in pillars),
+            *(b.outline + p.at(0.01 * k) for b, p in zip(movers, paths, strict=True)),
+        ]
+        nearest = min(outlines.distance(outline, pose.x_m, pose.y_m) for outline in outlines_m) - 0.01
+        assert vehicle._here_m == pytest.approx(nearest, abs=1e-6)
+        assert pose.clearance_m <= nearest + 1e-6
+    assert k > 30
