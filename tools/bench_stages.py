@@ -1,10 +1,8 @@
-"""Measure the time of a step of the detectors and scores, under this version of graphnav or under an older one.
+"""Measure the time of a step of the detectors and scores against an older version of graphnav.
 
-``python tools/bench_stages.py record FOLDER`` records what the stages get in a drive of `corridor_ccw`.
-``python tools/bench_stages.py time FOLDER`` prints the median processor time of a step of each stage, ms, as JSON.
-``python tools/bench_stages.py measure OLD_PYTHON [ROUNDS]`` lets both interpreters take turns on the same inputs, and
-prints each stage's share of the older version's time. Only what version 0.1.0 has too is used, apart from stages that it
-does not have, which are left out.
+``record FOLDER`` saves what the stages get in a drive of `corridor_ccw`. ``time FOLDER`` prints the median processor
+time of a step of each, ms, as JSON. ``measure OLD_PYTHON [ROUNDS]`` lets this and an older version's interpreter take
+turns on the same inputs, and prints each stage's share of the older time. Uses only what version 0.1.0 has too.
 """
 
 from __future__ import annotations
@@ -35,19 +33,17 @@ from graphnav.codec import decode
 from graphnav.graph import load_graph
 from graphnav.runner import Runner
 
-GRAPH, SEED, TICKS = "corridor_ccw", 3, 120
-WARM_UP = 10
+GRAPH, SEED, TICKS, WARM_UP = "corridor_ccw", 3, 120, 10
 STEER = {"about": "zero", "strength": "gradient", "gain": 16.0}
 STAGES = (
     *("planar.motion", "planar.subspace", "planar.gain", "plane.ica", "plane.affine", "plane.residual"),
     *("plane.homography", "steer.pca", "control.guard"),
     *("score.flow", "score.plane", "score.steering", "score.navigation"),
 )
-Tick = tuple[int, dict[str, Any]]
 
 
 class Inputs:
-    """A sink that keeps the decoded messages of every tick by port: their class and fields, which outlast versions."""
+    """A sink that keeps the decoded messages of every tick by port: the names of their classes, and their fields."""
 
     def __init__(self, classes: dict[str, type]) -> None:
         self._classes = classes
@@ -55,10 +51,9 @@ class Inputs:
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Keep one message; of several of a port the first."""
-        message_class = self._classes.get(channel)
-        if message_class is not None:
-            message = decode(message_class, data)[2]
-            kept = (message_class.__name__, dict(message.__dict__))
+        if channel in self._classes:
+            decoded: Any = decode(self._classes[channel], data)[2]
+            kept = (type(decoded).__name__, dict(decoded.__dict__))
             self.ticks[utime].setdefault(channel.partition(".")[2], kept)
 
 
@@ -77,8 +72,8 @@ def record(folder: Path) -> None:
 
 
 def stages() -> dict[str, Stage]:
-    """Return the stages by name, with the parameters of the graph, those that this version of graphnav has."""
-    model = next(stage.model for name, stage in load_graph(GRAPH, Catalog()).make_stages().items() if name == "planar")  # type: ignore[attr-defined]
+    """Return the stages that this version has by name, with the graph's parameters."""
+    planar: Any = load_graph(GRAPH, Catalog()).make_stages()["planar"]
     made = {}
     for name in STAGES:
         family, _, module = name.partition(".")
@@ -86,11 +81,8 @@ def stages() -> dict[str, Stage]:
             classes = vars(importlib.import_module(f"graphnav_{family}.{module}"))
         except ModuleNotFoundError:
             continue
-        stage_class = next(
-            value for key, value in classes.items() if key.lower() == module.replace("_", "") and key[0].isupper()
-        )
-        parameters = {"model": model} if family == "planar" else STEER if family == "steer" else {}
-        made[name] = stage_class(**parameters)
+        parameters = {"model": planar.model} if family == "planar" else STEER if family == "steer" else {}
+        made[name] = classes[module.capitalize()](**parameters)
     return made
 
 
@@ -126,7 +118,7 @@ def step_ms(folder: Path) -> dict[str, float]:
     cv2.setNumThreads(1)
     medians = {}
     for name, stage in stages().items():
-        ticks: list[Tick] = pickle.loads((folder / "ticks.pickle").read_bytes())
+        ticks = pickle.loads((folder / "ticks.pickle").read_bytes())  # noqa: S301  # its own
         stage.reset(SEED)
         spent = []
         for given in [arguments(stage, utime, tick) for utime, tick in ticks]:
@@ -138,21 +130,16 @@ def step_ms(folder: Path) -> dict[str, float]:
 
 
 def measure(old_python: Path, rounds: int = 5) -> dict[str, float]:
-    """Return each stage's time as a share of the older version's: the median over rounds in which both take turns."""
+    """Return each stage's share of the older version's time, the median over rounds in which both take turns."""
     shares: dict[str, list[float]] = defaultdict(list)
     with tempfile.TemporaryDirectory() as folder:
         record(Path(folder))
         for _ in range(rounds):
-            old, new = (_timed(python, folder) for python in (old_python, Path(sys.executable)))
+            runs = ([python, __file__, "time", folder] for python in (old_python, Path(sys.executable)))
+            old, new = (json.loads(subprocess.check_output(run)) for run in runs)
             for name in old.keys() & new.keys():
                 shares[name].append(new[name] / old[name])
     return {name: statistics.median(shares[name]) for name in STAGES if name in shares}
-
-
-def _timed(python: Path, folder: str) -> dict[str, float]:
-    done = subprocess.run([python, __file__, "time", folder], stdout=subprocess.PIPE, check=True)
-    times: dict[str, float] = json.loads(done.stdout)
-    return times
 
 
 if __name__ == "__main__":

@@ -54,13 +54,13 @@ class Flow(Stage):
         """
         cell_factor(truth, flow.valid.shape, flow.step_px)
         true_px = truth.flow_px if flow.step_px == truth.step_px else self._cell_means(truth, flow.step_px)
-        off_px = cv2.magnitude(*cv2.split(cv2.subtract(flow.uv_px, true_px)))
-        is_off = (off_px > self.outlier_px).view(np.uint8)
+        off_px = np.abs((flow.uv_px - true_px).view(np.complex64)[..., 0])
         self._frames += 1
         self._vectors += flow.valid.size
         self._valid += cv2.countNonZero(flow.valid)
-        self._outliers += cv2.countNonZero(cv2.copyTo(is_off, flow.valid))
         self._sum_px += cv2.norm(off_px, cv2.NORM_L1, flow.valid)
+        if cv2.norm(off_px, cv2.NORM_INF, flow.valid) > self.outlier_px:
+            self._outliers += int(np.count_nonzero(off_px[flow.valid != 0] > self.outlier_px))
 
     def _cell_means(self, truth: Truth, step_px: int) -> Floats:
         everywhere = np.ones(truth.obstacle.shape, np.uint8)

@@ -53,4 +53,6 @@ def count_pixels(truth: Truth, shape: tuple[int, ...], step_px: int) -> Doubles:
 
 def _count(pixels: Bools, factor: int, counts: Doubles) -> None:
     """Set ``counts`` to how many ``pixels`` are true in each block of ``factor`` rows and columns."""
-    np.rint(block_mean(pixels.astype(np.float32), factor) * np.float32(factor * factor), out=counts)
+    np.multiply(block_mean(pixels.astype(np.float32), factor), factor * factor, out=counts)
+    if factor & (factor - 1):
+        np.rint(counts, out=counts)

@@ -143,18 +143,18 @@ class Plane(Stage):
     def _watch_flicker(self, shape: tuple[int, ...], judged: Bools, called: Bools, true: Bools) -> None:
         if self._last is not None and self._last[0] == shape:
             _, was_judged, was_called, was_true = self._last
-            steady = judged & was_judged
-            steady &= true == was_true
-            n_steady, changed = int(np.count_nonzero(steady)), int(np.count_nonzero(steady & (called != was_called)))
+            steady = judged & was_judged & (true == was_true)
+            changed = int(np.count_nonzero(steady & (called != was_called)))
             self._changed += changed
-            self._kept += n_steady - changed
+            self._kept += int(np.count_nonzero(steady)) - changed
         self._last = shape, judged, called, true
 
 
 def _confusion(pixels: Doubles, are_called: Bools) -> Longs:
     """Return how many pixels (2, n), ground and obstacle, of judged cells are called ground and obstacle, (2, 2)."""
-    called = pixels @ are_called
-    return np.column_stack([pixels.sum(axis=1) - called, called]).astype(np.int64)
+    ground, obstacle = pixels.sum(axis=1).tolist()
+    called_ground, called_obstacle = (pixels @ are_called.astype(np.float64)).tolist()
+    return np.array([[ground - called_ground, called_ground], [obstacle - called_obstacle, called_obstacle]], np.int64)
 
 
 def _share(part: int, total: int) -> float | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,9 @@ def random_flow(rows: int, cols: int, step_px: int = 1) -> Flow:
     return Flow(uv_px=uv_px, valid=valid, interval_us=100_000, step_px=step_px)
 
 
-@pytest.mark.parametrize(("rows", "cols", "step_px"), [(8, 12, 4), (7, 9, 4), (3, 2, 4), (6, 6, 2), (5, 1, 3)])
+@pytest.mark.parametrize(
+    ("rows", "cols", "step_px"), [(8, 12, 4), (16, 24, 8), (18, 12, 6), (7, 9, 4), (3, 2, 4), (6, 6, 2), (5, 1, 3)]
+)
 def test_a_block_is_the_mean_of_its_valid_vectors(rows: int, cols: int, step_px: int) -> None:
     flow = random_flow(rows, cols)
     coarse = coarsen(flow, step_px)
@@ -32,6 +36,23 @@ def test_a_block_is_the_mean_of_its_valid_vectors(rows: int, cols: int, step_px:
 def test_a_flow_that_is_this_coarse_is_passed_on() -> None:
     flow = random_flow(6, 8, step_px=4)
     assert coarsen(flow, 4) is flow
+
+
+def test_a_vector_that_is_not_valid_does_not_count_whatever_it_holds() -> None:
+    flow = random_flow(8, 12)
+    uv_px = np.where(flow.valid[..., None] > 0, flow.uv_px, np.float32(np.nan))
+    assert np.array_equal(coarsen(replace(flow, uv_px=uv_px), 4).uv_px, coarsen(flow, 4).uv_px)
+
+
+def test_a_received_flow_is_coarsened_once() -> None:
+    flow = random_flow(8, 12)
+    assert coarsen(flow, 4) is not coarsen(flow, 4)
+    for field in (flow.uv_px, flow.valid):
+        field.setflags(write=False)
+    coarse = coarsen(flow, 4)
+    assert coarsen(flow, 4) is coarse
+    assert not coarse.uv_px.flags.writeable
+    assert coarsen(flow, 2).step_px == 2
 
 
 def test_steps_multiply() -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from graphnav.arrays import Floats
-from graphnav_planar.estimation.robust import NOISE_PX, weights
+from graphnav_planar.estimation.robust import NOISE_PX
 
 _ITERATIONS = 3
-_RIDGE_PX2 = 1e-6
+_RIDGE = 1e-6 / NOISE_PX**2
+"""In units of the squared flow noise."""
 
 
 def correction(fields_px: Floats, counts: Floats, max_share: float) -> tuple[float, float]:
@@ -23,13 +24,16 @@ def correction(fields_px: Floats, counts: Floats, max_share: float) -> tuple[flo
     the fit from following them.
     """
     products = _products(fields_px)
+    # One plus the square of what the corrections s leave of a difference d: 1 + d.d - 2 s_i r_i.d + s_i s_j r_i.r_j.
+    products[0] += 1
     forward, turn = 0.0, 0.0
     for _ in range(_ITERATIONS):
-        # The square of what the corrections s leave of a difference d: d.d - 2 s_i r_i.d + s_i s_j r_i.r_j.
         of_products = [1.0, -2 * forward, -2 * turn, forward * forward, 2 * forward * turn, turn * turn]
-        weight = weights(np.array(of_products, np.float32) @ products, NOISE_PX, counts)
+        weight = np.array(of_products, np.float32) @ products
+        weight *= weight
+        np.divide(counts, weight, out=weight)
         _, vd, wd, vv, vw, ww = (products @ weight).tolist()
-        vv, ww = vv + _RIDGE_PX2, ww + _RIDGE_PX2
+        vv, ww = vv + _RIDGE, ww + _RIDGE
         determinant = vv * ww - vw * vw
         forward = min(max((ww * vd - vw * wd) / determinant, -max_share), max_share)
         turn = min(max((vv * wd - vw * vd) / determinant, -max_share), max_share)
@@ -37,8 +41,12 @@ def correction(fields_px: Floats, counts: Floats, max_share: float) -> tuple[flo
 
 
 def _products(fields_px: Floats) -> Floats:
-    """Return the products d.d, v.d, w.d, v.v, v.w and w.w of every vector of the fields d, v and w, (6, n)."""
+    """Return the products d.d, v.d, w.d, v.v, v.w and w.w of every vector of the fields d, v and w, (6, n).
+
+    In units of the flow noise: a square of 1 is that of a vector that has half of its agreement.
+    """
     n = fields_px.shape[1] // 2
+    fields_px = fields_px * np.float32(1 / NOISE_PX)
     products = np.empty((6, 2 * n), np.float32)
     np.multiply(fields_px, fields_px[0], out=products[:3])
     np.multiply(fields_px[1:], fields_px[1], out=products[3:5])

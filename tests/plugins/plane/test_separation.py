@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from subprocess import run
 from typing import TYPE_CHECKING
@@ -88,6 +89,29 @@ def test_both_solvers_see_the_same_obstacle(scenes: Scenes, nonlinearity: Nonlin
             plane = stage.step(scene.flow, scene.planar, scenes.stamp())
         planes.append(plane)
     assert (planes[0].obstacle == planes[1].obstacle).mean() > 0.98
+
+
+@pytest.mark.parametrize("kind", ["sparse and flat", "two sparse"])
+@pytest.mark.parametrize("seed", range(5))
+def test_no_other_angle_nearby_has_a_higher_robust_contrast(kind: str, seed: int) -> None:
+    white = whiten(mixed(kind, seed)[0], 0.0)
+    assert white is not None
+    c, s = robust_contrast.rotation(white.samples)[0]
+    angles = math.atan2(s, c) + np.append(0.0, np.linspace(-0.05, 0.05, 101))
+    y = np.column_stack([np.cos(angles), np.sin(angles)]) @ white.samples
+    contrast = np.exp(-y * y / 2).mean(axis=1)
+    # the angle of a contrast in float32 is uncertain by 1e-6, which changes a maximum by the square
+    assert contrast[0] >= contrast[1:].max() - 1e-9
+
+
+@pytest.mark.parametrize("kind", SOURCES)
+def test_whitening_is_by_the_eigenvectors_of_the_covariance(kind: str) -> None:
+    mixtures = mixed(kind, 0)[0]
+    white = whiten(mixtures, 0.0)
+    assert white is not None
+    values, vectors = np.linalg.eigh(np.cov(mixtures, bias=True))
+    expected = (vectors / np.sqrt(values)).T
+    assert np.abs(white.matrix @ np.linalg.inv(expected)) == pytest.approx(np.eye(2), abs=1e-9)
 
 
 def test_the_rotation_is_one(scenes: Scenes) -> None:

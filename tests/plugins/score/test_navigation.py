@@ -159,14 +159,14 @@ def test_jerk_of_a_velocity_that_grows_quadratically_is_constant() -> None:
     jerk = MeanJerk()
     for k in range(20):
         t_s = 0.1 * k
-        jerk.add(np.array([0.5 * 3.0 * t_s**2, 0.5 * 4.0 * t_s**2]), t_s)
+        jerk.add((0.5 * 3.0 * t_s**2, 0.5 * 4.0 * t_s**2), t_s)
     assert jerk.mean_mps3 == pytest.approx(5.0)
 
 
 def test_jerk_needs_three_velocities() -> None:
     jerk = MeanJerk()
     for k in range(2):
-        jerk.add(np.zeros(2), float(k))
+        jerk.add((0.0, 0.0), float(k))
         assert jerk.mean_mps3 is None
 
 

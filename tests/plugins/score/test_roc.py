@@ -13,7 +13,7 @@ from sklearn.metrics import roc_auc_score, roc_curve
 def filled(score: np.ndarray, is_obstacle: np.ndarray, parts: int = 7) -> Roc:
     roc = Roc()
     for scores, truths in zip(np.array_split(score, parts), np.array_split(is_obstacle, parts), strict=True):
-        roc.add(scores.astype(np.float32), truths.astype(np.int64), (~truths).astype(np.int64))
+        roc.add(scores.astype(np.float32), truths.astype(np.float64), (~truths).astype(np.float64))
     return roc
 
 
@@ -69,3 +69,11 @@ def test_without_both_kinds_nothing_is_defined() -> None:
     assert Roc().area() is None
     assert Roc().recall(0.05) is None
     assert filled(np.arange(9), np.zeros(9, bool)).area() is None
+
+
+def test_more_scores_than_are_kept_at_a_time_count_alike() -> None:
+    rng = np.random.default_rng(0)
+    is_obstacle = rng.random(100_000) < 0.3
+    score = rng.integers(0, 50, 100_000) + 5.0 * is_obstacle
+    areas = [filled(score, is_obstacle, parts).area() for parts in (1, 3, 400)]
+    assert areas == [pytest.approx(roc_auc_score(is_obstacle, score))] * 3
