@@ -32,7 +32,7 @@ TAP_URL = "udpm://239.255.76.67:7699?ttl=0"
 WARM_UP = 20
 
 Recorded = Mapping[str, list[Any]]
-"""What the first steps of each stage returned, by the stage's name."""
+"""Results of the first steps of each stage, by the stage's name."""
 
 
 class Kept:

@@ -1,4 +1,4 @@
-"""Ticks per second of whole graphs with their logs, against version 0.1.0, the two taking turns on one core.
+"""Ticks per second of complete graphs with their logs, against version 0.1.0, the two taking turns on one core.
 
 ``python tools/bench_ticks.py [ROUNDS]`` prints, for each graph as a robot runs it (without score stages) and with its
 scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with quartiles. Beside it, what

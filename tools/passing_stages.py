@@ -1,4 +1,4 @@
-"""Stages that do nothing but pass a message on: what a tick costs without work."""
+"""Stages that only pass a message on: what a tick costs without work."""
 
 from __future__ import annotations
 
