@@ -59,6 +59,9 @@ from .errors import (
 )
 from .graph import Graph as Graph
 from .grid import (
+    block_mean as block_mean,
+)
+from .grid import (
     block_sum as block_sum,
 )
 from .grid import (

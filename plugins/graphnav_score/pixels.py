@@ -5,9 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from graphnav import Truth
+from graphnav import Truth, block_mean
 from graphnav.arrays import Bools, Doubles
-from graphnav.grid import block_mean
 
 
 def cell_factor(truth: Truth, shape: tuple[int, ...], step_px: int) -> int:
