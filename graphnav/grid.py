@@ -47,8 +47,8 @@ def _coarsened(flow: Flow, factor: int) -> Flow:
     is_valid = flow.valid != 0
     share = block_mean(is_valid.astype(np.float32), factor)
     # Multiplying the bits of a vector by 0 or 1 also clears a NaN.
-    bits = np.ascontiguousarray(flow.uv_px, np.float32).view(np.uint64) * is_valid[..., None]
-    vectors = block_mean(bits.view(np.float32), factor)
+    bits = np.ascontiguousarray(flow.uv_px, np.float32).view(np.uint64)[..., 0] * is_valid
+    vectors = block_mean(bits.view(np.float32).reshape(flow.uv_px.shape), factor)
     pixel = 1 / factor**2
     vectors /= np.maximum(share, np.float32(pixel))[..., None]
     # A share is a multiple of a pixel's; the limit is half a pixel below one half, so that rounding does not decide.
@@ -68,24 +68,6 @@ def block_mean(field: Floats, factor: int) -> Floats:
     rows, cols = field.shape[:2]
     if rows % factor or cols % factor:
         field = cv2.copyMakeBorder(field, 0, -rows % factor, 0, -cols % factor, cv2.BORDER_CONSTANT, value=0)
-    # OpenCV has fast paths for blocks of 2 x 2, of one or four channels.
-    while field.ndim == 2 and factor % 2 == 0:
-        field, factor = _resized(field, 2), factor // 2
-    if field.ndim == 3 and factor % 4 == 0:
-        field, factor = _quarter(field), factor // 4
-    return field if factor == 1 else _resized(field, factor)
-
-
-def _quarter(vectors: Floats) -> Floats:
-    """Return the means over blocks of 4 x 4 vectors of two channels: pairs of them as pixels of four channels."""
-    rows, cols = vectors.shape[:2]
-    pairs = _resized(vectors.reshape(rows, cols // 2, 4), 2).view(np.complex64)
-    halves = pairs[..., 0] + pairs[..., 1]
-    quarters = (halves[::2] + halves[1::2]) * np.float32(0.25)
-    return quarters.view(np.float32).reshape(rows // 4, cols // 4, 2)
-
-
-def _resized(field: Floats, factor: int) -> Floats:
     size = (field.shape[1] // factor, field.shape[0] // factor)
     return np.asarray(cv2.resize(field, size, interpolation=cv2.INTER_AREA), np.float32)
 

@@ -135,7 +135,7 @@ def measure(old_python: Path, rounds: int = 5) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         record(Path(folder))
         for _ in range(rounds):
-            runs = ([str(python), __file__, "time", folder] for python in (old_python, Path(sys.executable)))
+            runs = ([str(python), __file__, "time", folder] for python in (old_python, sys.executable))
             old, new = (json.loads(subprocess.check_output(run)) for run in runs)
             for name in old.keys() & new.keys():
                 shares[name].append(new[name] / old[name])

@@ -79,4 +79,4 @@ def stacked(cells: Flow, model: PlanarModel) -> tuple[Floats, Floats]:
     Horizontal parts first, then the vertical ones. A vector counts if it is valid and was taught.
     """
     counts = ((cells.valid & model.valid) != 0).reshape(-1).astype(np.float32)
-    return np.concatenate(cv2.split(cells.uv_px), axis=None), counts
+    return cells.uv_px.reshape(-1, 2).T.ravel(), counts
