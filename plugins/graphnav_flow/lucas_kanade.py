@@ -13,9 +13,6 @@ from graphnav_flow.pyramid import Doubling, Pyramid
 from graphnav_flow.refinement import Refinement
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
 
-_ITERATIONS = 2
-"""Number on the layers above the base, which approach the solution; on the base one is enough."""
-
 _MEDIAN_PX = 3
 
 
@@ -25,6 +22,7 @@ class LucasKanade(Stage):
     From the coarsest layer down: warp the last image by the current flow, solve, upsample [OI, Algorithm 1]. Gives a
     vector for every pixel. Each iteration corrects the smoothed flow, with the mean of both images' gradients, and
     extrapolates it beyond the last image (`Refinement`); each layer ends with a median filter against outliers.
+    There are two iterations on each layer above the base, where the flow approaches the solution, and one on the base.
 
     The first image gives no flow, nor does the first after a gap of more than 3 periods. Where neither image has
     texture, the flow is finite, small and not valid.
@@ -114,6 +112,7 @@ class LucasKanade(Stage):
                 here.improve(target, last.layers[layer])
                 for plane in here.planes:
                     cv2.blur(plane, box, plane)
+                # Farther up the structure tensor still changes with the warp: large motion would be lost.
                 here.improve(target, last.layers[layer], keep_tensor=layer == 1)
             else:
                 here.improve(target, self._doubling.double(last.layers[0]))

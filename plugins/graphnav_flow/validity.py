@@ -51,22 +51,22 @@ class Inside:
 
     def __init__(self, rows: int, cols: int, margin_px: float) -> None:
         x, y = np.arange(cols, dtype=np.float32), np.arange(rows, dtype=np.float32)[:, None]
-        self._most, self._least = np.empty((2, rows, cols, 2), np.float32)
+        self._max_px, self._min_px = np.empty((2, rows, cols, 2), np.float32)
         for channel, (place, size) in enumerate(((x, cols), (y, rows))):
-            self._most[..., channel] = place - margin_px
-            self._least[..., channel] = place - (size - 1 - margin_px)
-        # Nothing is at least inf.
-        self._least[(self._most < 0).any(axis=-1) | (self._least > 0).any(axis=-1)] = np.inf
-        self._fits, self._fits_too = np.empty((2, rows, cols, 2), bool)
-        self._both = self._fits.view(np.uint16)[..., 0]
+            self._max_px[..., channel] = place - margin_px
+            self._min_px[..., channel] = place - (size - 1 - margin_px)
+        # No vector reaches inf.
+        self._min_px[(self._max_px < 0).any(axis=-1) | (self._min_px > 0).any(axis=-1)] = np.inf
+        self._below_max, self._above_min = np.empty((2, rows, cols, 2), bool)
+        self._both = self._below_max.view(np.uint16)[..., 0]
 
     def mark(self, uv_px: Floats) -> Bools:
         """Return where a pixel and its source lie inside, (rows, cols).
 
         ``uv_px``: float32 (rows, cols, 2), displacement since the last frame of what is now at the pixel.
         """
-        np.less_equal(uv_px, self._most, self._fits)
-        np.greater_equal(uv_px, self._least, self._fits_too)
-        np.logical_and(self._fits, self._fits_too, self._fits)
+        np.less_equal(uv_px, self._max_px, self._below_max)
+        np.greater_equal(uv_px, self._min_px, self._above_min)
+        np.logical_and(self._below_max, self._above_min, self._below_max)
         inside: Bools = self._both == _BOTH
         return inside
