@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, SupportsFloat
 
@@ -20,7 +19,7 @@ def reported_metrics(stage: Stage) -> dict[str, float]:
     Raises
     ------
     DeclarationError
-        The summary is not a mapping, or holds a metric that the stage does not declare or that is not finite.
+        The summary is not a mapping, or holds a metric that the stage does not declare or that is not a number.
     """
     declared = metrics_of(type(stage))
     values = _values(stage)
@@ -46,6 +45,6 @@ def _values(stage: Stage) -> dict[str, float]:
     if not isinstance(summary, Mapping):
         raise DeclarationError(f"{what} returns {type(summary).__name__}: return a mapping of metrics by name")
     for name, value in summary.items():
-        if not isinstance(value, SupportsFloat) or not math.isfinite(value):
-            raise DeclarationError(f"{what} gives '{name}' as {value!r}: give a finite number, or leave it out")
+        if not isinstance(value, SupportsFloat):
+            raise DeclarationError(f"{what} gives '{name}' as {value!r}: give a number, or leave it out")
     return {name: float(value) for name, value in summary.items()}

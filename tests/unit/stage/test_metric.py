@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -34,7 +33,7 @@ class Drive(Stage):
 
 
 NAMES = list(metrics_of(Drive))
-VALUES = st.dictionaries(st.sampled_from(NAMES[1:]), st.floats(allow_nan=False, allow_infinity=False))
+VALUES = st.dictionaries(st.sampled_from(NAMES[1:]), st.floats(allow_nan=False))
 
 
 def reported(values: Mapping[str, float]) -> dict[str, float]:
@@ -63,10 +62,8 @@ def test_a_drive_that_did_not_arrive_reports_what_is_declared(values: dict[str, 
     [
         (None, "returns NoneType: return a mapping of metrics by name"),
         (["share"], "returns list: return a mapping of metrics by name"),
-        ({"share": None}, "gives 'share' as None: give a finite number, or leave it out"),
-        ({"share": "0.5"}, "gives 'share' as '0.5': give a finite number, or leave it out"),
-        ({"share": math.nan}, "gives 'share' as nan: give a finite number, or leave it out"),
-        ({"share": math.inf}, "gives 'share' as inf: give a finite number, or leave it out"),
+        ({"share": None}, "gives 'share' as None: give a number, or leave it out"),
+        ({"share": "0.5"}, "gives 'share' as '0.5': give a number, or leave it out"),
     ],
 )
 def test_a_summary_that_is_not_metrics_is_refused(values: Any, what: str) -> None:
