@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from dataclasses import replace
 
 from graphnav import Latest, Twist
 from graphnav_world.vehicle import SUBSTEP_S, Pose, Vehicle
@@ -44,7 +43,7 @@ class Drive:
             end_us = min(until_us, self._expires_us) if alive else until_us
             pose = self._substep(twist, min(now_us + _SUBSTEP_US, end_us))
             clearances_m.append(pose.clearance_m)
-        return replace(self._poses[-1], clearance_m=min(clearances_m, default=begin.clearance_m))
+        return self._poses[-1]._replace(clearance_m=min(clearances_m, default=begin.clearance_m))
 
     def pose_at(self, time_us: int) -> Pose:
         """Return the pose at a time of the last `advance`, interpolated between steps of at most 10 ms."""
@@ -57,7 +56,7 @@ class Drive:
     def _substep(self, twist: Twist, until_us: int) -> Pose:
         pose = self._vehicle.advance(twist.v_mps, twist.omega_radps, until_us / 1e6)
         if pose.contact:
-            pose = replace(pose, v_mps=0.0, omega_radps=0.0)
+            pose = pose._replace(v_mps=0.0, omega_radps=0.0)
         self._times_us.append(until_us)
         self._poses.append(pose)
         return pose
@@ -66,8 +65,7 @@ class Drive:
 def _between(then: Pose, now: Pose, share: float) -> Pose:
     """Return the pose interpolated between two poses at this share."""
     turn = math.remainder(now.yaw_rad - then.yaw_rad, 2 * math.pi)
-    return replace(
-        now,
+    return now._replace(
         x_m=then.x_m + share * (now.x_m - then.x_m),
         y_m=then.y_m + share * (now.y_m - then.y_m),
         yaw_rad=math.remainder(then.yaw_rad + share * turn, 2 * math.pi),

@@ -7,16 +7,19 @@ import math
 import numpy as np
 
 from graphnav import Odometry
-from graphnav.arrays import Doubles
 from graphnav_world.vehicle import Pose
 
 
-def displacement(then: Pose, now: Pose) -> Doubles:
-    """Return (forward m, left m, turn rad) from one pose to another, in the robot's frame of the first, (3,)."""
+Axes = tuple[float, float, float]
+"""Along the axes of a robot: forward, left, turn."""
+
+
+def displacement(then: Pose, now: Pose) -> Axes:
+    """Return (forward m, left m, turn rad) from one pose to another, in the robot's frame of the first."""
     c, s = math.cos(then.yaw_rad), math.sin(then.yaw_rad)
     x, y = now.x_m - then.x_m, now.y_m - then.y_m
     turn = math.remainder(now.yaw_rad - then.yaw_rad, 2 * math.pi)
-    return np.array([c * x + s * y, c * y - s * x, turn])
+    return c * x + s * y, c * y - s * x, turn
 
 
 class OdometryErrors:
@@ -28,12 +31,14 @@ class OdometryErrors:
 
     def __init__(self, rng: np.random.Generator, scale_ratio: float, noise_ratio: float) -> None:
         self._rng, self._noise_ratio = rng, noise_ratio
-        self._scale = 1 + scale_ratio * rng.choice([-1.0, 1.0], size=3)
+        self._scale: list[float] = (1 + scale_ratio * rng.choice([-1.0, 1.0], size=3)).tolist()
 
-    def read(self, true: Doubles) -> Doubles:
-        """Return one reading of true values along the axes, (..., 3): all of its rows have the same errors."""
-        reading: Doubles = true * self._scale * (1 + self._noise_ratio * self._rng.standard_normal(3))
-        return reading
+    def read(self, *true: Axes) -> list[Axes]:
+        """Return one reading of true values: all of them have the same errors."""
+        forward, left, turn = self._scale
+        noise = self._rng.standard_normal(3).tolist()
+        more_forward, more_left, more_turn = (1 + self._noise_ratio * one for one in noise)
+        return [(x * forward * more_forward, y * left * more_left, z * turn * more_turn) for x, y, z in true]
 
 
 class DeadReckoning:
@@ -45,8 +50,8 @@ class DeadReckoning:
 
     def read(self, now: Pose) -> Odometry:
         """Return the pose and the speeds of odometry; ``now`` is the true pose."""
-        true = np.array([displacement(self._then, now), [now.v_mps, 0.0, now.omega_radps]])
-        (forward_m, left_m, turn_rad), (v_mps, _, omega_radps) = self._errors.read(true).tolist()
+        speeds = now.v_mps, 0.0, now.omega_radps
+        (forward_m, left_m, turn_rad), (v_mps, _, omega_radps) = self._errors.read(displacement(self._then, now), speeds)
         c, s = math.cos(self._yaw_rad), math.sin(self._yaw_rad)
         self._x_m += c * forward_m - s * left_m
         self._y_m += s * forward_m + c * left_m

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import replace
 from typing import NamedTuple
 
 from graphnav import (
@@ -149,6 +148,6 @@ class Robot(Simulation):
         self._clearance_m = min(self._clearance_m, pose.clearance_m)
         if not self._states.due(now_us) and not is_last:
             return None
-        state = self._state(replace(pose, clearance_m=self._clearance_m), now_us / 1e6)
+        state = self._state(pose._replace(clearance_m=self._clearance_m), now_us / 1e6)
         self._clearance_m = math.inf
         return state

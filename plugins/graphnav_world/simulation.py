@@ -135,7 +135,9 @@ class Simulation(Source):
         return is_near and bool(len(goal_m)) and outlines.contains(goal_m, pose.x_m, pose.y_m)
 
     def _state(self, pose: Pose, time_s: float) -> State:
-        moving = [[*patrol.at(time_s), 0.0] for patrol in self._faces.patrols]
+        moving = np.zeros((len(self._faces.patrols), 3))
+        for position, patrol in zip(moving, self._faces.patrols, strict=True):
+            position[:2] = patrol.at(time_s)
         return State(
             x_m=pose.x_m,
             y_m=pose.y_m,
@@ -145,7 +147,7 @@ class Simulation(Source):
             clearance_m=pose.clearance_m,
             contact=pose.contact,
             at_goal=self._at_goal(pose),
-            moving=np.array(moving, np.float64).reshape(-1, 3),
+            moving=moving,
         )
 
     def _beacon(self, pose: Pose) -> Goal | None:

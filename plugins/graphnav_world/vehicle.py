@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import pymunk
 
@@ -27,8 +28,7 @@ class Limits:
     turn_up_s: float
 
 
-@dataclass(frozen=True)
-class Pose:
+class Pose(NamedTuple):
     """Pose of the robot in W, its speeds, and its minimum clearance since the last pose."""
 
     x_m: float
@@ -81,6 +81,8 @@ class Vehicle:
         steps = max(1, math.ceil((until_s - self._time_s) / SUBSTEP_S - 1e-9))
         begin_s, dt_s = self._time_s, (until_s - self._time_s) / steps
         self._clearance_m = self._here_m
+        v_mps = _within(v_mps, self._limits.speed_mps)
+        omega_radps = _within(omega_radps, self._limits.turn_radps)
         for k in range(steps):
             if self._contact:
                 break
@@ -91,12 +93,15 @@ class Vehicle:
         return self.pose
 
     def _step(self, v_mps: float, omega_radps: float, dt_s: float) -> None:
-        limits = self._limits
-        self._v_mps = _towards(self._v_mps, v_mps, limits.speed_mps, dt_s / limits.speed_up_s)
-        self._omega_radps = _towards(self._omega_radps, omega_radps, limits.turn_radps, dt_s / limits.turn_up_s)
-        midway = self._robot.angle + self._omega_radps * dt_s / 2
-        self._robot.velocity = self._v_mps * math.cos(midway), self._v_mps * math.sin(midway)
-        self._robot.angular_velocity = self._omega_radps
+        """Drive one step towards speeds within the limits."""
+        limits, robot = self._limits, self._robot
+        if v_mps != self._v_mps:
+            self._v_mps = _towards(self._v_mps, v_mps, limits.speed_mps * (dt_s / limits.speed_up_s))
+        if omega_radps != self._omega_radps:
+            self._omega_radps = _towards(self._omega_radps, omega_radps, limits.turn_radps * (dt_s / limits.turn_up_s))
+            robot.angular_velocity = self._omega_radps
+        midway = robot.angle + self._omega_radps * dt_s / 2
+        robot.velocity = self._v_mps * math.cos(midway), self._v_mps * math.sin(midway)
         for carried, body in self._moving:
             assert body.patrol is not None
             x, y = body.patrol.at(self._time_s)
@@ -134,8 +139,10 @@ class Vehicle:
         return distance_m - self._radius_m
 
 
-def _towards(now: float, wanted: float, maximum: float, share: float) -> float:
-    """Return the speed after a step: closer to the command by at most this share of the maximum."""
-    wanted = min(max(wanted, -maximum), maximum)
-    change = maximum * share
-    return min(max(wanted, now - change), now + change)
+def _towards(now: float, wanted: float, max_change: float) -> float:
+    """Return the speed after a step: closer to the wanted one by at most this change."""
+    return min(max(wanted, now - max_change), now + max_change)
+
+
+def _within(wanted: float, maximum: float) -> float:
+    return min(max(wanted, -maximum), maximum)

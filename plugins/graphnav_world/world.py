@@ -41,6 +41,7 @@ class Pymunk(Simulation):
         super().reset(seed)
         self._begin_us: int | None = None
         self._last_us = 0
+        self._pose = self._vehicle.pose
 
     def step(self, command: Latest[Twist], utime: Stamp) -> WorldOutputs:
         """Drive until now, render, and publish."""
@@ -48,10 +49,10 @@ class Pymunk(Simulation):
         if self._begin_us is None:
             self._begin_us = self._last_us = utime
         time_s = (utime - self._begin_us) / 1e6
-        then = pose = self._vehicle.pose
+        then = pose = self._pose
         if not first:
             twist = self._obeyed(command)
-            pose = self._vehicle.advance(twist.v_mps, twist.omega_radps, time_s)
+            pose = self._pose = self._vehicle.advance(twist.v_mps, twist.omega_radps, time_s)
         interval_us, self._last_us = utime - self._last_us, utime
         image, truth = self._look(pose, time_s, interval_us)
         outputs = WorldOutputs(
@@ -72,5 +73,5 @@ class Pymunk(Simulation):
 
     def _motion(self, then: Pose, now: Pose, interval_us: int) -> Motion:
         """Return the displacement in the robot's previous frame, with this run's scale errors and new noise."""
-        forward, left, turn = self._errors.read(displacement(then, now))
-        return Motion(forward_m=float(forward), left_m=float(left), turn_rad=float(turn), interval_us=interval_us)
+        [(forward_m, left_m, turn_rad)] = self._errors.read(displacement(then, now))
+        return Motion(forward_m=forward_m, left_m=left_m, turn_rad=turn_rad, interval_us=interval_us)

@@ -29,53 +29,53 @@ class BodyTexture:
     def __init__(self, camera: Camera, faces: Faces, atlas: Atlas) -> None:
         self._camera, self._faces, self._atlas = camera, faces, atlas
         cy = camera.center_px[1]
-        self._y: Floats = ((np.arange(camera.rows) - cy) / camera.focal_px).astype(np.float32)
-        self._texture_axes = np.stack([faces.u, faces.v], axis=1) / atlas.period_m[-1][:, None]
+        y = (np.arange(camera.rows) - cy) / camera.focal_px
+        self._of_row: Floats = np.stack([y, y, y**2 + 1]).astype(np.float32)
+        axes = np.stack([faces.u, faces.v], axis=1) / atlas.period_m[-1][:, None]
+        self._texture_axes = np.ascontiguousarray(axes.T)
         self._first_cell = (faces.texture.astype(np.intp) + 1) * atlas.levels
         self._origin_px = atlas.origin_px.view(np.complex64).reshape(-1)
         self._size_px = (atlas.period_m[-1][:, None] / atlas.texel_m).astype(np.float32)
-        self._y_squared_and_1: Floats = self._y**2 + 1
 
     def gray(self, now: Placed, seen: Visible) -> Floats:
         """Return the gray values of the seen pixels before light and noise, float32 (pixels,)."""
         numbers = self._runs(now, seen).take(seen.run, axis=1)
         depth = np.reciprocal(seen.inverse_depth)
-        place, slope = numbers[:2], numbers[2:4]
-        slope *= seen.x
-        place += slope
-        place *= depth
-        place -= np.floor(place, out=slope)
-        length_ratio, change = numbers[4:]
-        change *= seen.x
-        change *= seen.x
-        length_ratio += change
-        length_ratio *= depth
+        values, slopes, shade = numbers[:3], numbers[3:6], numbers[6]
+        slopes *= seen.x
+        slopes[2] *= seen.x
+        values += slopes
+        values *= depth
+        place, length_ratio = values[:2], values[2]
+        place -= np.floor(place, out=slopes[:2])
         level, blend = mip_levels(depth, length_ratio, self._camera, self._atlas.levels)
-        face = seen.pixel_face
-        fine, coarse = self._lookup(place, level, self._first_cell.take(face) + level)
+        cell = self._first_cell.take(seen.pixel_face)
+        cell += level
+        fine, coarse = self._lookup(place, level, cell)
         gray: Floats = cv2.subtract(coarse[None], fine[None], dtype=cv2.CV_32F)[0]
         gray *= blend
         gray += fine
-        gray *= self._faces.shade.take(face)
+        gray *= shade
         return gray
 
     def _runs(self, now: Placed, seen: Visible) -> Floats:
-        """Return the constants of each run of pixels, float32 (6, runs).
+        """Return the constants of each run of pixels, float32 (7, runs).
 
-        Both texture coordinates over their periods, times inverse depth, at the middle column, and their slopes. Length
-        over width of a pixel's print, over depth, at the middle column, and the factor of the squared column.
+        At the middle column: both texture coordinates over their periods, times inverse depth, and length over width of
+        a pixel's print, over depth. The slopes of both coordinates, and the factor of the squared column. The shade.
         """
         slope, offset = now.affine(self._texture_axes, seen.face)
-        slope += (offset - np.floor(offset))[..., None] * seen.per_ray[:, None]
+        offset -= np.floor(offset)
+        slope += offset * seen.per_ray[:, None]
         per_focal = 1 / self._camera.focal_px
-        prims = np.empty((8, len(seen.face)), np.float32)
-        prims[:2], prims[2:4] = slope[..., 1].T, slope[..., 2].T
-        np.multiply(slope[..., 0].T, per_focal, out=prims[4:6])
-        np.divide([[1.0], [per_focal**2]], now.face_distance_m.take(seen.face), out=prims[6:])
+        prims = np.empty((9, len(seen.face)), np.float32)
+        prims[:2], prims[2:4] = slope[2], slope[1]
+        np.multiply(slope[0], per_focal, out=prims[5:7])
+        np.divide([[1.0], [per_focal**2]], now.face_distance_m.take(seen.face), out=prims[4:8:3])
+        prims[8] = self._faces.shade.take(seen.face)
         runs = prims.take(seen.prim, axis=1)
-        runs[:2] *= self._y.take(seen.row)
+        runs[2:5] *= self._of_row.take(seen.row, axis=1)
         runs[2:4] += runs[:2]
-        runs[6] *= self._y_squared_and_1.take(seen.row)
         return runs[2:]
 
     def _lookup(self, place: Floats, level: Indices, cell: Indices) -> tuple[Floats, Floats]:

@@ -40,8 +40,13 @@ class Camera:
     @cached_property
     def R_RC(self) -> Doubles:  # noqa: N802  # the robotics notation for a rotation from C to R
         """Return the rotation from C to R; its columns are the camera's axes in the robot's frame."""
-        c, s = math.cos(math.radians(self.tilt_deg)), math.sin(math.radians(self.tilt_deg))
+        c, s = self._tilt
         return np.array([[0.0, -s, c], [-1.0, 0.0, 0.0], [0.0, -c, -s]])
+
+    @cached_property
+    def _tilt(self) -> tuple[float, float]:
+        """Cosine and sine."""
+        return math.cos(math.radians(self.tilt_deg)), math.sin(math.radians(self.tilt_deg))
 
     def rays(self) -> Doubles:
         """Return the ray of every pixel in C, (rows, cols, 3), scaled to a depth (z) of one."""
@@ -52,8 +57,9 @@ class Camera:
     def pose(self, x_m: float, y_m: float, yaw_rad: float) -> tuple[Doubles, Doubles]:
         """Return (R_WC, position in W) of the camera of a robot at this pose."""
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
-        R_WR = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return R_WR @ self.R_RC, np.array([x_m, y_m, self.height_m])
+        c_tilt, s_tilt = self._tilt
+        R_WC = np.array([[s, -c * s_tilt, c * c_tilt], [-c, -s * s_tilt, s * c_tilt], [0.0, -c_tilt, -s_tilt]])
+        return R_WC, np.array([x_m, y_m, self.height_m])
 
     def project(self, points_C: Doubles) -> Doubles:
         """Return the pixel coordinates (x, y), float64 (..., 2), of points in front of the camera, (..., 3)."""

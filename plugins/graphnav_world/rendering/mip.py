@@ -38,6 +38,5 @@ def mip_levels(depth: Floats, length_ratio: Floats, camera: Camera, levels: int)
     level -= np.float32(math.log2(STRETCH * camera.focal_px * TEXEL_M))
     np.maximum(level, np.float32(0), out=level)
     np.minimum(level, np.float32(levels - 1.001), out=level)
-    fine = np.floor(level)
-    level -= fine
-    return fine.astype(np.intp), level
+    blend, fine = np.modf(level)
+    return fine.astype(np.intp), blend

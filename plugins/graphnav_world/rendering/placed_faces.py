@@ -66,21 +66,40 @@ class Placed:
             corners[slice(*np.searchsorted(prims, (of_body.start, of_body.stop)))] += position
         return (corners.reshape(-1, 3) @ self.R_WC).reshape(-1, 4, 3).transpose(2, 1, 0).copy()
 
-    def affine(self, functions: Doubles, face: Indices) -> tuple[Doubles, Doubles]:
-        """Return functions of the point on these faces, relative to the eye in C: slopes (n, k, 3), offsets (n, k).
+    def edge_planes(self, prims: Indices) -> Doubles:
+        """Return the normals in C of the planes through the eye and each edge of prims (ascending), (3, 4, n).
 
-        ``functions``: of all faces, of the point in W (of moving bodies: in their own frame), (faces, k, 4).
+        They point to the inside of a prim that faces the camera.
         """
-        functions = functions.take(face, axis=0)
-        to_C_and_eye = np.empty((3, 4))
-        to_C_and_eye[:, :3], to_C_and_eye[:, 3] = self.R_WC, self.eye_W
-        slope_and_offset = (functions[..., :3].reshape(-1, 3) @ to_C_and_eye).reshape(functions.shape)
-        slope, offset = slope_and_offset[..., :3], slope_and_offset[..., 3]
-        offset += functions[..., 3]
+        edges = self.faces.prims.edges.take(prims, axis=2)
+        planes = (self._C_from_line(self.eye_W) @ edges.reshape(6, -1)).reshape(3, 4, -1)
+        for (_, position), of_body in zip(self.moving, self.faces.prims.of_moving, strict=True):
+            part = slice(*np.searchsorted(prims, (of_body.start, of_body.stop)))
+            matrix = self._C_from_line(self.eye_W - position)
+            planes[..., part] = (matrix @ edges[..., part].reshape(6, -1)).reshape(3, 4, -1)
+        return planes
+
+    def _C_from_line(self, eye: Doubles) -> Doubles:  # noqa: N802  # the frame's letter
+        """Return the matrix (3, 6) that takes a line to the normal in C of the plane through it and an eye."""
+        x, y, z = eye.tolist()
+        matrix = np.empty((3, 6))
+        np.matmul(self.R_WC.T, [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]], out=matrix[:, :3])
+        matrix[:, 3:] = self.R_WC.T
+        return matrix
+
+    def affine(self, functions: Doubles, face: Indices) -> tuple[Doubles, Doubles]:
+        """Return functions of the point on these faces, relative to the eye in C: slopes (3, k, n), offsets (k, n).
+
+        ``functions``: of all faces, of the point in W (of moving bodies: in their own frame), (4, k, faces).
+        """
+        functions = functions.take(face, axis=2)
+        shape = functions.shape
+        offset = (self.eye_W @ functions[:3].reshape(3, -1)).reshape(shape[1:])
+        offset += functions[3]
         for body, position in self.moving:
-            of_body = self.faces.body.take(face) == body
-            offset[of_body] -= functions[of_body, :, :3] @ position
-        return slope, offset
+            of_body = np.flatnonzero(self.faces.body.take(face) == body)
+            offset[:, of_body] -= np.tensordot(position, functions[:3].take(of_body, axis=2), 1)
+        return (self.R_WC.T @ functions[:3].reshape(3, -1)).reshape(3, *shape[1:]), offset
 
     def camera_from(self, other: Placed) -> Doubles:
         """Return the matrix (3, 4) that takes homogeneous points in the other's C to this one's."""

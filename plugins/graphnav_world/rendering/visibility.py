@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from graphnav_world.rendering.placed_faces import Placed
 
 LEVEL_RATIO, TINY = 1e-9, 1e-30
 """An edge nearer than this to a picture row's direction is taken to bound the row far left, inside or out."""
-FEW_PRIMS = 8
+FEW_PRIMS = 32
 """Of so few, all rows are looked at: finding out which may show them would cost more."""
 NEAR_M, MARGIN_PX = 1e-6, 1e-3
 """A prim in front of the camera is looked for between its topmost and lowest corner, with a margin for rounding."""
@@ -22,7 +22,7 @@ NEAR_M, MARGIN_PX = 1e-6, 1e-3
 class Visible:
     """The pixels that show bodies, in runs of one row and one prim.
 
-    ``face``: of each prim in view, (prims,); ``per_ray``: float64 (prims, 3), its inverse depth (1/m, along the optical
+    ``face``: of each prim in view, (prims,); ``per_ray``: float64 (3, prims), its inverse depth (1/m, along the optical
     axis) as a linear function of a pixel's ray in C. ``prim`` (one of these) and ``row``, (runs,). ``run``, ``pixel``
     (flat index), ``x`` (columns right of the principal point) and ``inverse_depth``, (pixels,).
     """
@@ -42,10 +42,11 @@ class Visible:
         return self.face.take(self.prim).take(self.run)
 
 
+_SIDES = np.array([1.0, -1.0]).reshape(2, 1, 1)
 _NO_INDICES, _NO_FLOATS = np.zeros(0, np.intp), np.zeros(0, np.float32)
 _NOTHING = Visible(
     face=_NO_INDICES,
-    per_ray=np.zeros((0, 3)),
+    per_ray=np.zeros((3, 0)),
     prim=_NO_INDICES,
     row=_NO_INDICES,
     run=_NO_INDICES,
@@ -71,6 +72,8 @@ class ZBuffer:
         self._y = ((np.arange(camera.rows) - cy) / camera.focal_px).astype(np.float32)
         self._cx, self._cy, self._focal = cx, cy, camera.focal_px
         self._row_shift = np.array([[-cy], [cy]]) + MARGIN_PX
+        self._no_bound = np.array([[0, 0], [0, 1 - camera.cols]]).reshape(2, 2, 1, 1)
+        self._nearest_fragment = np.zeros(camera.rows * camera.cols, np.int64)
         half_x, half_y = (cx + 0.5) / camera.focal_px, (cy + 0.5) / camera.focal_px
         sides = np.array([[1, 0, half_x], [-1, 0, half_x], [0, 1, half_y], [0, -1, half_y]])
         self._frustum: Doubles = sides / np.linalg.norm(sides, axis=1, keepdims=True)
@@ -85,15 +88,16 @@ class ZBuffer:
         if not len(prims):
             return _NOTHING
         face = faces.face_of_prim.take(prims).astype(np.intp)
-        per_ray = faces.normal.take(face, axis=0) @ placed.R_WC / -distance.take(face)[:, None]
-        prim, row, first, count = self._spans(placed.vertices(prims))
+        per_ray = placed.R_WC.T @ faces.normal.take(face, axis=0).T
+        per_ray /= -distance.take(face)
+        prim, row, first, count = self._spans(placed, prims)
         run = np.repeat(np.arange(len(count)), count)
         column = np.arange(len(run))
         column += (first - np.cumsum(count) + count).take(run)
         pixel = (row * self._camera.cols).take(run)
         pixel += column
         x = column.astype(np.float32)
-        per_x, per_y, one = per_ray.astype(np.float32).T.take(prim, axis=1)
+        per_x, per_y, one = per_ray.astype(np.float32).take(prim, axis=1)
         per_x /= np.float32(self._focal)
         at_zero = per_y * self._y.take(row) + one - per_x * np.float32(self._cx)
         inverse = per_x.take(run)
@@ -109,42 +113,42 @@ class ZBuffer:
         parts[:, 0] += 1
         parts[:, 1] = drawn.inverse_depth.view(np.int32)
         fragment = parts.view(np.int64)[:, 0]
-        nearest = np.zeros(self._camera.rows * self._camera.cols, np.int64)
-        np.maximum.at(nearest, drawn.pixel, fragment)
-        seen = np.flatnonzero(nearest.take(drawn.pixel) == fragment)
+        np.maximum.at(self._nearest_fragment, drawn.pixel, fragment)
+        seen = np.flatnonzero(self._nearest_fragment.take(drawn.pixel) == fragment)
+        self._nearest_fragment[drawn.pixel] = 0
         if len(seen) == len(fragment):
             return drawn
-        return replace(
-            drawn,
-            run=drawn.run.take(seen),
-            pixel=drawn.pixel.take(seen),
-            x=drawn.x.take(seen),
-            inverse_depth=drawn.inverse_depth.take(seen),
-        )
+        of_runs = drawn.face, drawn.per_ray, drawn.prim, drawn.row
+        run, pixel = drawn.run.take(seen), drawn.pixel.take(seen)
+        return Visible(*of_runs, run, pixel, drawn.x.take(seen), drawn.inverse_depth.take(seen))
 
-    def _spans(self, vertices: Doubles) -> tuple[Indices, Indices, Indices, Indices]:
-        """Return prim, row, first column and number of pixels of every span, each (spans,).
-
-        ``vertices``: corners in C, (3, 4, prims).
-        """
-        prim, row = self._rows(vertices)
-        slope, offset = self._bounds(vertices)
-        bound = slope.take(prim, axis=1)
-        bound *= self._y.take(row)
-        bound += offset.take(prim, axis=1)
+    def _spans(self, placed: Placed, prims: Indices) -> tuple[Indices, Indices, Indices, Indices]:
+        """Return prim, row, first column and number of pixels of every span, each (spans,)."""
+        slope, offset = self._bounds(placed.edge_planes(prims))
+        if len(prims) <= FEW_PRIMS:
+            bound = slope[..., None] * self._y
+            bound += offset[..., None]
+        else:
+            prim, row = self._rows(placed.vertices(prims))
+            bound = slope.take(prim, axis=1)
+            bound *= self._y.take(row)
+            bound += offset.take(prim, axis=1)
         first, minus_last = np.ceil(bound.reshape(2, 4, -1).max(axis=1))
         span = np.flatnonzero(first + minus_last <= 0)
         first = first.take(span)
         count = (1 - minus_last.take(span) - first).astype(np.intp)
-        return prim.take(span), row.take(span), first.astype(np.intp), count
+        if len(prims) <= FEW_PRIMS:
+            prim, row = np.divmod(span, self._camera.rows)
+        else:
+            prim, row = prim.take(span), row.take(span)
+        return prim, row, first.astype(np.intp), count
 
     def _rows(self, vertices: Doubles) -> tuple[Indices, Indices]:
-        """Return every pair of a prim and a row that may show it: prim, row, each (pairs,)."""
-        n, rows = vertices.shape[2], self._camera.rows
-        if n <= FEW_PRIMS:
-            every = np.arange(n * rows)
-            prim = every // rows
-            return prim, every - prim * rows
+        """Return every pair of a prim and a row that may show it: prim, row, each (pairs,).
+
+        ``vertices``: corners in C, (3, 4, prims).
+        """
+        rows = self._camera.rows
         _, y, z = vertices
         down = y / np.maximum(z, NEAR_M)
         down *= self._focal
@@ -158,21 +162,21 @@ class ZBuffer:
         row += (first - np.cumsum(count) + count).astype(np.intp).take(prim)
         return prim, row
 
-    def _bounds(self, vertices: Doubles) -> tuple[Floats, Floats]:
+    def _bounds(self, planes: Doubles) -> tuple[Floats, Floats]:
         """Return the bounds that edges set to each row, as slope * y + offset: slope, offset, each (8, prims).
 
-        The first four bound the first column from below, the others minus the last column. The plane through the eye
-        and an edge is a x + b y + c = 0 in the picture, positive inside, so that it bounds x from the left (a > 0) or
-        from the right.
+        The first four bound the first column from below, the others minus the last column. ``planes``: (a, b, c) of
+        each edge, (3, 4, prims). The plane through the eye and an edge is a x + b y + c = 0 in the picture, positive
+        inside, so that it bounds x from the left (a > 0) or from the right.
         """
-        (x0, y0, z0), (x1, y1, z1) = vertices, vertices.take([1, 2, 3, 0], axis=1)
-        a, b, c = y1 * z0 - z1 * y0, z1 * x0 - x1 * z0, x1 * y0 - y1 * x0
-        level = LEVEL_RATIO * (np.abs(b) + np.abs(c)) + TINY
-        a = np.where(np.abs(a) <= level, level, a)
-        scale = -self._focal / a
-        left = a > 0
-        slope, offset = scale * b, np.where(level > TINY, scale * c + self._cx, 0)
-        last = self._camera.cols - 1
-        slopes = np.concatenate([np.where(left, slope, 0), np.where(left, 0, -slope)])
-        offsets = np.concatenate([np.where(left, offset, 0), np.where(left, -last, -offset)])
-        return slopes.astype(np.float32), offsets.astype(np.float32)
+        size = np.abs(planes)
+        level = size[1] + size[2]
+        level *= LEVEL_RATIO
+        level += TINY
+        a = np.where(size[0] <= level, level, planes[0])
+        line = -self._focal / a * planes[1:]
+        line[1] += self._cx
+        is_left = a > 0
+        bounds = np.where([is_left, ~is_left], line[:, None] * _SIDES, self._no_bound).astype(np.float32)
+        slope, offset = bounds.reshape(2, 8, -1)
+        return slope, offset
