@@ -9,7 +9,6 @@ import numpy as np
 from graphnav import Odometry
 from graphnav_world.vehicle import Pose
 
-
 Axes = tuple[float, float, float]
 """Along the axes of a robot: forward, left, turn."""
 
@@ -51,7 +50,9 @@ class DeadReckoning:
     def read(self, now: Pose) -> Odometry:
         """Return the pose and the speeds of odometry; ``now`` is the true pose."""
         speeds = now.v_mps, 0.0, now.omega_radps
-        (forward_m, left_m, turn_rad), (v_mps, _, omega_radps) = self._errors.read(displacement(self._then, now), speeds)
+        (forward_m, left_m, turn_rad), (v_mps, _, omega_radps) = self._errors.read(
+            displacement(self._then, now), speeds
+        )
         c, s = math.cos(self._yaw_rad), math.sin(self._yaw_rad)
         self._x_m += c * forward_m - s * left_m
         self._y_m += s * forward_m + c * left_m
