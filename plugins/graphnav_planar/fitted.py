@@ -9,14 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Planar, PlanarModel, coarsen
-from graphnav.arrays import Doubles
-from graphnav_planar.taught import check_size, planar, stacked
+from graphnav.arrays import Bools, Doubles
+from graphnav_planar.taught import check_size, planar, vectors
 
 MIN_VECTORS = 6
 """Minimum number of valid vectors for a fit."""
 
-Fit = Callable[[Doubles, Doubles], npt.NDArray[np.floating]]
-"""Maps the vectors and which of them count, as laid out by `stacked`, to a field (rows, cols, 2)."""
+Fit = Callable[[Doubles, Bools], npt.NDArray[np.floating]]
+"""Maps vectors (2n,) and which of them count (n,), those of `vectors`, to a field as `planar` takes it."""
 
 
 def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
@@ -28,8 +28,8 @@ def fitted(model: PlanarModel, flow: Flow, fit: Fit) -> Planar:
         The flow is of another image size than the model.
     """
     check_size(model, flow)
-    uv_px, counts = stacked(coarsen(flow, model.step_px), model)
+    uv_px, counts = vectors(coarsen(flow, model.step_px), model)
     if np.count_nonzero(counts) < MIN_VECTORS:
         nothing = planar(model, np.zeros((*model.valid.shape, 2)), flow.interval_us)
         return replace(nothing, planar_valid=np.zeros_like(model.valid))
-    return planar(model, fit(uv_px.astype(np.float64), counts.astype(np.float64)), flow.interval_us)
+    return planar(model, fit(uv_px.astype(np.float64), counts), flow.interval_us)

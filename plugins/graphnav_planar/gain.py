@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, Planar, Role, param
-from graphnav.arrays import Doubles
+from graphnav.arrays import Bools, Doubles
 from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX, weights
 from graphnav_planar.estimation.series import dot
 from graphnav_planar.fitted import fitted
@@ -41,11 +41,11 @@ class Gain(Mean):
         """
         return fitted(self._model, flow, self._scaled)
 
-    def _scaled(self, uv_px: Doubles, counts: Doubles) -> npt.NDArray[np.floating]:
+    def _scaled(self, uv_px: Doubles, counts: Bools) -> npt.NDArray[np.floating]:
         """Return the mean times the gain, (rows, cols, 2)."""
-        mean_px = self._mean_px.transpose(2, 0, 1).reshape(-1).astype(np.float64)
+        mean_px = self._mean_px.reshape(-1).astype(np.float64)
         flows, products, squares = dot(uv_px, uv_px), dot(mean_px, uv_px), dot(mean_px, mean_px)
-        gain = float(np.median((products / np.maximum(squares, _MIN_PX2))[counts > 0]))
+        gain = float(np.median((products / np.maximum(squares, _MIN_PX2))[counts]))
         for _ in range(_ITERATIONS):
             weight = weights(flows - 2 * gain * products + gain * gain * squares, self.noise_px, counts)
             gain = float(weight @ products) / max(float(weight @ squares), _MIN_PX2)

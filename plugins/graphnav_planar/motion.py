@@ -9,7 +9,7 @@ from graphnav import Flow, Planar, PlanarModel, coarsen, param
 from graphnav.arrays import Doubles
 from graphnav_planar.estimation.refinement import correction
 from graphnav_planar.interval import check_interval
-from graphnav_planar.taught import Taught, check_size, interleaved, planar, stacked
+from graphnav_planar.taught import Taught, check_size, planar, vectors
 from graphnav_planar.terms import driving_terms, orders
 
 
@@ -44,15 +44,15 @@ class Motion(Taught):
         by_term = np.array([motion.forward_m**v * motion.turn_rad**w for v, w in self._powers])
         if self.odometry_error_ratio:
             by_term += self._correction(by_term, coarsen(flow, self._model.step_px))
-        return planar(self._model, interleaved(by_term.astype(np.float32) @ self._basis, self._model), flow.interval_us)
+        return planar(self._model, by_term.astype(np.float32) @ self._basis, flow.interval_us)
 
     def _correction(self, by_term: Doubles, cells: Flow) -> Doubles:
         """Return the correction of the factors of the terms, to first order."""
         rates = self._orders * by_term
         fields_px = np.array([-by_term, *rates], np.float32) @ self._basis
-        uv_px, counts = stacked(cells, self._model)
+        uv_px, counts = vectors(cells, self._model)
         fields_px[0] += uv_px
-        shares = correction(fields_px, counts, self.odometry_error_ratio)
+        shares = correction(fields_px, counts.astype(np.float32), self.odometry_error_ratio)
         return np.asarray(shares @ rates)
 
     def _use(self, model: PlanarModel) -> None:
@@ -60,8 +60,7 @@ class Motion(Taught):
         if not terms:
             raise self._not_taught("how the flow depends on the motion", model)
         places = [model.terms.index(term) for term in terms]
-        fields = model.basis[places].transpose(0, 3, 1, 2)
-        self._basis = fields.reshape(len(places), -1).astype(np.float32)
+        self._basis = model.basis[places].reshape(len(places), -1).astype(np.float32)
         self._orders = orders(terms)
         self._powers: list[list[float]] = self._orders.T.tolist()
         self._model = model

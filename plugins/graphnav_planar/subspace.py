@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from graphnav import Continuity, Flow, Planar, PlanarModel, Stamp, param
-from graphnav.arrays import Doubles, Floats
+from graphnav.arrays import Bools, Doubles
 from graphnav_planar.estimation.egomotion import best_motion, fitted_motion, motions_of_pairs
 from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX
 from graphnav_planar.estimation.series import Series
 from graphnav_planar.fitted import fitted
-from graphnav_planar.taught import Taught, interleaved
+from graphnav_planar.taught import Taught
 from graphnav_planar.terms import driving_terms, orders
 
 
@@ -56,21 +56,22 @@ class Subspace(Taught):
             self._motion = np.zeros(2)
         return fitted(self._model, flow, self._moved)
 
-    def _moved(self, uv_px: Doubles, counts: Doubles) -> Floats:
-        """Estimate the motion; return its planar flow, (rows, cols, 2)."""
+    def _moved(self, uv_px: Doubles, counts: Bools) -> Doubles:
+        """Estimate the motion; return its planar flow, (2n,)."""
         series, seen = self._series, np.flatnonzero(counts)
         products = series.products(uv_px)
-        starts = np.stack([self._motion, self._motion * (1.0, 0.0)])
+        starts = np.zeros((2, 2 + self.draws))
+        starts[:, 0], starts[0, 1] = self._motion, self._motion[0]
         if self.draws:
-            starts = np.concatenate([starts, motions_of_pairs(series, products, seen, self.draws, self._rng)])
+            starts[:, 2:] = motions_of_pairs(series, products, seen, self.draws, self._rng)
         start = best_motion(series, products, seen, starts, self.noise_px)
-        self._motion = fitted_motion(series, products, counts, start, self.noise_px)
-        return interleaved(series.flow(self._motion).astype(np.float32), self._model)
+        self._motion = fitted_motion(series, products, counts.astype(np.float64), start, self.noise_px)
+        return series.flow(self._motion)
 
     def _use(self, model: PlanarModel) -> None:
         terms = driving_terms(model.terms)
         if not {"v", "w"} <= set(terms):
             raise self._not_taught("how the flow depends on the motion", model)
-        fields = model.basis[[model.terms.index(term) for term in terms]].transpose(0, 3, 1, 2)
+        fields = model.basis[[model.terms.index(term) for term in terms]]
         self._series = Series(fields.reshape(len(terms), -1).astype(np.float64), orders(terms))
         self._model = model

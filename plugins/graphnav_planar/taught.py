@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from graphnav import Flow, ParamError, Planar, PlanarModel, Stage, param
-from graphnav.arrays import Floats
+from graphnav.arrays import Bools, Floats
 from graphnav_planar.model_file import TEACH, read_model
 
 
@@ -58,9 +57,9 @@ def check_size(model: PlanarModel, flow: Flow) -> None:
 
 
 def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], interval_us: int) -> Planar:
-    """Return the planar flow ``uv_px``, (rows, cols, 2) on the model's grid, as a message."""
+    """Return the planar flow ``uv_px`` on the model's grid, (rows, cols, 2) or (2n,), as a message."""
     return Planar(
-        planar_uv_px=np.ascontiguousarray(uv_px, np.float32),
+        planar_uv_px=np.ascontiguousarray(uv_px, np.float32).reshape(*model.valid.shape, 2),
         planar_valid=model.valid,
         residual_px=model.residual_px,
         interval_us=interval_us,
@@ -68,15 +67,9 @@ def planar(model: PlanarModel, uv_px: npt.NDArray[np.floating], interval_us: int
     )
 
 
-def interleaved(field: Floats, model: PlanarModel) -> Floats:
-    """Return a field of the model's grid, horizontal parts, then vertical ones, as vectors (rows, cols, 2)."""
-    return np.asarray(cv2.merge(tuple(field.reshape(2, *model.valid.shape))), np.float32)
+def vectors(cells: Flow, model: PlanarModel) -> tuple[Floats, Bools]:
+    """Return the vectors of a flow on the model's grid, (2n,): u and v of each in turn; and which of them count, (n,).
 
-
-def stacked(cells: Flow, model: PlanarModel) -> tuple[Floats, Floats]:
-    """Return the vectors of a flow on the model's grid, (2n,), and 1 for each that counts, else 0, (n,).
-
-    Horizontal parts first, then the vertical ones. A vector counts if it is valid and was taught.
+    A vector counts if it is valid and was taught.
     """
-    counts = ((cells.valid & model.valid) != 0).reshape(-1).astype(np.float32)
-    return cells.uv_px.reshape(-1, 2).T.ravel(), counts
+    return cells.uv_px.reshape(-1), ((cells.valid & model.valid) != 0).reshape(-1)

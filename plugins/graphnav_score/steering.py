@@ -64,13 +64,17 @@ class Steering(Stage):
         if first > 0:
             self._ratios.append(first / second if second > 0 else math.inf)
         obstacle = truth.obstacle
-        half, odd = divmod(obstacle.shape[1], 2)
+        total = cv2.countNonZero(obstacle)
+        min_difference = self.min_difference_ratio * obstacle.size
+        if total < min_difference:
+            return
+        cols = obstacle.shape[1]
+        half = cols // 2
         left = cv2.countNonZero(obstacle[:, :half])
-        right = cv2.countNonZero(obstacle) - left
-        if odd:
+        right = total - left
+        if cols % 2:
             right -= cv2.countNonZero(obstacle[:, half : half + 1])
-        is_clear = max(left, right) >= self.min_side_ratio * min(left, right)
-        if not is_clear or abs(left - right) < self.min_difference_ratio * obstacle.size:
+        if abs(left - right) < min_difference or max(left, right) < self.min_side_ratio * min(left, right):
             return
         self._frames += 1
         to_the_right = float(steering.control[0])

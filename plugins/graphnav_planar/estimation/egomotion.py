@@ -19,24 +19,24 @@ _MAX_JUDGES = 400
 
 
 def motions_of_pairs(series: Series, products: Doubles, seen: Indices, count: int, rng: np.random.Generator) -> Doubles:
-    """Return the motions that explain ``count`` random pairs of vectors, (count, 2).
+    """Return the motions that explain ``count`` random pairs of vectors, (2, count).
 
     ``products``: (products, n), of ``series``; ``seen``: which of the n vectors count. Two vectors give four equations
     for two unknowns.
     """
     pairs = seen[rng.integers(len(seen), size=(count, _PAIR))]
     sums = products.take(pairs, axis=1).sum(axis=-1).T
-    motions = np.zeros((count, 2))
+    motions = np.zeros((2, count))
     for _ in range(_STEPS_OF_PAIRS):
-        motions = series.step(motions, sums)
+        motions = series.step(motions, series.factors(motions), sums)
     return motions
 
 
 def best_motion(series: Series, products: Doubles, seen: Indices, motions: Doubles, noise_px: float) -> Doubles:
-    """Return the motion among ``motions`` (m, 2) with which most of the flow agrees, (2,)."""
+    """Return the motion among ``motions`` (2, m) with which most of the flow agrees, (2,)."""
     judges = products.take(seen[:: 1 + len(seen) // _MAX_JUDGES], axis=1)
-    explained = agreement(series.squares(motions) @ judges, noise_px).sum(axis=-1)
-    return np.asarray(motions[np.argmax(explained)])
+    squares_px2 = series.squares(series.factors(motions)) @ judges
+    return np.asarray(motions[:, agreement(squares_px2, noise_px).sum(axis=-1).argmax()])
 
 
 def fitted_motion(series: Series, products: Doubles, counts: Doubles, start: Doubles, noise_px: float) -> Doubles:
@@ -47,6 +47,7 @@ def fitted_motion(series: Series, products: Doubles, counts: Doubles, start: Dou
     """
     motion = start
     for _ in range(_ITERATIONS):
-        weight = weights(series.squares(motion) @ products, noise_px, counts)
-        motion = series.step(motion, products @ weight)
+        factors = series.factors(motion)
+        weight = weights(series.squares(factors) @ products, noise_px, counts)
+        motion = series.step(motion, factors, products @ weight)
     return motion

@@ -15,8 +15,8 @@ _RIDGE = 1e-6 / NOISE_PX**2
 def correction(fields_px: Floats, counts: Floats, max_share: float) -> tuple[float, float]:
     """Return the relative corrections of the forward displacement and the turn.
 
-    ``fields_px``: (3, 2n), flow minus planar flow, and the derivative of the planar flow by each correction; n
-    horizontal parts, then the vertical ones. ``counts``: (n,), 1 for a vector to fit, 0 for others. ``max_share``:
+    ``fields_px``: (3, 2n), flow minus planar flow, and the derivative of the planar flow by each correction; u
+    and v of each vector in turn. ``counts``: (n,), 1 for a vector to fit, 0 for others. ``max_share``:
     limit of the corrections.
 
     Least squares, three times reweighted: a vector that differs by much more than flow noise, an obstacle's, has no
@@ -45,10 +45,9 @@ def _products(fields_px: Floats) -> Floats:
 
     In units of the flow noise: a square of 1 is that of a vector that has half of its agreement.
     """
-    n = fields_px.shape[1] // 2
     fields_px = fields_px * np.float32(1 / NOISE_PX)
-    products = np.empty((6, 2 * n), np.float32)
+    products = np.empty((6, fields_px.shape[1]), np.float32)
     np.multiply(fields_px, fields_px[0], out=products[:3])
     np.multiply(fields_px[1:], fields_px[1], out=products[3:5])
     np.multiply(fields_px[2], fields_px[2], out=products[5])
-    return np.add(products[:, :n], products[:, n:])
+    return np.add(products[:, ::2], products[:, 1::2])
