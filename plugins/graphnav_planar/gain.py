@@ -46,7 +46,8 @@ class Gain(Mean):
         mean_px = self._mean_px.reshape(-1).astype(np.float64)
         flows, products, squares = dot(uv_px, uv_px), dot(mean_px, uv_px), dot(mean_px, mean_px)
         gain = float(np.median((products / np.maximum(squares, _MIN_PX2))[counts]))
+        counted = counts.astype(np.float64)
         for _ in range(_ITERATIONS):
-            weight = weights(flows - 2 * gain * products + gain * gain * squares, self.noise_px, counts)
+            weight = weights(flows - 2 * gain * products + gain * gain * squares, self.noise_px, counted)
             gain = float(weight @ products) / max(float(weight @ squares), _MIN_PX2)
         return np.asarray(gain * self._mean_px)

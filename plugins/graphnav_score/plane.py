@@ -10,13 +10,11 @@ import numpy as np
 
 import graphnav
 from graphnav import Metric, Stage, Truth, param
-from graphnav.arrays import Bools, Doubles, Longs
+from graphnav_score.frames import Frames
 from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
 
 FALSE_ALARM_RATIO = 0.05
-_SOME_ROWS = 8
-"""Every so many rows of the true flow are searched for motion first; hardly ever the others are needed."""
 
 
 class Plane(Stage):
@@ -81,7 +79,7 @@ class Plane(Stage):
         # Pixels by what they are and what they are called: rows ground, obstacle; columns called ground, obstacle.
         self._confusion = np.zeros((2, 2), np.int64)
         self._empty = np.zeros(2, np.int64)
-        self._last: tuple[tuple[int, ...], Bools, Bools, Bools] | None = None
+        self._pending: Frames | None = None
         self._changed = self._kept = 0
 
     def step(self, plane: graphnav.Plane, truth: Truth) -> None:
@@ -92,25 +90,24 @@ class Plane(Stage):
         ValueError
             The plane's grid does not fit the truth.
         """
-        counts = count_pixels(truth, plane.obstacle.shape, plane.step_px)
-        ground, obstacle = counts
-        judged, called = (plane.valid != 0).reshape(-1), (plane.obstacle != 0).reshape(-1)
-        self._watch_flicker(plane.obstacle.shape, judged, called, obstacle > ground)
-        cells = np.flatnonzero(judged)
-        of_judged = counts.take(cells, axis=1)
-        ground_pixels, obstacle_pixels = counts.sum(axis=1).tolist()
-        pixels = ground_pixels + obstacle_pixels
-        obstacle_ratio = obstacle_pixels / max(pixels, 1)
-        if self._counts(truth, obstacle_ratio):
+        shape = plane.obstacle.shape
+        pixels = count_pixels(truth, shape, plane.step_px)
+        ground_pixels, obstacle_pixels = (int(cv2.sumElems(kind)[0]) for kind in pixels)
+        obstacle_ratio = obstacle_pixels / max(ground_pixels + obstacle_pixels, 1)
+        counts = self._counts(truth, obstacle_ratio)
+        if counts:
             self._frames += 1
-            self._pixels += int(pixels)
-            self._roc.add(plane.score.reshape(-1).take(cells), of_judged[1], of_judged[0])
-            self._confusion += _confusion(of_judged, called.take(cells))
-        elif obstacle_ratio == 0.0:
-            self._empty += _confusion(of_judged, called.take(cells))[0]
+            self._pixels += ground_pixels + obstacle_pixels
+        if self._pending is None or self._pending.is_full or self._pending.shape != shape:
+            self._count_pending()
+        if self._pending is None or self._pending.shape != shape:
+            self._pending = Frames(shape)
+        self._pending.add(plane, pixels, counts=counts, is_empty=not counts and obstacle_pixels == 0)
 
     def merge(self, other: Plane) -> None:
         """Add what ``other`` counted, so that the frames of several drives are pooled."""
+        self._count_pending()
+        other._count_pending()
         self._roc.merge(other._roc)
         self._frames += other._frames
         self._pixels += other._pixels
@@ -121,6 +118,7 @@ class Plane(Stage):
 
     def summary(self) -> Mapping[str, float]:
         """Return the metrics that are defined."""
+        self._count_pending()
         (kept, false), (missed, hit) = self._confusion.tolist()
         ground_recall, recall = _share(kept, kept + false), _share(hit, hit + missed)
         values = {
@@ -137,24 +135,24 @@ class Plane(Stage):
     def _counts(self, truth: Truth, obstacle_ratio: float) -> bool:
         if not self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio:
             return False
-        some = truth.flow_px[::_SOME_ROWS]
-        return any(cv2.norm(rows, cv2.NORM_INF) >= self.min_motion_px for rows in (some, truth.flow_px))
+        # The nearest ground, in the last row, moves most: hardly ever the other rows are needed.
+        flow_px = truth.flow_px
+        return (
+            cv2.norm(flow_px[-1:], cv2.NORM_INF) >= self.min_motion_px
+            or cv2.norm(flow_px, cv2.NORM_INF) >= self.min_motion_px
+        )
 
-    def _watch_flicker(self, shape: tuple[int, ...], judged: Bools, called: Bools, true: Bools) -> None:
-        if self._last is not None and self._last[0] == shape:
-            _, was_judged, was_called, was_true = self._last
-            steady = judged & was_judged & (true == was_true)
-            changed = int(np.count_nonzero(steady & (called != was_called)))
-            self._changed += changed
-            self._kept += int(np.count_nonzero(steady)) - changed
-        self._last = shape, judged, called, true
-
-
-def _confusion(pixels: Doubles, are_called: Bools) -> Longs:
-    """Return how many pixels (2, n), ground and obstacle, of judged cells are called ground and obstacle, (2, 2)."""
-    ground, obstacle = pixels.sum(axis=1).tolist()
-    called_ground, called_obstacle = (pixels @ are_called.astype(np.float64)).tolist()
-    return np.array([[ground - called_ground, called_ground], [obstacle - called_obstacle, called_obstacle]], np.int64)
+    def _count_pending(self) -> None:
+        if self._pending is None or not self._pending.n:
+            return
+        confusion, empty = self._pending.confusions()
+        self._confusion += confusion
+        self._empty += empty[0]
+        self._roc.add(*self._pending.scores())
+        changed, kept = self._pending.flicker()
+        self._changed += changed
+        self._kept += kept
+        self._pending.clear()
 
 
 def _share(part: int, total: int) -> float | None:

@@ -8,7 +8,6 @@ from graphnav.arrays import Doubles, Floats, Ints
 
 KEPT_BITS = 18
 """Of a float32's 32: sign, exponent and nine bits of the mantissa, so that a bin is at most 0.2 % wide."""
-_MAX_PENDING = 1 << 15
 
 
 class Roc:
@@ -21,42 +20,22 @@ class Roc:
 
     def __init__(self) -> None:
         self._obstacle, self._ground = np.zeros((2, 1 << KEPT_BITS))
-        self._bins = np.empty(_MAX_PENDING, np.int32)
-        self._pending = np.empty((2, _MAX_PENDING))
-        self._n_pending = 0
 
     def add(self, score: Floats, obstacle: Doubles, ground: Doubles) -> None:
         """Count ``obstacle`` and ``ground`` pixels at each ``score``; all (n,), scores finite.
 
-        They are kept until there are many: the bins of a frame's scores are spread over more memory than the
-        processor's caches hold, those of many frames hardly over more.
+        Of many frames at once it costs less: the bins of one are spread over more memory than the processor's caches
+        hold, those of many hardly over more.
         """
-        for part in range(0, len(score), _MAX_PENDING):
-            some = slice(part, part + _MAX_PENDING)
-            n = len(score[some])
-            if self._n_pending + n > _MAX_PENDING:
-                self.count_pending()
-            free = slice(self._n_pending, self._n_pending + n)
-            self._bins[free], self._pending[0, free], self._pending[1, free] = (
-                _bins(score[some]),
-                obstacle[some],
-                ground[some],
-            )
-            self._n_pending += n
+        bins = _bins(score)
+        for counts, pixels in ((self._obstacle, obstacle), (self._ground, ground)):
+            some = np.flatnonzero(pixels)
+            np.add.at(counts, bins.take(some), pixels.take(some))
 
     def merge(self, other: Roc) -> None:
         """Add what ``other`` counted."""
-        self.count_pending()
-        other.count_pending()
         self._obstacle += other._obstacle
         self._ground += other._ground
-
-    def count_pending(self) -> None:
-        """Count the pixels that are kept."""
-        bins, (obstacle, ground) = self._bins[: self._n_pending], self._pending[:, : self._n_pending]
-        np.add.at(self._obstacle, bins, obstacle)
-        np.add.at(self._ground, bins, ground)
-        self._n_pending = 0
 
     def area(self) -> float | None:
         """Return the area under the curve (AUROC), None unless there is obstacle and ground."""
@@ -80,7 +59,6 @@ class Roc:
         return float(found[after - 1] + share * (found[after] - found[after - 1]))
 
     def _is_defined(self) -> bool:
-        self.count_pending()
         return bool(self._obstacle.any() and self._ground.any())
 
 

@@ -53,9 +53,7 @@ class Series:
     def factors(self, motions: Doubles) -> Doubles:
         """Return the derivatives of the factors f by v and by w, and f, (..., 3, 1 + k), of motions (2, ...)."""
         v, w = motions[..., None] ** self._powers
-        factors = self._multiples * v.take(self._v_powers, axis=-1)
-        factors *= w.take(self._w_powers, axis=-1)
-        return factors
+        return np.asarray(self._multiples * v.take(self._v_powers, axis=-1) * w.take(self._w_powers, axis=-1))
 
     def squares(self, factors: Doubles) -> Doubles:
         """Return the multiples (..., products) of the products that add up to the squares of the residuals, px^2."""

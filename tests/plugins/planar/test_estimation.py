@@ -16,16 +16,16 @@ NOISE_PX = 0.1
 
 
 def plain_weights(left_px: Doubles, counts: Doubles) -> Doubles:
-    squares = (left_px.reshape(2, -1) ** 2).sum(axis=0)
-    return np.tile(counts / (1 + squares / NOISE_PX**2) ** 2, 2)
+    squares = (left_px.reshape(-1, 2) ** 2).sum(axis=1)
+    return np.repeat(counts / (1 + squares / NOISE_PX**2) ** 2, 2)
 
 
 def seen(seed: int) -> tuple[Doubles, Doubles, Doubles]:
     """Return fields (4, 2n), a flow of the motion (0.03, 0.1) that is wrong for a third, and which vectors count."""
     rng = np.random.default_rng(seed)
     basis = rng.normal(0, 40, (4, 2 * CELLS))
-    flow = (np.array([0.03, 0.1, 0.003, 0.01]) @ basis + rng.normal(0, 0.03, 2 * CELLS)).reshape(2, -1)
-    flow[:, : CELLS // 3] += rng.normal(0, 2, (2, CELLS // 3))
+    flow = (np.array([0.03, 0.1, 0.003, 0.01]) @ basis + rng.normal(0, 0.03, 2 * CELLS)).reshape(-1, 2)
+    flow[: CELLS // 3] += rng.normal(0, 2, (CELLS // 3, 2))
     return basis, flow.reshape(-1), (rng.random(CELLS) < 0.8).astype(np.float64)
 
 

@@ -45,6 +45,19 @@ def test_metrics_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, mak
     assert metrics["judged_ratio"] == pytest.approx(len(pooled) / (3 * 24 * 32))
 
 
+def test_frames_counted_together_are_those_counted_one_by_one(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    rng = np.random.default_rng(3)
+    together, one_by_one = score_of(min_obstacle_ratio=0.1), score_of(min_obstacle_ratio=0.1)
+    for shape in ((60, 80),) * 16 + ((30, 40),) * 3:
+        true = np.kron(rng.random(shape) < rng.choice([0.0, 0.05, 0.3]), np.ones((2, 2)))
+        frame = make_plane(rng.random(shape), rng.random(shape) < 0.8, step_px=2), make_truth(true)
+        together.step(*frame)
+        one_by_one.step(*frame)
+        one_by_one.summary()
+    assert together.summary() == one_by_one.summary()
+    assert 0 < together.summary()["frames"] < 19
+
+
 def test_what_lies_above_the_horizon_counts_neither_way(make_plane: MakePlane, make_truth: MakeTruth) -> None:
     rng = np.random.default_rng(2)
     true = np.zeros((16, 32))

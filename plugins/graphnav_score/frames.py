@@ -1,0 +1,77 @@
+"""Frames of a detector beside the truth, kept until there are many to count in one pass."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphnav import Plane
+from graphnav.arrays import Doubles, Floats, Longs
+
+_MAX_CELLS = 1 << 15
+"""Enough that the calls cost nothing beside the cells, few enough for the processor's caches."""
+
+
+class Frames:
+    """Room for frames of a grid of this shape, (rows, cols): 0.5 MB, or what one frame takes if that is more.
+
+    ``n``: how many are kept.
+    """
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self.shape = shape
+        rows, cols = shape
+        size = 1 + _MAX_CELLS // (1 + rows * cols)
+        self._pixels = np.empty((size, 2, rows, cols), np.float32)
+        self._score = np.empty((size, rows, cols), np.float32)
+        # Row 0 is the frame before the first; where nothing was judged, nothing changed.
+        self._judged, self._called, self._true = np.zeros((3, 1 + size, rows, cols), np.bool_)
+        self._counts, self._is_empty = np.zeros((2, size), np.bool_)
+        self.n = 0
+
+    def add(self, plane: Plane, pixels: Floats, *, counts: bool, is_empty: bool) -> None:
+        """Keep a frame with its true pixels, (2, rows, cols), ground and obstacle; for flicker every frame counts."""
+        n = self.n
+        self._pixels[n], self._score[n] = pixels, plane.score
+        self._counts[n], self._is_empty[n] = counts, is_empty
+        n += 1
+        np.not_equal(plane.valid, 0, out=self._judged[n])
+        np.not_equal(plane.obstacle, 0, out=self._called[n])
+        np.greater(pixels[1], pixels[0], out=self._true[n])
+        self.n = n
+
+    @property
+    def is_full(self) -> bool:
+        """Whether there is no room for another frame."""
+        return self.n == len(self._score)
+
+    def confusions(self) -> tuple[Longs, Longs]:
+        """Return how many judged pixels, ground and obstacle, are called ground and obstacle, (2, 2) each.
+
+        First of the frames that count, then of those without any obstacle.
+        """
+        n = self.n
+        judged, called = self._judged[1 : 1 + n], self._called[1 : 1 + n]
+        calls = np.array([judged & ~called, judged & called], np.float64).reshape(2, n, -1)
+        by_frame = self._pixels[:n].reshape(n, 2, -1).astype(np.float64) @ calls.transpose(1, 2, 0)
+        pixels = by_frame.astype(np.int64)
+        return pixels[self._counts[:n]].sum(axis=0), pixels[self._is_empty[:n]].sum(axis=0)
+
+    def flicker(self) -> tuple[int, int]:
+        """Return how many cells changed their map although the truth did not, and how many kept it."""
+        judged, called, true = (cells[: 1 + self.n] for cells in (self._judged, self._called, self._true))
+        steady = judged[1:] & judged[:-1] & (true[1:] == true[:-1])
+        changed = int(np.count_nonzero(steady & (called[1:] != called[:-1])))
+        return changed, int(np.count_nonzero(steady)) - changed
+
+    def scores(self) -> tuple[Floats, Doubles, Doubles]:
+        """Return the scores of the judged cells of frames that count, and their pixels: obstacle, and ground; (n,)."""
+        n = self.n
+        cells = np.flatnonzero(self._judged[1 : 1 + n] & self._counts[:n, None, None])
+        ground, obstacle = (self._pixels[:n, kind].reshape(-1).take(cells).astype(np.float64) for kind in range(2))
+        return self._score[:n].reshape(-1).take(cells), obstacle, ground
+
+    def clear(self) -> None:
+        """Make room, but keep the last frame, with which the next is compared."""
+        for cells in (self._judged, self._called, self._true):
+            cells[0] = cells[self.n]
+        self.n = 0
