@@ -24,13 +24,16 @@ class Roc:
     def add(self, score: Floats, obstacle: Doubles, ground: Doubles) -> None:
         """Count ``obstacle`` and ``ground`` pixels at each ``score``; all (n,), scores finite.
 
-        Of many frames at once it costs less: the bins of one are spread over more memory than the processor's caches
-        hold, those of many hardly over more.
+        Of many frames at once it costs less: a call passes over all bins from the smallest score to the greatest.
         """
+        if not len(score):
+            return
         bins = _bins(score)
+        low = int(bins.min())
+        bins -= low
         for counts, pixels in ((self._obstacle, obstacle), (self._ground, ground)):
-            some = np.flatnonzero(pixels)
-            np.add.at(counts, bins.take(some), pixels.take(some))
+            added = np.bincount(bins, pixels)
+            counts[low : low + len(added)] += added
 
     def merge(self, other: Roc) -> None:
         """Add what ``other`` counted."""
