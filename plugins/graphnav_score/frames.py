@@ -51,8 +51,9 @@ class Frames:
         """
         n = self.n
         judged, called = self._judged[1 : 1 + n], self._called[1 : 1 + n]
-        calls = np.array([judged & ~called, judged & called], np.float64).reshape(2, n, -1)
-        by_frame = self._pixels[:n].reshape(n, 2, -1).astype(np.float64) @ calls.transpose(1, 2, 0)
+        calls = np.stack([judged & ~called, judged & called], axis=1).reshape(n, 2, -1)
+        # In float64 the sums are exact; a product of stacked matrices of it takes five times as long.
+        by_frame = np.einsum("nkc,nlc->nkl", self._pixels[:n].reshape(n, 2, -1), calls, dtype=np.float64)
         pixels = by_frame.astype(np.int64)
         return pixels[self._counts[:n]].sum(axis=0), pixels[self._is_empty[:n]].sum(axis=0)
 
