@@ -24,7 +24,7 @@ class Roc:
     def add(self, score: Floats, obstacle: Doubles, ground: Doubles) -> None:
         """Count ``obstacle`` and ``ground`` pixels at each ``score``; all (n,), scores finite.
 
-        Of many frames at once it costs less: a call passes over all bins from the smallest score to the greatest.
+        Of many frames at once it costs less: a call passes over all bins between the minimum and the maximum score.
         """
         if not len(score):
             return
