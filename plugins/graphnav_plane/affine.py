@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+import cv2
 import numpy as np
 
 from graphnav import Flow, Plane, Stamp, coarsen, param
-from graphnav.arrays import Doubles
-from graphnav_plane.agreement import agrees, length, median
+from graphnav.arrays import Bools, Doubles
+from graphnav_plane.agreement import inlier_limit_px, length, median
 from graphnav_plane.detector import MIN_VECTORS, Detector
 
 _SAMPLE = 200
 _MIN_AREA = 1e-3
+_RIDGE = 1e-9
 
 
 class Affine(Detector):
@@ -54,23 +56,29 @@ class Affine(Detector):
         if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
         everywhere, judged = _places(*valid.shape), np.flatnonzero(valid)
-        places = everywhere.take(judged, axis=0)
-        uv = cells.uv_px.reshape(-1, 2).take(judged, axis=0).astype(np.float64)
-        fit = self._drawn(places, uv)
+        uv = cv2.copyTo(cells.uv_px, cells.valid).reshape(-1, 2).astype(np.float64)
+        fit = self._drawn(everywhere.take(judged, axis=0), uv.take(judged, axis=0))
+        if fit is None:
+            fit = least_squares(uv, valid)
         for _ in range(self.refits):
-            fit = _refitted(fit, places, uv, self.threshold_px)
-        left_px = cells.uv_px - (everywhere @ fit).reshape(cells.uv_px.shape)
-        return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
+            left_px = length(uv - everywhere @ fit)
+            near = left_px <= inlier_limit_px(left_px.take(judged), self.threshold_px)
+            fit = least_squares(uv, near.reshape(valid.shape) & valid)
+        left_uv_px = cells.uv_px - (everywhere @ fit).reshape(cells.uv_px.shape)
+        return self._plane(self._remembered(left_uv_px, valid, cells), valid, cells.step_px)
 
-    def _drawn(self, places: Doubles, uv: Doubles) -> Doubles:
-        """Return the fit (3, 2) to the three vectors with the minimum median residual, over a sample of all vectors."""
+    def _drawn(self, places: Doubles, uv: Doubles) -> Doubles | None:
+        """Return the fit (3, 2) to the three vectors with the minimum median residual, over a sample of all vectors.
+
+        Without three vectors that are not on a line there is none.
+        """
         n = len(places)
         drawn = self._rng.integers(0, n, (3, self.draws))
         (x0, x1, x2), (y0, y1, y2) = places[drawn, 0], places[drawn, 1]
         area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
         proper = np.abs(area) > _MIN_AREA
         if not proper.any():
-            return _least_squares(places, uv)
+            return None
         area = np.where(proper, area, np.inf)
         u0, u1, u2 = uv[drawn].transpose(0, 2, 1)
         along_x = ((u1 - u0) * (y2 - y0) - (u2 - u0) * (y1 - y0)) / area
@@ -78,12 +86,9 @@ class Affine(Detector):
         fits = np.stack([along_x, along_y, u0 - along_x * x0 - along_y * y0]).astype(np.float32)
         every = max(1, n // _SAMPLE)
         sample, seen = places[::every].T.astype(np.float32), uv[::every].T.astype(np.float32)
-        squares = np.zeros((self.draws, sample.shape[1]), np.float32)
-        for axis in range(2):
-            left = fits[:, axis].T @ sample
-            left -= seen[axis]
-            left *= left
-            squares += left
+        left_u, left_v = fits[:, 0].T @ sample - seen[0], fits[:, 1].T @ sample - seen[1]
+        squares = left_u * left_u
+        squares += left_v * left_v
         medians = np.where(proper, median(squares), np.inf)
         return fits[:, :, np.argmin(medians)].astype(np.float64)
 
@@ -97,13 +102,23 @@ def _places(rows: int, cols: int) -> Doubles:
     return places
 
 
-def _refitted(fit: Doubles, places: Doubles, uv: Doubles, noise_px: float) -> Doubles:
-    """Fit the inliers of ``fit`` by least squares."""
-    near = agrees(length(uv - places @ fit), noise_px)
-    return _least_squares(places[near], uv[near])
+@lru_cache(maxsize=16)
+def _products(rows: int, cols: int) -> Doubles:
+    """Return the products of any two of (x, y, 1), of all cells, (rows * cols, 9)."""
+    places = _places(rows, cols)
+    products: Doubles = (places[:, :, None] * places[:, None]).reshape(-1, 9)
+    products.setflags(write=False)
+    return products
 
 
-def _least_squares(places: Doubles, uv: Doubles) -> Doubles:
-    """Return the fit (3, 2); a small ridge keeps it finite if all positions are collinear."""
-    products = places.T @ places
-    return np.asarray(np.linalg.solve(products + 1e-9 * len(places) * np.eye(3), places.T @ uv))
+def least_squares(uv: Doubles, near: Bools) -> Doubles:
+    """Return the affine fit (3, 2), the factors of x, y and 1, to the vectors where ``near``, (rows, cols).
+
+    ``uv``: (rows * cols, 2) px. A small ridge keeps it finite if all positions are collinear.
+    """
+    rows, cols = near.shape
+    products = (near.ravel().astype(np.float64) @ _products(rows, cols)).reshape(3, 3)
+    count = products[2, 2]
+    products += _RIDGE * count * np.eye(3)
+    near_uv = cv2.copyTo(uv.reshape(rows, cols, 2), near.view(np.uint8)).reshape(-1, 2)
+    return np.asarray(np.linalg.solve(products, _places(rows, cols).T @ near_uv))

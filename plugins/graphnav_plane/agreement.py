@@ -12,14 +12,19 @@ _INLIER_SIGMAS = 2.5
 
 
 def agrees(left_px: Doubles, noise_px: float) -> Bools:
-    """Return where a fit leaves at most 2.5 standard deviations, (n,).
+    """Return where a fit leaves at most as much as `inlier_limit_px` of ``left_px``, (n,)."""
+    return left_px <= inlier_limit_px(left_px, noise_px)
+
+
+def inlier_limit_px(left_px: Doubles, noise_px: float) -> float:
+    """Return 2.5 standard deviations of what a fit leaves, below which a vector agrees with it.
 
     ``left_px``: (n,), lengths of what the fit leaves. Their standard deviation is taken from their median, as if all
     were normal noise, so that up to half of them may be anything [Rousseeuw, Leroy: Robust Regression and Outlier
     Detection, 1987]. What is left by ``noise_px`` or less always agrees.
     """
     sigma = max(_SIGMA_OF_MEDIAN * float(median(left_px)), noise_px / _INLIER_SIGMAS)
-    return left_px <= _INLIER_SIGMAS * sigma
+    return _INLIER_SIGMAS * sigma
 
 
 def median(values: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
