@@ -125,7 +125,8 @@ class ZBuffer:
     def _spans(self, placed: Placed, prims: Indices) -> tuple[Indices, Indices, Indices, Indices]:
         """Return prim, row, first column and number of pixels of every span, each (spans,)."""
         slope, offset = self._bounds(placed.edge_planes(prims))
-        if len(prims) <= FEW_PRIMS:
+        all_rows = len(prims) <= FEW_PRIMS
+        if all_rows:
             bound = slope[..., None] * self._y
             bound += offset[..., None]
         else:
@@ -137,8 +138,9 @@ class ZBuffer:
         span = np.flatnonzero(first + minus_last <= 0)
         first = first.take(span)
         count = (1 - minus_last.take(span) - first).astype(np.intp)
-        if len(prims) <= FEW_PRIMS:
-            prim, row = np.divmod(span, self._camera.rows)
+        if all_rows:
+            prim = span // self._camera.rows
+            row = span - prim * self._camera.rows
         else:
             prim, row = prim.take(span), row.take(span)
         return prim, row, first.astype(np.intp), count

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
+from graphnav_world.rendering import visibility
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame
@@ -49,6 +50,23 @@ def test_a_low_camera_that_sees_the_horizon_and_walls_behind_it_is_exact_too(
     assert not frame.obstacle[sky].any()
     assert np.array_equal(frame.obstacle == 1, frame.face >= 0)
     assert np.abs(frame.flow_px).max() < 1e-3, "what does not move does not flow, the sky neither"
+
+
+@pytest.mark.parametrize("tilt_deg", [75.0, 15.0])
+def test_a_view_of_many_bodies_is_that_of_few(
+    tilt_deg: float, world: Make, random_bodies: Callable[[int], list[Body]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    camera = Camera(tilt_deg=tilt_deg)
+    faces, renderer = world(camera, random_bodies(5))
+    placed = Placed.at(camera, faces, 0.1, 0.05, 0.3, time_s=0.7)
+    frames = []
+    for few in (0, len(faces.quads)):
+        monkeypatch.setattr(visibility, "FEW_PRIMS", few)
+        frames.append(renderer.render(placed, None))
+    many, few_prims = frames
+    assert many.obstacle.any()
+    assert np.array_equal(many.face, few_prims.face)
+    assert np.array_equal(many.pixels, few_prims.pixels)
 
 
 def test_the_tops_of_low_walls_are_seen(world: Make) -> None:
