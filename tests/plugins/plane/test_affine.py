@@ -52,8 +52,8 @@ def _textbook_residual(flow: Flow, seed: int, draws: int, noise_px: float) -> np
         left = np.linalg.norm(uv - places @ best, axis=1)
         near = left <= 2.5 * max(1.4826 * np.sort(left)[len(left) // 2], noise_px / 2.5)
         best = np.linalg.lstsq(places[near], uv[near], rcond=None)[0]
-    fitted_px = (_places(*flow.valid.shape) @ best).reshape(flow.uv_px.shape)
-    return np.asarray(np.linalg.norm(flow.uv_px - fitted_px, axis=-1))
+    left_px = flow.uv_px - (_places(*flow.valid.shape) @ best).reshape(flow.uv_px.shape)
+    return np.asarray(np.linalg.norm(left_px, axis=-1))
 
 
 @pytest.mark.parametrize("seed", range(4))
