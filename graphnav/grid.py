@@ -46,8 +46,9 @@ def coarsen(flow: Flow, step_px: int) -> Flow:
 def _coarsened(flow: Flow, factor: int) -> Flow:
     is_valid = flow.valid != 0
     share = block_mean(is_valid.astype(np.float32), factor)
-    # Copying under a mask also clears a NaN.
-    vectors = block_mean(np.asarray(cv2.copyTo(flow.uv_px, flow.valid), np.float32), factor)
+    # Multiplying the bits of a vector by 0 or 1 also clears a NaN.
+    bits = np.ascontiguousarray(flow.uv_px, np.float32).view(np.uint64)[..., 0] * is_valid
+    vectors = block_mean(bits.view(np.float32).reshape(flow.uv_px.shape), factor)
     pixel = 1 / factor**2
     vectors /= np.maximum(share, np.float32(pixel))[..., None]
     # A share is a multiple of a pixel's; the limit is half a pixel below one half, so that rounding does not decide.
@@ -67,12 +68,8 @@ def block_mean(field: Floats, factor: int) -> Floats:
     rows, cols = field.shape[:2]
     if rows % factor or cols % factor:
         field = cv2.copyMakeBorder(field, 0, -rows % factor, 0, -cols % factor, cv2.BORDER_CONSTANT, value=0)
-    rows, cols = field.shape[0] // factor, field.shape[1] // factor
-    # Rows are summed before, because OpenCV averages blocks pixel by pixel.
-    sums = np.add.reduce(np.ascontiguousarray(field).reshape(rows, factor, -1), axis=1)
-    means = cv2.resize(sums.reshape(rows, *field.shape[1:]), (cols, rows), interpolation=cv2.INTER_AREA)
-    means /= factor
-    return np.asarray(means, np.float32)
+    size = (field.shape[1] // factor, field.shape[0] // factor)
+    return np.asarray(cv2.resize(field, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
 def block_sum(field: npt.NDArray[Any], factor: int) -> npt.NDArray[Any]:
