@@ -25,7 +25,8 @@ def messages_page() -> str:
     catalog = Catalog()
     for family in catalog.families():
         catalog.load(family)
-    ours = sorted((message.lcm_class for message in message_classes()), key=_title)
+    shipped = (message for message in message_classes() if message.__module__.startswith("graphnav"))
+    ours = sorted((message.lcm_class for message in shipped), key=_title)
     nested = {lcm_name(one): one for lcm_class in ours for one in nested_types(lcm_class)}
     read = [adapter.lcm_class for _, adapter in sorted(catalog.adapters().readers.items())]
     adapted = {lcm_name(one): one for lcm_class in read for one in (lcm_class, *nested_types(lcm_class))}
