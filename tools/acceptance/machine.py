@@ -28,7 +28,8 @@ def memory_item(_seeds: Sequence[int], _jobs: int) -> bool:
     """Print the peak memory of a run of 60 s and of one of 600 s of simulated time."""
     peaks = [_peak_mb(until_s) for until_s in (60, 600)]
     good = abs(peaks[1] / peaks[0] - 1) <= 0.05 and max(peaks) < MAX_PEAK_MB
-    say(f"{'ok  ' if good else 'MISS'} peak memory {peaks[0]:.1f} MB in 60 s, {peaks[1]:.1f} MB in 600 s (below {MAX_PEAK_MB})")
+    mark = "ok  " if good else "MISS"
+    say(f"{mark} peak memory {peaks[0]:.1f} MB in 60 s, {peaks[1]:.1f} MB in 600 s (below {MAX_PEAK_MB})")
     return good
 
 
