@@ -58,8 +58,8 @@ def _value(node: ast.expr, results: ShippedResults) -> object:
         case ast.BoolOp(op=kind, values=values):
             return (all if isinstance(kind, ast.And) else any)(of(value) is True for value in values)
         case ast.Compare(left=left, ops=kinds, comparators=rest) if all(type(kind) in _COMPARISONS for kind in kinds):
-            values = [of(left), *map(of, rest)]
-            return all(_COMPARISONS[type(kind)](a, b) for kind, a, b in zip(kinds, values, values[1:], strict=False))
+            found = [of(left), *map(of, rest)]
+            return all(_COMPARISONS[type(kind)](a, b) for kind, a, b in zip(kinds, found, found[1:], strict=False))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=keywords) if name in FUNCTIONS:
             return FUNCTIONS[name](results, *map(of, args), **{str(one.arg): of(one.value) for one in keywords})
     raise ValueError(f"'{ast.unparse(node)}' is not allowed; functions: {', '.join(FUNCTIONS)}")
