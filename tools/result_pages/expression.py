@@ -11,7 +11,6 @@ from graphnav.errors import UserError
 from result_pages.functions import FUNCTIONS
 from result_pages.shipped_results import ShippedResults
 
-
 _ARITHMETIC: Mapping[type[ast.operator], Callable[[float, float], float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
