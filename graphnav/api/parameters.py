@@ -37,6 +37,10 @@ PARAMETERS = {
     "machine hardly changes.",
     "functions": "Also sample the functions inside of the steps, for the flame graph; needs pyinstrument.",
     "metrics": 'Columns of the tables, ``"drive.success"``, the one that decides first; none: all of them.',
+    "trials": "Trials of each rival, the first of which is the rival as it is.",
+    "search": 'Ranges of parameters, as ``--search`` takes them: ``"plane.threshold_px=0.05:2:log"``, '
+    '``"plane.rule=mad,otsu"``; others follow from what the stages declare.',
+    "sampler_seed": "Seed of the proposals; worlds do not depend on it.",
     "within": "Axes that are conditions: variants are compared with the base under the same one.",
     "one_at_a_time": "Change one axis of the base at a time, in place of crossing them.",
     "jobs": "Runs at once; None: one a core.",

@@ -7,11 +7,11 @@ from contextlib import AbstractContextManager, nullcontext
 
 from graphnav.ablation.execution import StudyFolder
 from graphnav.ablation.plan import CheckedStudy, Job
-from graphnav.api.arguments import PathLike, overrides_of, path_of, paths_of, texts_of
+from graphnav.api.arguments import PathLike, overrides_of, paths_of, texts_of
 from graphnav.api.load import add_plugins
 from graphnav.api.notices import tell
 from graphnav.api.parameters import documented
-from graphnav.api.result_folder import KeptFolder, temporary_folder
+from graphnav.api.result_folder import KeptFolder, named_folder, temporary_folder
 from graphnav.api.studies.finished_study import Study
 from graphnav.api.studies.study_arguments import execution_of, names_of, seeds_of, varies_of
 from graphnav.api.studies.study_request import StudyRequest
@@ -61,7 +61,7 @@ def ablate(
         plugins=paths_of(plugins, "plugins", "my_stage.py"),
     )
     options = execution_of(jobs, cluster, gallery, keep_logs)
-    kept = None if folder is None else _named(folder)
+    kept = None if folder is None else named_folder(folder)
     catalog = add_plugins(Catalog(), request.plugins)
     return _made(request.check(catalog), catalog, kept or temporary_folder(), options)
 
@@ -93,7 +93,3 @@ class _Quiet:
     def tell(self, line: str) -> None:
         """Log a line."""
         tell(line)
-
-
-def _named(folder: PathLike) -> KeptFolder:
-    return KeptFolder(path_of(folder, "folder", "ablations/1").absolute(), is_temporary=False)

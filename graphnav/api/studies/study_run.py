@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from graphnav.ablation.execution import (
@@ -94,10 +95,7 @@ def run_study(
     """
     plan = study.plan
     folder.begin(plan)
-    make_workers = (
-        cluster_workers(options.cluster) if options.cluster else local_workers(options.jobs or _cores(), folder.scratch)
-    )
-    with make_workers as workers:
+    with workers_of(options.jobs, options.cluster, folder.scratch) as workers:
         run = StudyRun(study, folder, workers)
         jobs = observer.accept(run)
         if jobs is None:
@@ -106,6 +104,17 @@ def run_study(
             run.make(jobs, on_made)
         run.draw(options, observer)
     return write_study_files(plan, folder.path, catalog, study.graphs)
+
+
+def workers_of(jobs: int | None, cluster: str | None, scratch: Path) -> AbstractContextManager[Workers]:
+    """Return what makes runs: a Dask cluster, or processes of this machine that work in ``scratch``.
+
+    Raises
+    ------
+    UserError
+        Dask is not installed, or no scheduler answers.
+    """
+    return cluster_workers(cluster) if cluster else local_workers(jobs or _cores(), scratch)
 
 
 def _cores() -> int:
