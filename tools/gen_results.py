@@ -19,7 +19,7 @@ from result_pages.tables import with_tables
 
 PAGE = RESULTS / "README.md"
 FILES = ("results.csv", "metrics.csv", "table.md")
-"""What ships of a study's folder."""
+"""Files of a study's folder that ship."""
 
 
 def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:

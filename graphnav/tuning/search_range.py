@@ -128,7 +128,7 @@ def range_of(target: str, param: Param, center: Any) -> SearchRange | None:
 
 
 def _bounds(param: Param, *, is_integer: bool) -> tuple[float, float]:
-    """Return the least and the greatest value that a parameter may have; infinite where there is no bound."""
+    """Return the minimum and maximum that a parameter may have; infinite where there is no bound."""
     low = max((bound for bound in (param.ge, param.gt) if bound is not None), default=-math.inf)
     high = min((bound for bound in (param.le, param.lt) if bound is not None), default=math.inf)
     if param.gt == low:

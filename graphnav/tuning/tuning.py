@@ -36,7 +36,7 @@ class Tuning:
 
     @property
     def metrics(self) -> Mapping[str, Better]:
-        """What is tuned for, and which values are better."""
+        """The metrics to tune for, and which values are better."""
         return {metric: self.checked.plan.better(metric) for metric in self.checked.plan.metrics}
 
     @property

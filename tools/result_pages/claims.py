@@ -1,4 +1,4 @@
-"""What the sentences of a page claim, and whether the results that ship bear it out.
+"""Statements of a page, and whether the results that ship bear them out.
 
 A paragraph or a list item that gives a number or compares is followed by a comment that GitHub and the book hide:
 
@@ -6,7 +6,7 @@ A paragraph or a list item that gives a number or compares is followed by a comm
     <!-- check suite: arrive("shake", "homography") == 48; worlds("shake", "ica") == 50; arrive("shake", "ica") == 3 -->
 
 Every expression has to be true, and every number of the text has to stand in the comment: in an expression, or behind
-``given`` where it is no result (``given 0.5`` for a parameter).
+``given`` where it is not a result (``given 0.5`` for a parameter).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What an expression may ask of the results: counts, means, intervals, and whether a difference is clear."""
+"""Functions of the results that an expression may call: counts, means, intervals, whether a difference is clear."""
 
 from __future__ import annotations
 

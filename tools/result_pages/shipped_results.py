@@ -19,7 +19,7 @@ RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results"
 """Each study has a folder of its own here."""
 FILE = "results.csv"
 FAILED = "failed"
-"""The outcome of a run in which a stage failed: it counts as no success."""
+"""The outcome of a run in which a stage failed: it does not count as a success."""
 _BEFORE_AXES, _AFTER_AXES = "variant", "seed"
 """The columns that enclose those of the axes."""
 
@@ -90,7 +90,7 @@ class ShippedResults:
         return found
 
     def values(self, cell: Cell, metric: str) -> Mapping[int, float]:
-        """Return a metric by seed, where it is known; a run in which a stage failed is no success.
+        """Return a metric by seed, where it is known; a run in which a stage failed is not a success.
 
         Raises
         ------
