@@ -12,7 +12,7 @@ from graphnav.arrays import Doubles
 from graphnav_flow.bilinear import bilinear
 from graphnav_flow.frames import Frames
 from graphnav_flow.pyramid import Pyramid
-from graphnav_flow.validity import MARGIN_DOC, MIN_TEXTURE_DOC, Validity
+from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
 
 _SINGULAR = 1e-9
 """Determinant of the structure tensor, as a share of its squared trace, up to which it has no inverse."""
@@ -28,8 +28,8 @@ class PlainLucasKanade(Stage):
 
         (sum g g') d = sum g (Jw - I)
 
-    Nothing is smoothed, filtered, regularized or left out; `flow.lucas_kanade` is what became of it. By default vectors
-    count up to the border of the picture, and without texture.
+    Nothing is smoothed, filtered or regularized; `flow.lucas_kanade` is what became of it. Validity follows the rule of
+    all estimators; ``{margin_px: 0, min_texture_gray2: 0}`` lets every vector count, as in the paper.
 
     The paper leaves open, and here holds: windows of 5x5 pixels, cut off at the border; layers made by the 5x5 binomial
     filter; bilinear interpolation; beyond the border the nearest pixel; no correction where the matrix has no inverse.
@@ -49,15 +49,15 @@ class PlainLucasKanade(Stage):
     iterations: int = param(1, ge=1, le=20, doc="warps and corrections per layer; 1 as in [OI]")
     differences: Literal["central", "five_point"] = param(
         "central",
-        doc="gradient: central differences of the first image; five_point: the derivative of the five-point polynomial, "
-        "of the mean of the first image and the warped second one",
+        doc="gradient: central differences of the first image; five_point: the derivative of the five-point "
+        "polynomial, of the mean of the first image and the warped second one",
     )
     median_px: int = param(1, ge=1, le=5, doc="side of the median filter after each layer (odd); 1 is none, as in [OI]")
     smooth_px: int = param(
         1, ge=1, le=31, doc="side of the box that averages the flow after each layer (odd); 1 is none, as in [OI]"
     )
-    margin_px: float = param(0.0, ge=0.0, doc=MARGIN_DOC)
-    min_texture_gray2: float = param(0.0, ge=0.0, doc=MIN_TEXTURE_DOC)
+    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
+    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""
@@ -69,7 +69,8 @@ class PlainLucasKanade(Stage):
         """Return the flow since the last image, None without one."""
         gray, interval_us = self._frames.next(image, stamp)
         if not self._pyramids:
-            self._pyramids = [Pyramid(*gray.shape, self.layers) for _ in range(2)]
+            rows, cols = gray.shape
+            self._pyramids = [Pyramid(rows, cols, self.layers) for _ in range(2)]
         self._pyramids.reverse()
         now, last = self._pyramids
         now.fill(gray)
@@ -105,7 +106,7 @@ class PlainLucasKanade(Stage):
     def _gradient(self, first: Doubles, warped: Doubles) -> tuple[Doubles, Doubles]:
         if self.differences == "central":
             along_column, along_row = np.gradient(first)
-            return along_row, along_column
+            return np.asarray(along_row), np.asarray(along_column)
         mean = (first + warped) / 2
         return cv2.filter2D(mean, -1, _FIVE_POINT), cv2.filter2D(mean, -1, _FIVE_POINT.T)
 

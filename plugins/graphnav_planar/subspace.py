@@ -38,8 +38,8 @@ class Subspace(Taught):
     )
     with_turn: bool = param(
         True,
-        doc="whether the planar flow includes that of the turn; false: that of the translation alone, whose mean points "
-        "against the way that the robot drives (the guiding force of `steer.pca`, guiding: flow)",
+        doc="whether the planar flow includes that of the turn; false: that of the translation alone, whose mean "
+        "points against the way that the robot drives (for the guiding force of `steer.pca`)",
     )
 
     def reset(self, seed: int) -> None:

@@ -22,7 +22,7 @@ def components(cells: Flow, planar: Planar, valid: Bools, unmixing: Doubles, tak
     return Components(
         alpha=alpha,
         beta=beta,
-        mixing=np.linalg.inv(unmixing)[:, order],
+        mixing=np.asarray(np.linalg.inv(unmixing)[:, order], np.float64),
         variances=variances[order],
         taken=int(np.flatnonzero(order == taken)[0]),
         valid=valid.astype(np.uint8),

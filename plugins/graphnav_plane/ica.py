@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from graphnav import Components, Flow, Planar, Plane, Stamp, param
 from graphnav.arrays import Doubles, Floats
-from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 from graphnav_plane.components import components
+from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
 from graphnav_plane.separation.whitening import Whitened, whiten
@@ -28,11 +28,15 @@ class IcaOutputs(NamedTuple):
 
 
 class Separation(NamedTuple):
-    """``taken``: by what flow and planar flow add up to an obstacle's, px. ``unmixing``: (2, 2), None for one mixture."""
+    """By what flow and planar flow add up to an obstacle's, px, and the component that it is: a row of ``unmixing``.
 
-    taken: tuple[float, float]
+    ``unmixing``: (2, 2), None if nothing could be separated.
+    """
+
+    of_flow: float
+    of_planar: float
+    row: int
     unmixing: Doubles | None
-    index: int
     converged: bool
 
 
@@ -111,26 +115,25 @@ class Ica(Detector):
             return IcaOutputs(self._unjudged(cells), None)
         judged = np.flatnonzero(valid)
         found = self._separated(_mixtures(cells.uv_px, planar.planar_uv_px, judged))
-        of_flow, of_planar = found.taken
-        left_px = cv2.addWeighted(cells.uv_px, of_flow, planar.planar_uv_px, of_planar, 0.0)
+        left_px = cv2.addWeighted(cells.uv_px, found.of_flow, planar.planar_uv_px, found.of_planar, 0.0)
         score = self._remembered(left_px, valid, cells)
         if self.about == "median":
             score = np.where(valid, np.abs(score - np.median(score[valid])), np.float32(0.0))
         plane = self._plane(score, valid, cells.step_px, converged=found.converged)
         if found.unmixing is None or not self.is_read("components"):
             return IcaOutputs(plane, None)
-        return IcaOutputs(plane, components(cells, planar, valid, found.unmixing, found.index))
+        return IcaOutputs(plane, components(cells, planar, valid, found.unmixing, found.row))
 
     def _separated(self, mixtures: Doubles) -> Separation:
         white = whiten(mixtures, self.min_eigenvalue_ratio, centred=self.centred)
         if white is None:
-            return Separation((1.0, -_gain(mixtures)), None, 0, converged=True)
+            return Separation(1.0, -_gain(mixtures), 0, None, converged=True)
         rotation, converged = self._rotation(white)
         self._unmixing = rotation @ white.matrix
-        index = self._which(rotation @ white.samples, mixtures)
-        of_flow, of_planar = self._unmixing[index].tolist()
+        row = self._which(rotation @ white.samples, mixtures)
+        of_flow, of_planar = self._unmixing[row].tolist()
         scale = math.copysign(max(abs(of_flow), abs(of_planar)), of_flow)
-        return Separation((of_flow / scale, of_planar / scale), self._unmixing, index, converged)
+        return Separation(of_flow / scale, of_planar / scale, row, self._unmixing, converged)
 
     def _rotation(self, white: Whitened) -> tuple[Doubles, bool]:
         if self.solver == "sklearn":

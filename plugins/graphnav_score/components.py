@@ -37,9 +37,7 @@ class Components(Stage):
             better="neither",
             help="Variance of the length of v_alpha divided by that of v_beta, median over all frames.",
         ),
-        Metric(
-            "alpha_taken_ratio", unit="ratio", better="neither", help="Share of all frames scored by v_alpha."
-        ),
+        Metric("alpha_taken_ratio", unit="ratio", better="neither", help="Share of all frames scored by v_alpha."),
     )
 
     min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="minimum true share of obstacle in a frame that counts")

@@ -23,7 +23,7 @@ STRENGTH_DOC = (
     "there is an obstacle, as that of v1 in [OI, eq. 8]"
 )
 GAIN_DOC = (
-    "dimensionless: length of r at a share of 1 (or where the mean gradient is 255 per sigma; or, if unit, always); w has "
+    "dimensionless: length of r at a share of 1 (or where the mean gradient is 255 per sigma; if unit, always); w has "
     "length 1"
 )
 BELL_DOC = "standard deviation, in picture widths, of a bell that weighs the map's columns; null for none"
