@@ -74,6 +74,9 @@ from .messages import (
     About as About,
 )
 from .messages import (
+    Components as Components,
+)
+from .messages import (
     Flow as Flow,
 )
 from .messages import (

@@ -90,6 +90,27 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
     converged: bool = True
 
 
+class Components(Message, lcm=graphnav_lcm.components_t, grid=("alpha", "beta", "valid")):
+    """The independent components of a flow and its planar flow [OI, eq. 2], ordered by the variance of their length.
+
+    ``alpha``, ``beta``: float32 (rows, cols, 2), right and down, of unit variance: v_alpha, whose length varies less,
+    and v_beta. Their signs are arbitrary.
+    ``mixing``: float64 (2, 2), the coefficients a_ij: flow = a_00 v_alpha + a_01 v_beta, and planar flow =
+    a_10 v_alpha + a_11 v_beta, in pixels.
+    ``variances``: float64 (2,), of the lengths of v_alpha and v_beta over the valid cells.
+    ``taken``: which of them the obstacle score is made from, 0 or 1.
+    ``valid``: uint8 (rows, cols), 1 where the cell was separated.
+    """
+
+    alpha: Floats
+    beta: Floats
+    mixing: Doubles
+    variances: Doubles
+    taken: int
+    valid: Bytes
+    step_px: int
+
+
 class Potential(Message, lcm=graphnav_lcm.potential_t, grid=("potential", "gradient")):
     """The obstacle potential and its gradient, on the grid of the plane that it was made from.
 

@@ -29,7 +29,9 @@ def seen(detector: Detector, scene: Scene) -> Plane:
     detector.reset(0)
     if isinstance(detector, Affine | Homography):
         return detector.step(scene.flow, Stamp(0))
-    assert isinstance(detector, Ica | Residual)
+    if isinstance(detector, Ica):
+        return detector.step(scene.flow, scene.planar, Stamp(0)).plane
+    assert isinstance(detector, Residual)
     return detector.step(scene.flow, scene.planar, Stamp(0))
 
 

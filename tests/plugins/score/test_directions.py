@@ -14,11 +14,12 @@ METRICS = [metric for score in graphnav_stages() for metric in metrics_of(score)
 
 LOWER = {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3", "false_obstacle_ratio"}
 LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad"}
+NEITHER = {"frames", "median_variance_ratio", "alpha_taken_ratio"}
 
 
 def test_lower_is_better_where_it_is() -> None:
     assert {metric.name for metric in METRICS if metric.better == "lower"} == LOWER
-    assert {metric.name for metric in METRICS if metric.better == "neither"} == {"frames"}
+    assert {metric.name for metric in METRICS if metric.better == "neither"} == NEITHER
 
 
 def test_a_failed_drive_has_no_success_and_no_length() -> None:
