@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from graphnav import UNDEFINED, Latest, Map, Metric, Stage, Stamp, State, param
+from graphnav_score.first_contact import CONTACT_METRICS, FirstContact
 
 NOTHING_NEAR_M = 1000.0
 """The clearance that `State` gives where there is nothing."""
@@ -37,6 +38,7 @@ class Navigation(Stage):
         ),
         Metric("timeout", better="lower", help="1 if it neither reached the goal nor touched anything, else 0."),
         Metric("collision", better="lower", help="1 if it touched anything, else 0."),
+        *CONTACT_METRICS,
         Metric(
             "min_clearance_m",
             unit="m",
@@ -87,6 +89,7 @@ class Navigation(Stage):
         self._path_m = 0.0
         self._place_m = (0.0, 0.0)
         self._jerk = MeanJerk()
+        self._first_contact = FirstContact()
 
     def step(self, state: State, map: Latest[Map], stamp: Stamp) -> None:  # noqa: A002  # the port's name
         """Count this state."""
@@ -103,6 +106,7 @@ class Navigation(Stage):
         self._sum_clearance_m += state.clearance_m
         velocity = (state.v_mps * math.cos(state.yaw_rad), state.v_mps * math.sin(state.yaw_rad))
         self._jerk.add(velocity, stamp * 1e-6)
+        self._first_contact.add(state, self._map, stamp * 1e-6)
 
     def summary(self) -> Mapping[str, float]:
         """Return the metrics of the drive so far, none before its first state."""
@@ -111,6 +115,7 @@ class Navigation(Stage):
         duration_s = (self._last_us - self._first_us) * 1e-6
         values = {
             "collision": float(self._contact),
+            **self._first_contact.metrics(self._map),
             "min_clearance_m": self._min_clearance_m,
             "mean_clearance_m": self._sum_clearance_m / self._states,
             "path_length_m": self._path_m,

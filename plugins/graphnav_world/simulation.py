@@ -1,4 +1,4 @@
-"""Base of the simulated robots: parameters, the drawn world, and the messages of a pose in it."""
+"""The drawn world of the simulated robots, and the messages of a pose in it."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Goal, Image, Map, ParamError, Source, State, Truth, param
+from graphnav import Image, Map, ParamError, Source, State, Truth, param
 from graphnav_world.brightness import ExposureSteps, Swing
 from graphnav_world.camera_motion import CameraMotion, Shake
 from graphnav_world.geometry import outlines
 from graphnav_world.maps.world_map import WorldMap, load_map
-from graphnav_world.odometry import OdometryErrors
 from graphnav_world.painted_world import painted_world
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
@@ -22,7 +21,7 @@ from graphnav_world.rendering.mip import level_count
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame, Renderer
 from graphnav_world.rendering.shadows import Caster, Shadows
-from graphnav_world.vehicle import Limits, Pose, Vehicle
+from graphnav_world.vehicle import Pose
 
 
 class Simulation(Source):
@@ -104,16 +103,6 @@ class Simulation(Source):
         0.0, ge=0.0, le=1.0, doc="time that the shutter is open, around the frame's stamp; more blurs motion"
     )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
-    max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="maximum speed of the drive, forwards and backwards")
-    max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="maximum turning rate of the drive, to either side")
-    speed_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum speed; more is more sluggish")
-    turn_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum turning rate")
-    odometry_scale_ratio: float = param(
-        0.02, ge=0.0, lt=1.0, doc="constant relative error of odometry in a run; the seed draws the signs"
-    )
-    odometry_noise_ratio: float = param(
-        0.01, ge=0.0, lt=1.0, doc="standard deviation of odometry's random error, as a share of each displacement"
-    )
     truth: bool | None = param(
         None, doc="whether the ground truth of each image is published; null: if a stage or an output reads it"
     )
@@ -131,10 +120,10 @@ class Simulation(Source):
         self._load(seed=0)
 
     def reset(self, seed: int) -> None:
-        """Draw the map, its textures and the errors of the odometry, and put the robot at the start."""
+        """Draw the map and its textures."""
         loaded = self._load(seed)
         draw = loaded.draw
-        self._noise, errors = (np.random.default_rng([seed, part]) for part in (1, 2))
+        self._noise = np.random.default_rng([seed, 1])
         self._shortest_m = loaded.shortest_m
         self._draw = draw
         goal_m = draw.goal_m if len(draw.goal_m) else np.zeros((1, 2))
@@ -151,9 +140,6 @@ class Simulation(Source):
         self._swing = Swing(self.light_swing_ratio, self.light_period_s)
         steps_rng = np.random.default_rng([seed, 12])
         self._exposure_steps = ExposureSteps(self.exposure_step_ratio, self.exposure_step_s, steps_rng)
-        limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
-        self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits)
-        self._errors = OdometryErrors(errors, self.odometry_scale_ratio, self.odometry_noise_ratio)
         self._before: Placed | None = None
         self._has_truth = self.is_read("truth") if self.truth is None else self.truth
 
@@ -199,9 +185,9 @@ class Simulation(Source):
         return is_near and bool(len(goal_m)) and outlines.contains(goal_m, pose.x_m, pose.y_m)
 
     def _state(self, pose: Pose, time_s: float) -> State:
-        moving = np.zeros((len(self._faces.patrols), 3))
-        for position, patrol in zip(moving, self._faces.patrols, strict=True):
-            position[:2] = patrol.at(time_s)
+        moving = np.zeros((len(self._faces.movers), 3))
+        for position, mover in zip(moving, self._faces.movers, strict=True):
+            position[:2] = mover.at(time_s)
         return State(
             x_m=pose.x_m,
             y_m=pose.y_m,
@@ -213,13 +199,6 @@ class Simulation(Source):
             at_goal=self._at_goal(pose),
             moving=moving,
         )
-
-    def _beacon(self, pose: Pose) -> Goal | None:
-        if not len(self._draw.goal_m):
-            return None
-        x, y = self._goal_center_m[0] - pose.x_m, self._goal_center_m[1] - pose.y_m
-        bearing = math.remainder(math.atan2(y, x) - pose.yaw_rad, 2 * math.pi)
-        return Goal(bearing_rad=bearing, distance_m=math.hypot(x, y))
 
     def _map(self) -> Map:
         bodies = self._draw.bodies

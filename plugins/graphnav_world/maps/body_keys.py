@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from graphnav import Range, Record, key
+from graphnav_world.maps.mover_keys import Crosses, Moves
 from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Bend, Point, Shaped, Size
 
 MAX_PILLARS = 1000
@@ -33,26 +34,6 @@ class Wall(Record):
     texture: str = key("wall", doc=_TEXTURE)
 
 
-class Moves(Record):
-    """How an obstacle moves: along points at constant speed, without turning.
-
-    That a path leads to the goal is checked without the obstacles that move.
-    """
-
-    noun = "a movement"
-    example = """
-    circle: {center_m: [1, 2], radius_m: 0.2}
-    moves: {through_m: [[2, 2], [2, 3]], speed_mps: [0.1, 0.3], around: true}
-    """
-
-    through_m: tuple[Point, ...] = key(
-        min_items=1, ge=-MAX_M, le=MAX_M, doc="the points that its centre moves to, from its own centre"
-    )
-    speed_mps: Range[float] = key(ge=0.0, doc="along the way")
-    around: bool = key(default=False, doc="whether it goes from the last point on to the first; else back as it came")
-    ahead_m: Range[float] = key(Range(0.0, 0.0), ge=0.0, le=MAX_M, doc="how far along the way it begins")
-
-
 class Obstacle(Shaped):
     """Stands on the floor, or moves over it: a prism on a shape."""
 
@@ -63,11 +44,15 @@ class Obstacle(Shaped):
       - {box: {center_m: [3, 0], size_m: [0.4, 0.2], turn_deg: 30}, texture: brick}
       - circle: {center_m: [1, 2], radius_m: 0.2}
         moves: {through_m: [[2, 2]], speed_mps: 0.2}
+      - circle: {center_m: [4, -1.5], radius_m: 0.2}
+        height_m: 1.7
+        crosses: {through_m: [[4, 1.5]], speed_mps: [0.1, 0.5], within_m: [1, 2]}
     """
 
     height_m: Range[float] = key(Range(0.5, 0.5), gt=0.0, le=MAX_M, doc="above the floor")
     texture: str = key("obstacle", doc=_TEXTURE)
-    moves: Moves | None = key(None, doc="how it moves; without it, it stands still")
+    moves: Moves | None = key(None, doc="how it moves at all times; without it and `crosses`, it stands still")
+    crosses: Crosses | None = key(None, doc="how it crosses the robot's way once; not together with `moves`")
 
 
 class Region(Shaped):

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from graphnav.arrays import Doubles
 from graphnav_world.geometry import outlines
+from graphnav_world.geometry.crossing import Crossing
+from graphnav_world.geometry.movers import Course
 from graphnav_world.geometry.patrol import Patrol
 from graphnav_world.geometry.scene import Body
-from graphnav_world.maps.body_keys import Moves, Obstacle, Wall
+from graphnav_world.maps.body_keys import Obstacle, Wall
 from graphnav_world.maps.draws import Draws
-from graphnav_world.maps.map_shapes import Shape, draw_line, draw_shape
+from graphnav_world.maps.map_shapes import draw_line, draw_shape
+from graphnav_world.maps.mover_keys import Crosses, Moves
 
 
 def draw_wall(draws: Draws, wall: Wall) -> Body | None:
@@ -35,11 +39,31 @@ def draw_obstacle(draws: Draws, obstacle: Obstacle) -> Body | None:
     shape, height_m = draw_shape(draws, obstacle.shape), draws.number(obstacle.height_m)
     if shape is None:
         return None
-    patrol = _patrol(draws, obstacle.moves, shape) if obstacle.moves else None
-    outline = shape.outline - shape.center if patrol else shape.outline
-    return Body.prism(outline, height_m, obstacle.texture, patrol)
+    if obstacle.moves and obstacle.crosses:
+        draws.wrong(obstacle.place("crosses"), "an obstacle either moves or crosses", "remove 'moves' or 'crosses'")
+        return None
+    course = _course(draws, obstacle, shape.center)
+    outline = shape.outline - shape.center if course else shape.outline
+    return Body.prism(outline, height_m, obstacle.texture, course)
 
 
-def _patrol(draws: Draws, moves: Moves, shape: Shape) -> Patrol:
-    through_m = np.array([shape.center, *(draws.pair(point) for point in moves.through_m)])
+def _course(draws: Draws, obstacle: Obstacle, center: Doubles) -> Course | None:
+    if obstacle.crosses:
+        return _crossing(draws, obstacle.crosses, center)
+    return _patrol(draws, obstacle.moves, center) if obstacle.moves else None
+
+
+def _patrol(draws: Draws, moves: Moves, center: Doubles) -> Patrol:
+    through_m = np.array([center, *(draws.pair(point) for point in moves.through_m)])
     return Patrol(through_m, draws.number(moves.speed_mps), moves.around, draws.number(moves.ahead_m))
+
+
+def _crossing(draws: Draws, crosses: Crosses, center: Doubles) -> Crossing:
+    through_m = np.array([center, *(draws.pair(point) for point in crosses.through_m)])
+    return Crossing(
+        through_m,
+        draws.number(crosses.speed_mps),
+        within_m=draws.number(crosses.within_m) if crosses.within_m else None,
+        within_s=draws.number(crosses.within_s) if crosses.within_s else None,
+        returns=crosses.returns,
+    )

@@ -78,7 +78,7 @@ def draw_map(draws: Draws, keys: MapKeys) -> MapDraw | None:
 
 def extent_m(draw: MapDraw) -> tuple[float, float]:
     """Return how far a draw reaches along x and y, moving obstacles' paths included."""
-    paths = [body.patrol.through_m for body in draw.bodies if body.patrol]
+    paths = [body.course.through_m for body in draw.bodies if body.course]
     points = np.concatenate([[draw.start[:2]], draw.goal_m, *(body.outline for body in draw.bodies), *paths])
     width, height = points.max(axis=0) - points.min(axis=0)
     return float(width), float(height)

@@ -34,8 +34,7 @@ class Placed:
         """Return the faces relative to the camera of a robot at this pose and time."""
         R_WC, eye = camera.pose(x_m, y_m, yaw_rad)
         moving = tuple(
-            (body, np.array([*patrol.at(time_s), 0.0]))
-            for body, patrol in zip(faces.moving, faces.patrols, strict=True)
+            (body, np.array([*mover.at(time_s), 0.0])) for body, mover in zip(faces.moving, faces.movers, strict=True)
         )
         return cls(faces, camera, eye, R_WC, (math.cos(yaw_rad), math.sin(yaw_rad)), moving)
 
