@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from graphnav import UNDEFINED, Latest, Map, Metric, Stage, Stamp, State, param
+from graphnav_score import clearance
 from graphnav_score.first_contact import CONTACT_METRICS, FirstContact
 
 NOTHING_NEAR_M = 1000.0
@@ -19,13 +20,16 @@ class Navigation(Stage):
     """How a drive went.
 
     Without a goal on the map no drive arrives or fails: all that is measured is reported, and ``success``, ``timeout``,
-    ``spl`` and ``barn`` are left out. The last two need the map.
+    ``spl`` and ``sct`` are left out. The last two and the clearances of sectors need the map.
+
+    The minimum and mean clearance count from the first state on, in all directions: a robot that starts with its back
+    to a wall has that wall in them. ``min_clearance_ahead_m`` and ``min_clearance_side_m`` tell how the robot drove.
 
     References
     ----------
     .. [SPL] P. Anderson et al., On Evaluation of Embodied Navigation Agents, 2018, arXiv:1807.06757.
-    .. [BARN] X. Xiao et al., Autonomous Ground Navigation in Highly Constrained Spaces: Lessons Learned From the
-       Benchmark Autonomous Robot Navigation Challenge at ICRA 2022, IEEE RAM 29(4), 2022.
+    .. [SCT] N. Yokoyama, S. Ha, D. Batra, Success Weighted by Completion Time: A Dynamics-Aware Evaluation Criteria
+       for Embodied Navigation, IROS 2021, arXiv:2103.08022.
     """
 
     metrics: ClassVar[tuple[Metric, ...]] = (
@@ -43,8 +47,10 @@ class Navigation(Stage):
             "min_clearance_m",
             unit="m",
             better="higher",
-            help="From the robot's rim to what was nearest, minimum over the drive; left out if nothing ever was.",
+            help="From the robot's rim to what was nearest, minimum over the drive from its start on; left out if "
+            "nothing ever was.",
         ),
+        *clearance.METRICS,
         Metric(
             "mean_clearance_m",
             unit="m",
@@ -67,21 +73,26 @@ class Navigation(Stage):
             help="Success weighted by path length: shortest path / max(path, shortest path), 0 if failed [SPL].",
         ),
         Metric(
-            "barn",
+            "sct",
             better="higher",
             if_failed=0.0,
-            help="Optimal time / clip(time, 2 x, 8 x optimal time), 0 if failed, 0.5 at best; the optimal time is that "
-            "of the shortest path at `optimal_speed_mps` [BARN].",
+            help="Success weighted by completion time: optimal time / max(time, optimal time), 0 if failed; the "
+            "optimal time is that of the shortest path at `optimal_speed_mps` [SCT].",
         ),
     )
 
-    optimal_speed_mps: float = param(
-        0.5, gt=0.0, doc="speed of the drive that `barn` calls optimal; more makes the score stricter"
+    optimal_speed_mps: float | None = param(
+        None,
+        gt=0.0,
+        doc="speed of the drive that `sct` calls optimal; more makes the score stricter; null: the highest speed of "
+        "the robot in this drive",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last drive."""
         self._map: Map | None = None
+        self._sectors: clearance.SectorClearance | None = None
+        self._max_speed_mps = 0.0
         self._states = 0
         self._first_us = self._last_us = 0
         self._at_goal = self._contact = False
@@ -93,12 +104,16 @@ class Navigation(Stage):
 
     def step(self, state: State, map: Latest[Map], stamp: Stamp) -> None:  # noqa: A002  # the port's name
         """Count this state."""
-        self._map = map.value or self._map
+        if map.value is not None and map.value is not self._map:
+            self._map, self._sectors = map.value, clearance.SectorClearance(map.value)
         place_m = (state.x_m, state.y_m)
         if not self._states:
             self._first_us, self._place_m = stamp, place_m
         self._path_m += math.dist(place_m, self._place_m)
         self._place_m, self._last_us = place_m, stamp
+        self._max_speed_mps = max(self._max_speed_mps, abs(state.v_mps))
+        if self._sectors is not None:
+            self._sectors.add(state, self._path_m)
         self._states += 1
         self._at_goal |= state.at_goal
         self._contact |= state.contact
@@ -123,6 +138,8 @@ class Navigation(Stage):
         }
         if self._min_clearance_m >= NOTHING_NEAR_M:
             del values["min_clearance_m"], values["mean_clearance_m"]
+        if self._sectors is not None:
+            values |= self._sectors.metrics()
         if self._jerk.mean_mps3 is not None:
             values["mean_jerk_mps3"] = self._jerk.mean_mps3
         has_goal = self._at_goal if self._map is None else len(self._map.goal_m) > 0
@@ -136,7 +153,9 @@ class Navigation(Stage):
         }
         if self._map is not None:
             values["spl"] = success * spl(self._map.shortest_m, self._path_m)
-            values["barn"] = success * barn(self._map.shortest_m / self.optimal_speed_mps, duration_s)
+            # Times at one speed compare as lengths do.
+            optimal_m = (self.optimal_speed_mps or self._max_speed_mps) * duration_s
+            values["sct"] = success * spl(self._map.shortest_m, optimal_m)
         return values
 
 
@@ -171,10 +190,3 @@ def spl(shortest_m: float, path_m: float) -> float:
     """Return shortest / max(path, shortest) of a successful drive; 1 where it began at its goal."""
     longer = max(path_m, shortest_m)
     return shortest_m / longer if longer > 0 else 1.0
-
-
-def barn(optimal_s: float, duration_s: float) -> float:
-    """Return optimal / clip(time, 2 x optimal, 8 x optimal) of a successful drive, 0.125 to 0.5."""
-    if optimal_s == 0:
-        return 0.5
-    return optimal_s / min(max(duration_s, 2 * optimal_s), 8 * optimal_s)

@@ -51,6 +51,6 @@ def _unknown(column: MetricExpression, place: Place | None, classes: Classes) ->
             yield Problem(place, f"'{operand}': stage '{stage}' reports no metrics", stages)
         elif operand not in declared:
             known = [name for cls in classes[stage] for name in metrics_of(cls)]
-            near = did_you_mean(metric, known, former_names.METRICS)
+            near = did_you_mean(metric, known, {**former_names.METRICS, **former_names.REPLACED_METRICS})
             hint = near or f"its metrics are {', '.join(dict.fromkeys(known))}"
             yield Problem(place, f"'{operand}': stage '{stage}' has no metric '{metric}'", hint)

@@ -1,0 +1,54 @@
+"""How near the robot came to what is ahead of it and beside it, once it was on its way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from graphnav import Map, Metric, State
+from graphnav_score.bodies import Bodies, nearest_m
+
+MIN_DRIVEN_M = 1.0
+
+METRICS = (
+    Metric(
+        "min_clearance_ahead_m",
+        unit="m",
+        better="higher",
+        help="From the robot's rim to the nearest body within 45 degrees of straight ahead, minimum over the states "
+        "after the first metre driven; moving bodies included; left out without the map, or if nothing ever was there.",
+    ),
+    Metric(
+        "min_clearance_side_m",
+        unit="m",
+        better="higher",
+        help="The same to the left and to the right, 45 to 135 degrees from straight ahead.",
+    ),
+)
+
+_EIGHTH = math.pi / 4
+
+
+class SectorClearance:
+    """The minimum clearance ahead and to the sides of a drive through one map."""
+
+    def __init__(self, world: Map) -> None:
+        self._bodies = Bodies(world)
+        self._radius_m = world.robot_radius_m
+        self._min_m = {metric.name: math.inf for metric in METRICS}
+
+    def add(self, state: State, driven_m: float) -> None:
+        """Count this state, if the robot has driven a metre."""
+        if driven_m < MIN_DRIVEN_M or not len(self._bodies.body):
+            return
+        ends_m = self._bodies.edges_m(state)
+        ahead, *sides = (
+            float(nearest_m(ends_m, begin * _EIGHTH, (begin + 2) * _EIGHTH).min()) - self._radius_m
+            for begin in (-1, 1, -3)
+        )
+        for name, distance_m in zip(self._min_m, (ahead, min(sides)), strict=True):
+            self._min_m[name] = min(self._min_m[name], max(distance_m, 0.0))
+
+    def metrics(self) -> Mapping[str, float]:
+        """Return the metrics that are defined."""
+        return {name: value for name, value in self._min_m.items() if math.isfinite(value)}
