@@ -6,12 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from graphnav import Metric, Stage, Steering, param
+from graphnav import Metric, Role, Stage, Steering, param
 
 
 class Agreement(Stage):
     """How well steering agrees with an oracle's on the same frames, whichever of the two drives."""
 
+    role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric("frames", better="neither", help="Frames that had both."),
         Metric(

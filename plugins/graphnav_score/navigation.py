@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from graphnav import UNDEFINED, Latest, Map, Metric, Stage, Stamp, State, param
+from graphnav import UNDEFINED, Latest, Map, Metric, Role, Stage, Stamp, State, param
 
 NOTHING_NEAR_M = 1000.0
 """The clearance that `State` gives where there is nothing."""
@@ -27,6 +27,7 @@ class Navigation(Stage):
        Benchmark Autonomous Robot Navigation Challenge at ICRA 2022, IEEE RAM 29(4), 2022.
     """
 
+    role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric(
             "success",

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 import graphnav
-from graphnav import Metric, Stage, Truth, param
+from graphnav import Metric, Role, Stage, Truth, param
 from graphnav_score.frames import Frames
 from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
@@ -28,6 +28,7 @@ class Plane(Stage):
     A metric that is not defined (no such frame, no obstacle, no ground) is left out.
     """
 
+    role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric("frames", better="neither", help="Frames that count."),
         Metric("judged_ratio", unit="ratio", better="higher", help="Share of their pixels that was judged."),

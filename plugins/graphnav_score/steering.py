@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 import graphnav
-from graphnav import Metric, Stage, Truth, param
+from graphnav import Metric, Role, Stage, Truth, param
 
 
 class Steering(Stage):
@@ -21,6 +21,7 @@ class Steering(Stage):
     clearly.
     """
 
+    role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric("frames", better="neither", help="Frames that count for the side."),
         Metric(
