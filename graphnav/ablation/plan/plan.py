@@ -35,7 +35,7 @@ class Case:
     overrides: tuple[Override, ...]
     is_base: bool
     role: Role
-    """Of the stages that its axes swap in: "oracle" if one is, else "baseline" if one is, else "method"."""
+    """As `variant_roles` finds it: "oracle", "baseline" or "method"."""
     folder: str
     """Where its runs are, below the study's folder; unique unless another case resolves to the same graph."""
     same_as: str
