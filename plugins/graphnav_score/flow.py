@@ -11,6 +11,7 @@ import numpy as np
 import graphnav
 from graphnav import Metric, Role, Stage, Truth, coarsen, param
 from graphnav.arrays import Floats
+from graphnav_score.frame_metrics import of_frames
 from graphnav_score.pixels import cell_factor
 
 
@@ -21,7 +22,7 @@ class Flow(Stage):
     """
 
     role: ClassVar[Role] = "score"
-    metrics: ClassVar[tuple[Metric, ...]] = (
+    metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that were compared."),
         Metric("valid_ratio", unit="ratio", better="higher", help="Share of vectors that are valid."),
         Metric(

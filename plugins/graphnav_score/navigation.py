@@ -34,6 +34,7 @@ class Navigation(Stage):
             better="higher",
             if_failed=0.0,
             is_outcome=True,
+            is_key=True,
             help="1 if the robot reached the goal without a contact, else 0.",
         ),
         Metric("timeout", better="lower", help="1 if it neither reached the goal nor touched anything, else 0."),
@@ -63,6 +64,7 @@ class Navigation(Stage):
             "spl",
             better="higher",
             if_failed=0.0,
+            is_key=True,
             help="Success weighted by path length: shortest path / max(path, shortest path), 0 if failed [SPL].",
         ),
         Metric(

@@ -12,6 +12,7 @@ import numpy as np
 
 import graphnav
 from graphnav import Metric, Role, Stage, Truth, param
+from graphnav_score.frame_metrics import of_frames
 
 
 class Steering(Stage):
@@ -22,7 +23,7 @@ class Steering(Stage):
     """
 
     role: ClassVar[Role] = "score"
-    metrics: ClassVar[tuple[Metric, ...]] = (
+    metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that count for the side."),
         Metric(
             "right_sign_ratio",

@@ -12,6 +12,7 @@ from graphnav.ablation.plan.folder_names import folder_names
 from graphnav.ablation.plan.metric_checks import checked_metrics, declared_metrics
 from graphnav.ablation.plan.plan import RUNS, Case, Plan
 from graphnav.ablation.plan.study_problems import study_problems
+from graphnav.ablation.plan.upstream import driving_stages
 from graphnav.ablation.plan.variant_roles import variant_roles
 from graphnav.ablation.plan.variants import Variant, expand
 from graphnav.ablation.study import Study
@@ -84,6 +85,7 @@ def _cases(
     of_variant = folder_names(variant.name for variant in variants)
     first: dict[object, CheckedCase] = {}
     base: dict[str, CheckedCase] = {}
+    drivers: dict[object, str] = {}
     for case, role in zip(checked, variant_roles(checked, metrics), strict=True):
         graph = ", ".join(filter(None, (case.name, case.variant.condition)))
         same = first.setdefault((graph, case.identity), case)
@@ -102,4 +104,6 @@ def _cases(
             swapped=tuple(stage for stage, use in case.uses.items() if before.get(stage) != use),
             notices=case.notices,
             graph_yaml=resolved_yaml(case.graph),
+            driving=tuple(node.name for node in case.graph.order if node.name in driving_stages(case.graph)),
+            drives_as=drivers.setdefault((graph, case.drive), case.variant.called),
         )

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan.case_problems import CaseProblems, Origin
+from graphnav.ablation.plan.upstream import driving_stages, sees
 from graphnav.ablation.plan.variants import Variant
 from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
@@ -47,7 +48,20 @@ class CheckedCase:
 
     def identity_of(self, stages: Collection[str]) -> object:
         """Return a key of stages and of all sources, equal for cases in which these do the same."""
-        nodes = (node for node in self.graph.nodes if node.is_source or node.name in stages)
+        return self._made_of({*stages, *(source.name for source in self.graph.sources)})
+
+    @property
+    def drive(self) -> object:
+        """A key of what drives, equal for cases that meet the same frames.
+
+        A drive that true data alone steers does not depend on what the sources show: how they are set does not count.
+        """
+        driving = driving_stages(self.graph)
+        is_blind = driving and not sees(self.graph, driving)
+        return self.name, self._made_of(driving) if is_blind else self.identity_of(driving)
+
+    def _made_of(self, stages: Collection[str]) -> tuple[object, ...]:
+        nodes = (node for node in self.graph.nodes if node.name in stages)
         return tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in nodes)
 
     @property
