@@ -7,7 +7,7 @@ block of pixels whose top left pixel is (r * step_px, c * step_px).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import graphnav_lcm
 import numpy as np
@@ -130,6 +130,8 @@ class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flo
     ``depth_m``: float32 (rows, cols) along the optical axis, infinite above the horizon, finite elsewhere.
     ``flow_px``: float32 (rows, cols, 2), as in `Flow`, including points that were hidden or outside before.
     """
+
+    is_truth: ClassVar[bool] = True
 
     obstacle: Bytes
     depth_m: Floats = may_be_infinite()

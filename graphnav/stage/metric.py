@@ -42,6 +42,11 @@ class Metric:
         drives that arrive; `MEASURED`: reported of all drives, and not compared where a stage failed.
     is_outcome
         Whether it is 1 for a drive that arrived and 0 for one that did not. Counts as 0 if a stage failed.
+    of_frames
+        Whether it depends on which frames a run meets, as the score of a detector does. Variants of a study that drive
+        differently meet different frames: then it is reported of each, and not compared.
+    is_key
+        Whether it is one of the few that sum up a run: those ``graphnav ablate --decompose`` shows by default.
     """
 
     name: str
@@ -51,6 +56,8 @@ class Metric:
     unit: str = ""
     if_failed: float | Literal["measured", "undefined"] = MEASURED
     is_outcome: bool = False
+    of_frames: bool = False
+    is_key: bool = False
 
     @property
     def label(self) -> str:

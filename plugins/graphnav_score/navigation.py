@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from graphnav import UNDEFINED, Latest, Map, Metric, Stage, Stamp, State, param
+from graphnav import UNDEFINED, Latest, Map, Metric, Role, Stage, Stamp, State, param
 from graphnav_score import clearance
 from graphnav_score.first_contact import CONTACT_METRICS, FirstContact
 
@@ -32,12 +32,14 @@ class Navigation(Stage):
        for Embodied Navigation, IROS 2021, arXiv:2103.08022.
     """
 
+    role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric(
             "success",
             better="higher",
             if_failed=0.0,
             is_outcome=True,
+            is_key=True,
             help="1 if the robot reached the goal without a contact, else 0.",
         ),
         Metric("timeout", better="lower", help="1 if it neither reached the goal nor touched anything, else 0."),
@@ -70,6 +72,7 @@ class Navigation(Stage):
             "spl",
             better="higher",
             if_failed=0.0,
+            is_key=True,
             help="Success weighted by path length: shortest path / max(path, shortest path), 0 if failed [SPL].",
         ),
         Metric(

@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 
 import graphnav
-from graphnav import Metric, Stage, Truth, param
+from graphnav import Metric, Role, Stage, Truth, param
+from graphnav_score.frame_metrics import of_frames
 from graphnav_score.frames import Frames
 from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
@@ -28,7 +29,8 @@ class Plane(Stage):
     A metric that is not defined (no such frame, no obstacle, no ground) is left out.
     """
 
-    metrics: ClassVar[tuple[Metric, ...]] = (
+    role: ClassVar[Role] = "score"
+    metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that count."),
         Metric("judged_ratio", unit="ratio", better="higher", help="Share of their pixels that was judged."),
         Metric("auroc", better="higher", help="Area under the receiver operating characteristic of the score."),

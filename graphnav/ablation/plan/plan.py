@@ -35,7 +35,7 @@ class Case:
     overrides: tuple[Override, ...]
     is_base: bool
     role: Role
-    """Of the stages that its axes swap in: "oracle" if one is, else "baseline" if one is, else "method"."""
+    """As `variant_roles` finds it: "oracle", "baseline" or "method"."""
     folder: str
     """Where its runs are, below the study's folder; unique unless another case resolves to the same graph."""
     same_as: str
@@ -48,6 +48,10 @@ class Case:
     """Notices of what was rewired, pruned and set to defaults."""
     graph_yaml: str
     """The resolved graph, portable."""
+    driving: tuple[str, ...] = ()
+    """The stages that drive the world's robot, in firing order."""
+    drives_as: str = ""
+    """The first variant whose drive is this one: in the same world both meet the same frames."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +127,14 @@ class Plan:
     def better(self, column: str) -> Better:
         """Return which values of a column are better; a difference or a ratio is better where its first metric is."""
         return self.metric(MetricExpression.parse(column).operands[0]).better
+
+    def are_comparable(self, one: Case, other: Case, column: str) -> bool:
+        """Return whether two cases of a graph may be compared by a column.
+
+        What depends on the frames that a run meets (`Metric.of_frames`) is compared only where both drive alike.
+        """
+        names = MetricExpression.parse(column).operands
+        return one.drives_as == other.drives_as or not any(self.metric(name).of_frames for name in names)
 
     def label(self, column: str) -> str:
         """Return the heading of a column: its metric, with the unit where the name does not tell it."""

@@ -15,6 +15,8 @@ INTERVALS = (
     "for the difference, which have a width also where all worlds agree. Each holds for itself: where nothing differs, "
     "one comparison in twenty still leaves out 0."
 )
+OWN_FRAMES = "own frames"
+"""In place of a difference of what depends on the frames met, between variants that drive differently."""
 
 
 def counting(plan: Plan, columns: Iterable[str]) -> str:
@@ -46,6 +48,12 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     if any(plan.better(metric) == "neither" for metric in shown_metrics(plan, comparison)):
         reading += " Of metrics without an arrow neither is better: in how many worlds it was higher–lower."
     sentences = [reading, INTERVALS, counting(plan, shown_metrics(plan, comparison))]
+    if any(row.own_frames.intersection(shown_metrics(plan, comparison)) for row in comparison.rows):
+        sentences.append(
+            f"{OWN_FRAMES.capitalize()}: the variant drives differently from the base, so that it met other frames, and "
+            "what depends on these is not compared. Detectors are compared on one drive: in a graph that measures them "
+            "on it, or with --decompose."
+        )
     roles = {row.case.role for row in comparison.rows}
     if "baseline" in roles:
         sentences.append("A baseline is what every method has to beat; where it does well, the worlds test nothing.")

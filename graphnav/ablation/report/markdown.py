@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.report.legend import legend, marks, origin, outcome_counts, same_graphs, worlds_text
+from graphnav.ablation.report.legend import OWN_FRAMES, legend, marks, origin, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.results import Comparison, Difference, Row, shown_metrics
 from graphnav.stage import Better
@@ -81,5 +81,6 @@ def _cells(plan: Plan, row: Row, metrics: Sequence[str], *, with_runs: bool) -> 
         cells += [worlds_text(row, plan), outcome_counts(row.outcomes)]
     for metric in metrics:
         found = row.estimates.get(metric)
-        cells += ["" if found is None else estimate_text(found, row.runs), difference_cell(row.differences.get(metric))]
+        change = OWN_FRAMES if metric in row.own_frames else difference_cell(row.differences.get(metric))
+        cells += ["" if found is None else estimate_text(found, row.runs), change]
     return cells

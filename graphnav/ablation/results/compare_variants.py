@@ -19,7 +19,8 @@ def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
     """Return the table of a study: the plan's metrics, or all metrics where it names none.
 
     A world counts for a metric if its run has it, and for a difference if both runs have it: n is how many did. How
-    failed runs count is described at `Record.counted`. A case that shares the base's runs has no differences.
+    failed runs count is described at `Record.counted`. A case that shares the base's runs has no differences, and a
+    metric of the frames that a run meets has none where the two drive differently.
     """
     ordered = in_plan_order(plan, records)
     metrics = table_metrics(plan, ordered)
@@ -40,6 +41,7 @@ def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
                 values[case.graph, case.variant],
                 None if case.folder == (base := bases[case.graph]).folder else values[base.graph, base.variant],
                 binary,
+                frozenset(name for name in values[case.graph, case.variant] if not plan.are_comparable(case, base, name)),
             )
             for case in plan.cases
         )
@@ -71,11 +73,12 @@ def _row(
     values: Mapping[str, Values],
     base: Mapping[str, Values] | None,
     binary: set[str],
+    own_frames: frozenset[str],
 ) -> Row:
     differences = {
         metric: difference(column, base[metric], plan.better(metric), is_binary=metric in binary)
         for metric, column in values.items()
-        if base is not None
+        if base is not None and metric not in own_frames
     }
     times: dict[str, list[float]] = {}
     for run in runs:
@@ -89,4 +92,5 @@ def _row(
         estimates={metric: estimate(column, is_binary=metric in binary) for metric, column in values.items() if column},
         differences={metric: found for metric, found in differences.items() if found is not None},
         p50_ms={stage: float(np.median(found)) for stage, found in times.items()},
+        own_frames=own_frames,
     )

@@ -61,6 +61,8 @@ class Row:
     """By metric; empty for the base."""
     p50_ms: Mapping[str, float]
     """By stage: the median over runs of each run's median step."""
+    own_frames: frozenset[str] = frozenset()
+    """Metrics that are not compared with the base: they depend on the frames met, and this one drives differently."""
 
 
 @dataclass(frozen=True)

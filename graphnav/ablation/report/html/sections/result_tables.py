@@ -12,6 +12,7 @@ from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import OUTCOMES, badge_of
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
+from graphnav.ablation.report.legend import OWN_FRAMES
 from graphnav.ablation.results import Row
 
 _MAX_OPEN = 40
@@ -77,7 +78,7 @@ def _cell(study: StudyResults, row: Row, metric: str) -> _Cell:
     value, _, interval = estimated(estimate.mean, estimate.low, estimate.high).partition(" ")
     n = None if estimate.n >= row.runs else estimate.n
     if difference is None:
-        return _Cell(value, interval, n)
+        return _Cell(value, interval, n, OWN_FRAMES if metric in row.own_frames else "")
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
     more, less = ("higher", "lower") if study.plan.better(metric) == "neither" else ("won", "lost")
     worlds = f"{more} {difference.won}, {less} {difference.lost} of {difference.n}"
