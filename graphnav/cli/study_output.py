@@ -20,6 +20,7 @@ from graphnav.ablation.report import (
 from graphnav.ablation.results import pair_studies, read_records
 from graphnav.api.studies.study_files import StudyFiles
 from graphnav.errors import UserError
+from graphnav.runner import Outcome
 
 
 def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console) -> None:
@@ -32,6 +33,11 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are pending")
     console.print(f"{folder}: {RESULTS}, {METRICS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
+
+
+def all_failed(files: StudyFiles) -> bool:
+    """Return whether there are runs and a stage failed in every one."""
+    return bool(files.records) and all(record.outcome == Outcome.FAILED for record in files.records)
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:

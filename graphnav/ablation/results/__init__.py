@@ -3,7 +3,7 @@
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
-from graphnav.ablation.results.failures import failure_folder, is_failure, worst_failures
+from graphnav.ablation.results.failures import failed_run_text, failure_folder, is_failure, worst_failures
 from graphnav.ablation.results.intervals import DRAWS, SEED, bootstrap, wilson
 from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
@@ -23,6 +23,7 @@ __all__ = [
     "Values",
     "bootstrap",
     "compare",
+    "failed_run_text",
     "failure_folder",
     "in_plan_order",
     "is_failure",
