@@ -44,6 +44,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
     )
+    parser.add_argument(
+        "--fail-if",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help="with --compare: exit status 1 if the difference B - A of any case meets it: 'drive.success < -0.05' for "
+        "the mean, 'high(drive.success) < 0' for the upper end of its interval; may be given several times",
+    )
 
 
 def _add_study_options(parser: argparse.ArgumentParser) -> None:
@@ -142,8 +150,7 @@ def main(args: argparse.Namespace) -> int:
     console = Console(highlight=False, soft_wrap=True)
     if args.compare:
         first, second = args.compare
-        write_pairing(first, second, args.folder, console)
-        return OK
+        return write_pairing(first, second, args.folder, args.fail_if, console)
     if args.report:
         plan = read_plan(args.report)
         files = write_study_files(plan, args.report, _catalog_of_usable_plugins(plan))
@@ -158,6 +165,8 @@ def main(args: argparse.Namespace) -> int:
 
 def _refuse_mixtures(args: argparse.Namespace) -> None:
     """Raise UserError if --report or --compare is combined with options of a study that runs."""
+    if args.fail_if and not args.compare:
+        raise UserError.of("--fail-if is for --compare, which compares two studies", "add --compare A B")
     chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
     if not chosen:
         return
