@@ -42,6 +42,10 @@ PARAMETERS = {
     '``"plane.rule=mad,otsu"``; others follow from what the stages declare.',
     "sampler_seed": "Seed of the proposals; worlds do not depend on it.",
     "within": "Axes that are conditions: variants are compared with the base under the same one.",
+    "reference": "The variant, by its name in tables, whose runs relative metrics compare with; None: that of the "
+    "study.",
+    "worlds": 'Graphs that have only the first so many seeds: ``{"laps": 10}``; None: those of the study.',
+    "fail_fast": "Raise `GraphnavError` at the first run in which a stage fails or whose process dies.",
     "one_at_a_time": "Change one axis of the base at a time, in place of crossing them.",
     "jobs": "Runs at once; None: one a core.",
     "cluster": 'The scheduler of a Dask cluster, ``"tcp://host:8786"``, that makes the runs.',

@@ -74,6 +74,16 @@ class Navigation(Stage):
             if_failed=0.0,
             is_key=True,
             help="Success weighted by path length: shortest path / max(path, shortest path), 0 if failed [SPL].",
+            bounds=(0.0, 1.0),
+        ),
+        Metric(
+            "oracle_spl",
+            better="higher",
+            if_failed=0.0,
+            relative_to="path_length_m",
+            bounds=(0.0, 1.0),
+            help="The path of the study's `reference` in the same world / max(path, reference's path), 0 if failed; "
+            "left out where the reference has no run or did not arrive.",
         ),
         Metric(
             "sct",

@@ -63,6 +63,8 @@ def check_study(study: Study, catalog: Catalog, command: str, plugins: Sequence[
         seeds=study.seeds,
         metrics=metrics,
         cases=cases,
+        reference=study.reference,
+        worlds=study.worlds,
         within=study.within,
         declared=declared_metrics(classes),
         plugins=_plugins(plugins, checked),

@@ -22,7 +22,7 @@ def checked_metrics(study: Study, classes: Classes, problems: list[Problem]) -> 
         except UserError as error:
             problems += [Problem(place, problem.what, problem.hint) for problem in error.problems]
             continue
-        wrong = list(_unknown(column, place, classes))
+        wrong = [*_unknown(column, place, classes), *_without_reference(study, column, place, classes)]
         problems += wrong
         if not wrong:
             columns.append(column.text)
@@ -37,6 +37,17 @@ def declared_metrics(classes: Classes) -> dict[str, Metric]:
             for name, metric in metrics_of(cls).items():
                 found.setdefault(f"{stage}.{name}", metric)
     return found
+
+
+def _without_reference(
+    study: Study, column: MetricExpression, place: Place | None, classes: Classes
+) -> Iterator[Problem]:
+    declared = declared_metrics(classes)
+    for operand in column.operands:
+        metric = declared.get(operand)
+        if metric is not None and metric.relative_to and not study.reference:
+            what = f"'{operand}' is relative to a reference variant, and the study names none"
+            yield Problem(place, what, "write reference: VARIANT, or --reference VARIANT")
 
 
 def _unknown(column: MetricExpression, place: Place | None, classes: Classes) -> Iterator[Problem]:

@@ -84,6 +84,10 @@ class Plan:
     """Columns of the table, ``stage.metric`` or two of them, the one that decides first; empty for all metrics."""
     cases: tuple[Case, ...]
     """Graph by graph, in the same order of variants; the base first."""
+    reference: str = ""
+    """The variant whose runs metrics may be relative to; empty for none."""
+    worlds: Mapping[str, int] = field(default_factory=dict)
+    """By graph, as the study names it: how many of the seeds are its worlds; all where it is not named."""
     within: tuple[str, ...] = ()
     """Axes that are conditions, within which variants are compared."""
     declared: Mapping[str, Metric] = field(default_factory=dict)
@@ -110,15 +114,23 @@ class Plan:
     @property
     def jobs(self) -> Iterator[Job]:
         """Every run of the study, seed by seed, so that all variants grow together."""
-        for seed in self.seeds:
+        for place, seed in enumerate(self.seeds):
             for case in self.cases:
-                if not case.same_as:
+                if not case.same_as and place < self.n_worlds(case):
                     yield Job(case, seed)
 
     @property
     def n_jobs(self) -> int:
         """The number of runs."""
-        return len(self.seeds) * sum(not case.same_as for case in self.cases)
+        return sum(self.n_worlds(case) for case in self.cases if not case.same_as)
+
+    def n_worlds(self, case: Case) -> int:
+        """Return the number of worlds of a case."""
+        return min(self.worlds.get(case.source, len(self.seeds)), len(self.seeds))
+
+    def seeds_of(self, case: Case) -> tuple[int, ...]:
+        """Return the worlds of a case: the first of the seeds."""
+        return self.seeds[: self.n_worlds(case)]
 
     def metric(self, name: str) -> Metric:
         """Return what is declared of ``stage.metric``."""
@@ -158,7 +170,7 @@ class Plan:
     def read(cls, path: Path) -> Plan:
         """Read what `write` wrote, in this version or an earlier one."""
         data: dict[str, Any] = former_plan.as_written_now(json.loads(path.read_text(encoding="utf-8")))
-        data["declared"] = {name: Metric(**declared) for name, declared in data["declared"].items()}
+        data["declared"] = {name: _metric(declared) for name, declared in data["declared"].items()}
         data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
         data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
         return cls(**{key: _tuple(value) for key, value in data.items()})
@@ -177,6 +189,10 @@ def _case(data: dict[str, Any], place: Place) -> Case:
     else:
         overrides = [Override(Target.parse(key, place), value, place) for key, value in data["overrides"].items()]
     return Case(**fields | {"overrides": tuple(overrides)})
+
+
+def _metric(declared: dict[str, Any]) -> Metric:
+    return Metric(**{key: _tuple(value) for key, value in declared.items()})
 
 
 def _tuple(value: Any) -> Any:

@@ -65,7 +65,7 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
 def origin(plan: Plan) -> tuple[tuple[str, str], ...]:
     """Return what makes the table again: name and value."""
     versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
-    facts = [("command", plan.command), ("seeds", seeds_text(plan.seeds)), ("versions", versions)]
+    facts = [("command", plan.command), ("seeds", worlds_of_graphs(plan)), ("versions", versions)]
     return tuple((name, value) for name, value in facts if value)
 
 
@@ -95,7 +95,14 @@ def outcome_counts(outcomes: Mapping[str, int]) -> str:
 
 def worlds_text(row: Row, plan: Plan) -> str:
     """Return the number of runs, and of how many if the study is not finished."""
-    return str(row.runs) if row.runs == len(plan.seeds) else f"{row.runs} of {len(plan.seeds)}"
+    wanted = plan.n_worlds(row.case)
+    return str(row.runs) if row.runs == wanted else f"{row.runs} of {wanted}"
+
+
+def worlds_of_graphs(plan: Plan) -> str:
+    """Return the seeds in short, and which graphs have only the first of them."""
+    fewer = {case.source: plan.n_worlds(case) for case in plan.cases if plan.n_worlds(case) < len(plan.seeds)}
+    return "; ".join([seeds_text(plan.seeds), *(f"{source}: the first {number}" for source, number in fewer.items())])
 
 
 def seeds_text(seeds: Sequence[int]) -> str:

@@ -3,7 +3,14 @@
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
-from graphnav.ablation.results.failures import failure_folder, is_failure, worst_failures
+from graphnav.ablation.results.fail_condition import (
+    FailCondition,
+    FailedCase,
+    check_fail_conditions,
+    failed_cases,
+    parse_fail_conditions,
+)
+from graphnav.ablation.results.failures import failed_run_text, failure_folder, is_failure, worst_failures
 from graphnav.ablation.results.intervals import DRAWS, SEED, bootstrap, wilson
 from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
@@ -16,18 +23,24 @@ __all__ = [
     "Comparison",
     "Difference",
     "Estimate",
+    "FailCondition",
+    "FailedCase",
     "PairedRow",
     "PairedStudies",
     "Record",
     "Row",
     "Values",
     "bootstrap",
+    "check_fail_conditions",
     "compare",
+    "failed_cases",
+    "failed_run_text",
     "failure_folder",
     "in_plan_order",
     "is_failure",
     "metric_columns",
     "pair_studies",
+    "parse_fail_conditions",
     "read_record",
     "read_records",
     "shown_metrics",

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 from graphnav.ablation.study.find_study import classify
 from graphnav.ablation.study.seeds import checked_seeds, parse_seeds
@@ -12,6 +13,7 @@ from graphnav.ablation.study.study import Axis, Study
 from graphnav.ablation.study.study_file import load_study
 from graphnav.ablation.study.varied_axes import varied
 from graphnav.ablation.study.vary import Vary
+from graphnav.ablation.study.worlds import replaced_worlds
 from graphnav.errors import Place, Problem, UserError
 from graphnav.graph import Override, find_graph
 
@@ -27,13 +29,16 @@ def study_of_command(
     within: Sequence[str] = (),
     seeds: str | Sequence[int] | None = None,
     one_at_a_time: bool = False,
+    reference: str | None = None,
+    worlds: Mapping[str, int] = MappingProxyType({}),
     problems: Sequence[Problem] = (),
 ) -> Study:
     """Return the study that ``graphnav ablate NAMES`` with its options means.
 
     ``names``: one study, or graphs, each a file or a name. ``varies`` change the axes of the study (see `varied`);
     ``overrides`` take the place of the study's with the same targets; ``metrics`` and ``within`` (strings with commas
-    between) and ``seeds`` replace the study's. ``problems``: what is wrong with options that were read before.
+    between), ``seeds``, ``reference`` and ``worlds`` replace the study's. ``problems``: what is wrong with options that
+    were read before.
 
     Raises
     ------
@@ -45,7 +50,8 @@ def study_of_command(
     axes = varied(base.axes, varies, problems)
     if not axes and not problems:
         problems.append(Problem(None, "the study varies nothing", _VARY))
-    worlds = base.seeds if seeds is None else _seeds(seeds, problems)
+    found = base.seeds if seeds is None else _seeds(seeds, problems)
+    limits = replaced_worlds(base.worlds, worlds, base.graphs, problems)
     columns = _split(metrics)
     if "" in columns:
         problems.append(Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl"))
@@ -58,12 +64,17 @@ def study_of_command(
         base,
         about=base.about or _question(axes, base.graphs),
         axes=axes,
-        seeds=worlds,
+        seeds=found,
         overrides=(*_not_replaced(base.overrides, overrides), *overrides),
         metrics=tuple(columns) or base.metrics,
         within=tuple(dict.fromkeys(conditions)) or base.within,
         one_at_a_time=one_at_a_time or base.one_at_a_time,
-        places=base.places | _placed(columns, "--metrics") | _placed(conditions, "--within"),
+        reference=base.reference if reference is None else reference,
+        worlds=limits,
+        places=base.places
+        | _placed(columns, "--metrics")
+        | _placed(conditions, "--within")
+        | _placed([reference] if reference else [], "--reference"),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from graphnav.errors import Place
@@ -44,5 +45,9 @@ class Study:
     """Axes that are conditions: variants are compared with the base within each combination of their choices."""
     one_at_a_time: bool = False
     """Whether each variant differs from the base in one axis; else the axes cross."""
+    reference: str = ""
+    """The variant whose runs metrics may be relative to; empty for none."""
+    worlds: Mapping[str, int] = field(default_factory=dict)
+    """By graph: how many of the seeds, the first ones, are its worlds; all of them where it is not named."""
     places: dict[str, Place] = field(default_factory=dict, compare=False)
-    """The place of each of ``graphs``, ``metrics`` and ``within``."""
+    """The place of each of ``graphs``, ``metrics`` and ``within``, and of the reference."""

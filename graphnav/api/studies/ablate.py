@@ -13,7 +13,7 @@ from graphnav.api.notices import tell
 from graphnav.api.parameters import documented
 from graphnav.api.result_folder import KeptFolder, named_folder, temporary_folder
 from graphnav.api.studies.finished_study import Study
-from graphnav.api.studies.study_arguments import execution_of, names_of, seeds_of, varies_of
+from graphnav.api.studies.study_arguments import execution_of, names_of, reference_of, seeds_of, varies_of, worlds_of
 from graphnav.api.studies.study_request import StudyRequest
 from graphnav.api.studies.study_run import ExecutionOptions, StudyRun, run_study
 from graphnav.catalog import Catalog
@@ -29,12 +29,15 @@ def ablate(
     metrics: Sequence[str] = (),
     within: Sequence[str] = (),
     one_at_a_time: bool = False,
+    reference: str | None = None,
+    worlds: Mapping[str, int] | None = None,
     plugins: Sequence[PathLike] = (),
     folder: PathLike | None = None,
     jobs: int | None = None,
     cluster: str | None = None,
     gallery: int = 2,
     keep_logs: bool = False,
+    fail_fast: bool = False,
 ) -> Study:
     """Swap stages of graphs, repeat over seeds, compare with statistics; return the tables and the report.
 
@@ -46,7 +49,8 @@ def ablate(
     UserError
         All errors of the study and its graphs; nothing has run then.
     GraphnavError
-        The study was interrupted by a full disk or a lost cluster. Every finished run is in ``folder``.
+        The study was interrupted by a full disk, a lost cluster or, with ``fail_fast``, a failed run. Every finished
+        run is in ``folder``.
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
@@ -59,8 +63,10 @@ def ablate(
         within=texts_of(within, "within", "control.max_speed_mps"),
         one_at_a_time=one_at_a_time,
         plugins=paths_of(plugins, "plugins", "my_stage.py"),
+        reference=reference_of(reference),
+        worlds=worlds_of(worlds),
     )
-    options = execution_of(jobs, cluster, gallery, keep_logs)
+    options = execution_of(jobs, cluster, gallery, keep_logs, fail_fast)
     kept = None if folder is None else named_folder(folder)
     catalog = add_plugins(Catalog(), request.plugins)
     return _made(request.check(catalog), catalog, kept or temporary_folder(), options)
@@ -89,6 +95,9 @@ class _Quiet:
     ) -> AbstractContextManager[Callable[[str], None]]:
         """Return what takes outcomes and shows nothing."""
         return nullcontext(lambda _: None)
+
+    def failed(self, text: str) -> None:
+        """Say nothing: a failed run is a result."""
 
     def tell(self, line: str) -> None:
         """Log a line."""

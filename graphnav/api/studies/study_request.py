@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from graphnav.ablation.plan import CheckedStudy, check_study, with_versions
@@ -27,6 +27,9 @@ class StudyRequest:
     within: Sequence[str]
     one_at_a_time: bool
     plugins: Sequence[Path]
+    reference: str | None = None
+    """None: that of the study."""
+    worlds: Mapping[str, int] = field(default_factory=dict)
     problems: Sequence[Problem] = ()
     """Problems of options that were parsed before."""
 
@@ -46,6 +49,8 @@ class StudyRequest:
             within=self.within,
             seeds=self.seeds,
             one_at_a_time=self.one_at_a_time,
+            reference=self.reference,
+            worlds=self.worlds,
             problems=self.problems,
         )
         checked = check_study(study, catalog, command or self.command, self.plugins)
@@ -60,6 +65,8 @@ class StudyRequest:
             ("--metrics", self.metrics),
             ("--within", self.within),
             ("--plugin", self.plugins),
+            ("--reference", [] if self.reference is None else [self.reference]),
+            ("--worlds", [f"{graph}={number}" for graph, number in self.worlds.items()]),
             ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),
         )
         words = [word for option, values in options for value in values for word in (option, str(value))]

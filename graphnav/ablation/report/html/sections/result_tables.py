@@ -58,7 +58,8 @@ def tables(study: StudyResults) -> Markup:
 
 def _row(study: StudyResults, row: Row) -> _TableRow:
     case = row.case
-    missing = "" if row.runs >= study.n_seeds else f" of {study.n_seeds}"
+    wanted = study.plan.n_worlds(row.case)
+    missing = "" if row.runs >= wanted else f" of {wanted}"
     return _TableRow(
         case.variant,
         badge_of(case),
