@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphnav import Goal, Image, Map, ParamError, Source, State, Truth, param
+from graphnav_world.camera_motion import CameraMotion, Shake
 from graphnav_world.geometry import outlines
 from graphnav_world.maps.world_map import WorldMap, load_map
 from graphnav_world.odometry import OdometryErrors
@@ -35,6 +36,19 @@ class Simulation(Source):
         75.0, gt=0.0, le=90.0, doc="tilt of the camera below the horizontal; 90 looks straight down"
     )
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider")
+    camera_shake_deg: float = param(
+        0.0,
+        ge=0.0,
+        le=5.0,
+        doc="standard deviation by which the camera pitches and rolls about its centre, independently, in the robot's "
+        "axes; the exposure of a frame has one pose",
+    )
+    camera_bob_ratio: float = param(
+        0.0, ge=0.0, le=0.1, doc="standard deviation of the camera's height, as a share of camera_height_m"
+    )
+    camera_shake_s: float = param(
+        0.2, gt=0.0, le=60.0, doc="correlation time of shake and bob: less is more abrupt, far above a frame's is slow"
+    )
     noise_sigma_gray: float = param(
         2.0,
         ge=0.0,
@@ -93,7 +107,10 @@ class Simulation(Source):
         self._goal_center_m: tuple[float, float] = tuple(goal_m.mean(axis=0).tolist())
         self._goal_reach_m = float(np.linalg.norm(goal_m - self._goal_center_m, axis=1).max())
         self._camera = Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size)
-        painted = painted_world(loaded, seed, self.contrast_ratio, level_count(self._camera))
+        shake = Shake(self.camera_shake_deg, self.camera_bob_ratio, self.camera_shake_s)
+        self._camera_motion = CameraMotion(self._camera, shake, np.random.default_rng([seed, 11]))
+        levels = level_count(shake.farthest(self._camera))
+        painted = painted_world(loaded, seed, self.contrast_ratio, levels)
         self._faces = painted.faces
         self._renderer = Renderer(self._camera, painted.faces, painted.atlas, painted.floor_origin_m)
         limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
@@ -112,10 +129,11 @@ class Simulation(Source):
 
         ``interval_us``: since the last frame.
         """
-        now = Placed.at(self._camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
+        camera = self._camera_motion.at(time_s)
+        now = Placed.at(camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
         swing = 1 + self.light_swing_ratio * math.sin(2 * math.pi * time_s / self.light_period_s)
         meanwhile = [
-            Placed.at(self._camera, self._faces, x, y, yaw, time_s + after_s)
+            Placed.at(camera, self._faces, x, y, yaw, time_s + after_s)
             for after_s, (x, y, yaw) in moments(pose, self.exposure_s)
         ]
         frame = self._renderer.render(

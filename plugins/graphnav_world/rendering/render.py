@@ -106,7 +106,7 @@ class Renderer:
             noise, sigma = normal_noise(gray.shape, rng), noise_sigma_gray
         pixels = cv2.addWeighted(gray, light / (1 + len(meanwhile)), noise, sigma, 0.0, dtype=cv2.CV_8U)
         flow = None if before is None else partial(self._flow.between, now, before, seen)
-        return Frame(pixels, seen, self._floor.inverse_depth, flow)
+        return Frame(pixels, seen, self._floor.inverse_depth(now), flow)
 
     def _gray(self, placed: Placed, seen: Visible) -> Floats:
         """Return the gray values before light and noise, float32 (rows, cols)."""
