@@ -8,8 +8,9 @@ def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
     from graphnav_score.agreement import Agreement
     from graphnav_score.flow import Flow
+    from graphnav_score.laps import Laps
     from graphnav_score.navigation import Navigation
     from graphnav_score.plane import Plane
     from graphnav_score.steering import Steering
 
-    return [Agreement, Flow, Navigation, Plane, Steering]
+    return [Agreement, Flow, Laps, Navigation, Plane, Steering]
