@@ -9,8 +9,9 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_score.agreement import Agreement
     from graphnav_score.components import Components
     from graphnav_score.flow import Flow
+    from graphnav_score.laps import Laps
     from graphnav_score.navigation import Navigation
     from graphnav_score.plane import Plane
     from graphnav_score.steering import Steering
 
-    return [Agreement, Components, Flow, Navigation, Plane, Steering]
+    return [Agreement, Components, Flow, Laps, Navigation, Plane, Steering]

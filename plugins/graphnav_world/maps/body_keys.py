@@ -1,21 +1,29 @@
-"""Declared keys of a map: walls, obstacles, pillars, corridors."""
+"""Declared keys of a map: walls, obstacles, pillars."""
 
 from __future__ import annotations
 
-from typing import Literal
-
 from graphnav import Range, Record, key
 from graphnav_world.maps.mover_keys import Crosses, Moves
-from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Bend, Point, Shaped, Size
+from graphnav_world.maps.shape_keys import MAX_M, Bend, Point, Shaped, Size
 
 MAX_PILLARS = 1000
 _TEXTURE = "its texture: one of `textures`, or floor, wall or obstacle"
 
 
+class Door(Record):
+    """An opening in a wall, from the floor up."""
+
+    noun = "a door"
+    example = "doors: [{at_m: [1, 3], width_m: [0.5, 0.8]}]"
+
+    at_m: Range[float] = key(ge=0.0, le=MAX_M, doc="its middle, along the wall's line from its first point")
+    width_m: Range[float] = key(gt=0.0, le=MAX_M, doc="along the line, from one end of the wall to the other")
+
+
 class Wall(Record):
     """A wall along a line of points and arcs, half of its thickness on either side.
 
-    Two points are a straight wall, three a corner; a closed wall is a room.
+    Two points are a straight wall, three a corner; a closed wall is a room. Doors cut it into several walls.
     """
 
     noun = "a wall"
@@ -25,6 +33,7 @@ class Wall(Record):
         height_m: 0.35
         texture: brick
       - {along: [[0, 0], [4, 0], [4, 3], [0, 3]], closed: true}    # a room
+      - {along: [[2, 0], [2, 3]], doors: [{at_m: [0.5, 2.5], width_m: 0.7}]}    # across it, with a door
     """
 
     along: tuple[Point | Bend, ...] = key(ge=-MAX_M, le=MAX_M, doc="its middle line: points [x, y] and arcs, in order")
@@ -32,6 +41,7 @@ class Wall(Record):
     thickness_m: Range[float] = key(Range(0.1, 0.1), gt=0.0, le=MAX_M, doc="across the line")
     closed: bool = key(default=False, doc="whether it returns from the last point to the first")
     texture: str = key("wall", doc=_TEXTURE)
+    doors: tuple[Door, ...] = key((), doc="openings in it")
 
 
 class Obstacle(Shaped):
@@ -83,30 +93,3 @@ class Pillars(Record):
     field: Field = key(doc="where they are")
     height_m: Range[float] = key(Range(0.5, 0.5), gt=0.0, le=MAX_M, doc="above the floor")
     texture: str = key("obstacle", doc=_TEXTURE)
-
-
-class CorridorKeys(Record):
-    """A corridor with one bend, closed at both ends: it brings its walls, the start, and a goal across its far end.
-
-    It begins at the origin and leads along x; the robot starts there.
-    """
-
-    noun = "a corridor"
-    example = """
-    corridor: {turn: left, radius_m: [2.5, 5], half_width_m: 0.7, bend_deg: [90, 180], run_in_m: 1.5, run_out_m: 0.5,
-               start_offset_m: [-0.1, 0.1], start_heading_deg: 0}
-    """
-
-    turn: Literal["left", "right"] = key(doc="the side to which it bends: left is counterclockwise")
-    radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of the bend's middle line")
-    half_width_m: Range[float] = key(gt=0.0, le=MAX_M, doc="from the middle line to either wall")
-    bend_deg: Range[float] = key(gt=0.0, le=MAX_DEG, doc="how far it bends")
-    run_in_m: Range[float] = key(gt=0.0, le=MAX_M, doc="the straight part before the bend")
-    run_out_m: Range[float] = key(
-        gt=0.0, le=MAX_M, doc="the straight part between the bend and the goal, which is 0.5 m deep"
-    )
-    start_offset_m: Range[float] = key(ge=-MAX_M, le=MAX_M, doc="of the robot from the middle line, to the left")
-    start_heading_deg: Range[float] = key(ge=-MAX_DEG, le=MAX_DEG, doc="of the robot, from x counterclockwise")
-    height_m: Range[float] = key(Range(0.35, 0.35), gt=0.0, le=MAX_M, doc="of the walls above the floor")
-    thickness_m: Range[float] = key(Range(0.1, 0.1), gt=0.0, le=MAX_M, doc="of the walls")
-    texture: str = key("wall", doc="of the walls: one of `textures`, or floor, wall or obstacle")

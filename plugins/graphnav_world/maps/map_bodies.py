@@ -12,26 +12,35 @@ from graphnav_world.geometry.patrol import Patrol
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.body_keys import Obstacle, Wall
 from graphnav_world.maps.draws import Draws
-from graphnav_world.maps.map_shapes import draw_line, draw_shape
+from graphnav_world.maps.map_shapes import Shape, draw_line, draw_shape
 from graphnav_world.maps.mover_keys import Crosses, Moves
+from graphnav_world.maps.wall_doors import cut
 
 
-def draw_wall(draws: Draws, wall: Wall) -> Body | None:
-    """Return a wall, None if its line cannot be one."""
+def draw_wall(draws: Draws, wall: Wall) -> list[Body]:
+    """Return a wall, in parts where it has doors; none if its line cannot be one."""
     points, height_m = draw_line(draws, wall.along), draws.number(wall.height_m)
     thickness_m, min_points = draws.number(wall.thickness_m), 3 if wall.closed else 2
     if len(points) < min_points:
         what = f"a {'closed ' if wall.closed else ''}wall needs at least {min_points} points, not {len(points)}"
         draws.wrong(wall.place("along"), what, "add points [x, y] or an arc")
-        return None
+        return []
     if wall.closed and np.linalg.norm(points[-1] - points[0]) < 1e-9:
         points = points[:-1]
-    strip = outlines.strip(points, thickness_m, closed=wall.closed)
-    if strip.is_folded:
+    strips = [outlines.strip(points, thickness_m, closed=wall.closed)]
+    if wall.doors:
+        line = np.concatenate([points, points[:1]]) if wall.closed else points
+        strips = [outlines.strip(part, thickness_m, closed=False) for part in cut(line, _gaps(draws, wall))]
+    if any(strip.is_folded for strip in strips):
         what = f"a wall {thickness_m:g} m thick cannot bend as sharply as this line"
         draws.wrong(wall.place("along"), what, "give a smaller thickness_m, or a wider bend")
-        return None
-    return Body.wall(strip, height_m, wall.texture)
+        return []
+    return [Body.wall(strip, height_m, wall.texture) for strip in strips]
+
+
+def _gaps(draws: Draws, wall: Wall) -> list[tuple[float, float]]:
+    middles = ((draws.number(door.at_m), draws.number(door.width_m) / 2) for door in wall.doors)
+    return [(at_m - half_m, at_m + half_m) for at_m, half_m in middles]
 
 
 def draw_obstacle(draws: Draws, obstacle: Obstacle) -> Body | None:
