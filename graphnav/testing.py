@@ -120,7 +120,7 @@ def _check_declaration(cls: type[Stage]) -> None:
                 raise AssertionError(f"{cls.__qualname__}: invalid default: {error}") from error
     _check_metrics(cls)
     truth = [port.name for port in ports.inputs if port.message.is_truth]
-    what = f"input '{truth[:1]}' is true data, but the role is {cls.role}: write role = \"score\" or role = \"oracle\""
+    what = f'input \'{truth[:1]}\' is true data, but the role is {cls.role}: write role = "score" or role = "oracle"'
     _require(not truth or cls.role in MAY_READ_TRUTH, cls, what)
 
 

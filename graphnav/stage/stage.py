@@ -16,7 +16,7 @@ Ending = Literal["goal", "contact", "end"]
 
 Role = Literal["method", "baseline", "oracle", "score"]
 """Role of a stage in a comparison: a method, a baseline that a method has to beat, an oracle that sees the truth, a
-score that only measures. True data (`Message.is_truth`) reaches oracles and scores alone, and no stage reads a score."""
+score that only measures. True data (`Message.is_truth`) reaches oracles and scores alone; no stage reads a score."""
 
 MAY_READ_TRUTH: Final[tuple[Role, ...]] = ("oracle", "score")
 """The roles of stages that may read true data."""

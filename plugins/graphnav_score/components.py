@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 import graphnav
-from graphnav import Metric, Stage, Truth, param
+from graphnav import Metric, Role, Stage, Truth, param
 from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
 
@@ -23,6 +23,7 @@ class Components(Stage):
     whichever of them the detector took. Pixels and frames count as for `score.plane`, but for frames without motion.
     """
 
+    role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric("frames", better="neither", help="Frames that count."),
         Metric(

@@ -11,7 +11,7 @@ import numpy as np
 from graphnav import Latest, Map, Metric, Stamp, State, param
 from graphnav_score.navigation import Navigation
 
-_WITH_GOAL = ("success", "timeout", "spl", "barn", "oracle_spl")
+_WITH_GOAL = ("success", "timeout", "spl", "sct", "oracle_spl")
 """Metrics of a drive to a goal; ``success`` is another one here."""
 
 

@@ -12,7 +12,6 @@ from graphnav_steer.axes import toward
 from graphnav_steer.lap import once_around
 from graphnav_steer.way import Way
 
-
 NEXT_LAP_M = 2.0
 """Cost of what is left of a lap at which the next one is planned."""
 

@@ -41,7 +41,9 @@ def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
                 values[case.graph, case.variant],
                 None if case.folder == (base := bases[case.graph]).folder else values[base.graph, base.variant],
                 binary,
-                frozenset(name for name in values[case.graph, case.variant] if not plan.are_comparable(case, base, name)),
+                frozenset(
+                    name for name in values[case.graph, case.variant] if not plan.are_comparable(case, base, name)
+                ),
             )
             for case in plan.cases
         )

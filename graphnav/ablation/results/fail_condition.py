@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from graphnav.ablation.results.comparison import Difference
 from graphnav.ablation.results.paired_studies import PairedStudies
 from graphnav.ablation.study import MetricExpression
-from graphnav.errors import Place, Problem, UserError, did_you_mean
+from graphnav.errors import Hint, Place, Problem, UserError, did_you_mean
 
 HINT = 'write "drive.success < -0.05", or "high(drive.success) < 0" for the upper end of the interval'
 
@@ -118,7 +118,7 @@ def failed_cases(conditions: Sequence[FailCondition], pairing: PairedStudies) ->
                 yield FailedCase(condition, row.graph, row.variant, difference)
 
 
-def _near(name: str, known: Sequence[str]) -> str:
+def _near(name: str, known: Sequence[str]) -> Hint:
     return did_you_mean(name, known) or f"they have {', '.join(known)}"
 
 

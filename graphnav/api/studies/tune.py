@@ -114,7 +114,7 @@ def tune(
         sampler_seed=_at_least("sampler_seed", sampler_seed, 0),
         plugins=paths_of(plugins, "plugins", "my_stage.py"),
     )
-    options = execution_of(jobs, cluster, 0, keep_logs=False)
+    options = execution_of(jobs, cluster, 0, keep_logs=False, fail_fast=False)
     tuning = check_tuning(request, add_plugins(Catalog(), request.plugins), request.command)
     kept = temporary_folder() if folder is None else named_folder(folder)
     return Tuned(tune_into(tuning, kept.path, options.jobs, options.cluster), kept)

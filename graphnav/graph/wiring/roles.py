@@ -29,7 +29,7 @@ def refusal(
     if is_of_score(channel, classes):
         return Refusal(
             f"{reader} reads {writer}, whose role is score: no stage may read a score",
-            f"wire it to a stage that is not a score, or remove role = \"score\" from {classes[channel.stage].__name__}",
+            f'wire it to a stage that is not a score, or remove role = "score" from {classes[channel.stage].__name__}',
         )
     if channel.message.is_truth and cls.role not in MAY_READ_TRUTH:
         return Refusal(

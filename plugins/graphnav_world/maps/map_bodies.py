@@ -12,7 +12,7 @@ from graphnav_world.geometry.patrol import Patrol
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.body_keys import Obstacle, Wall
 from graphnav_world.maps.draws import Draws
-from graphnav_world.maps.map_shapes import Shape, draw_line, draw_shape
+from graphnav_world.maps.map_shapes import draw_line, draw_shape
 from graphnav_world.maps.mover_keys import Crosses, Moves
 from graphnav_world.maps.wall_doors import cut
 

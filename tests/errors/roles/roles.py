@@ -51,7 +51,7 @@ class Sample(Stage):
 
     role: ClassVar[Role] = "baseline"
 
-    def step(self, flow: Flow, map: Latest[Map], state: Since[State]) -> Plane | None:
+    def step(self, flow: Flow, map: Latest[Map], state: Since[State]) -> Plane | None:  # noqa: A002  # the port's name
         return None
 
 
