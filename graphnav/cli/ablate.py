@@ -28,8 +28,8 @@ resumes a study that was interrupted, and a longer range of seeds adds runs to t
 
 _OF_RUNS = (
     ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
-    ("--reference", "reference"), ("--worlds", "worlds"),
-    ("--one-at-a-time", "one_at_a_time"), ("--plugin", "plugins"), ("--cluster", "cluster"),
+    ("--reference", "reference"), ("--worlds", "worlds"), ("--one-at-a-time", "one_at_a_time"),
+    ("--decompose", "decompose"), ("--plugin", "plugins"), ("--cluster", "cluster"),
 )  # fmt: skip
 """Options that apply only to a study that runs, with the names of their arguments."""
 
@@ -75,6 +75,12 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
     parser.add_argument(
         "--one-at-a-time", action="store_true", help="change one axis of the base at a time instead of crossing"
+    )
+    parser.add_argument(
+        "--decompose",
+        action="store_true",
+        help="swap the stages of a graph's drive for their oracles, one at a time and cumulatively, and show where is "
+        "lost what these reach",
     )
     parser.add_argument(
         "--within",
@@ -193,6 +199,7 @@ def _request(args: argparse.Namespace) -> StudyRequest:
         metrics=args.metrics,
         within=args.within,
         one_at_a_time=args.one_at_a_time,
+        decompose=args.decompose,
         plugins=args.plugins,
         reference=args.reference,
         worlds=parse_worlds(args.worlds, problems),

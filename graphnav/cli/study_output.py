@@ -11,6 +11,7 @@ from graphnav.ablation.execution import read_plan
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
     METRICS,
+    PICTURE,
     RESULTS,
     TABLE,
     TIMING,
@@ -18,6 +19,7 @@ from graphnav.ablation.report import (
     paired_studies_markdown,
     print_comparison,
     print_paired_studies,
+    sentences,
 )
 from graphnav.ablation.results import (
     FailedCase,
@@ -42,7 +44,10 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console)
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are pending")
-    console.print(f"{folder}: {RESULTS}, {METRICS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
+    for of in files.losses:
+        console.print(" ".join(sentences(plan, of)), markup=False)
+    written = [RESULTS, METRICS, TIMING, TABLE, *([PICTURE] if files.losses else []), files.report.name]
+    console.print(f"{folder}: {', '.join(written)}", markup=False)
 
 
 def all_failed(files: StudyFiles) -> bool:

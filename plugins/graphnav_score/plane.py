@@ -33,7 +33,12 @@ class Plane(Stage):
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that count."),
         Metric("judged_ratio", unit="ratio", better="higher", help="Share of their pixels that was judged."),
-        Metric("auroc", better="higher", help="Area under the receiver operating characteristic of the score."),
+        Metric(
+            "auroc",
+            better="higher",
+            is_key=True,
+            help="Area under the receiver operating characteristic of the score.",
+        ),
         Metric(
             "recall_at_5_false_alarms_ratio",
             unit="ratio",

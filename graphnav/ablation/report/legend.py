@@ -50,9 +50,9 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     sentences = [reading, INTERVALS, counting(plan, shown_metrics(plan, comparison))]
     if any(row.own_frames.intersection(shown_metrics(plan, comparison)) for row in comparison.rows):
         sentences.append(
-            f"{OWN_FRAMES.capitalize()}: the variant drives differently from the base, so that it met other frames, and "
-            "what depends on these is not compared. Detectors are compared on one drive: in a graph that measures them "
-            "on it, or with --decompose."
+            f"{OWN_FRAMES.capitalize()}: the variant drives differently from the base and met other frames; what "
+            "depends on these is not compared. Compare detectors on one drive: in a graph that measures them on it, or "
+            "with --decompose."
         )
     roles = {row.case.role for row in comparison.rows}
     if "baseline" in roles:

@@ -3,6 +3,7 @@
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
+from graphnav.ablation.results.decomposed import Losses, Swap, losses
 from graphnav.ablation.results.fail_condition import (
     FailCondition,
     FailedCase,
@@ -25,10 +26,12 @@ __all__ = [
     "Estimate",
     "FailCondition",
     "FailedCase",
+    "Losses",
     "PairedRow",
     "PairedStudies",
     "Record",
     "Row",
+    "Swap",
     "Values",
     "bootstrap",
     "check_fail_conditions",
@@ -38,6 +41,7 @@ __all__ = [
     "failure_folder",
     "in_plan_order",
     "is_failure",
+    "losses",
     "metric_columns",
     "pair_studies",
     "parse_fail_conditions",

@@ -1,6 +1,7 @@
 """A study: its file or command line, axes, seeds, metrics."""
 
 from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.study.decomposition import Decomposition
 from graphnav.ablation.study.metric_expression import MetricExpression
 from graphnav.ablation.study.study import Axis, Choice, Study
 from graphnav.ablation.study.study_keys import STUDY
@@ -11,6 +12,7 @@ __all__ = [
     "STUDY",
     "Axis",
     "Choice",
+    "Decomposition",
     "MetricExpression",
     "Study",
     "Vary",

@@ -31,14 +31,15 @@ def study_of_command(
     one_at_a_time: bool = False,
     reference: str | None = None,
     worlds: Mapping[str, int] = MappingProxyType({}),
+    may_vary_nothing: bool = False,
     problems: Sequence[Problem] = (),
 ) -> Study:
     """Return the study that ``graphnav ablate NAMES`` with its options means.
 
     ``names``: one study, or graphs, each a file or a name. ``varies`` change the axes of the study (see `varied`);
     ``overrides`` take the place of the study's with the same targets; ``metrics`` and ``within`` (strings with commas
-    between), ``seeds``, ``reference`` and ``worlds`` replace the study's. ``problems``: what is wrong with options that
-    were read before.
+    between), ``seeds``, ``reference`` and ``worlds`` replace the study's. ``may_vary_nothing``: axes are added to it
+    later. ``problems``: what is wrong with options that were read before.
 
     Raises
     ------
@@ -48,7 +49,7 @@ def study_of_command(
     base = _named(names)
     problems = list(problems)
     axes = varied(base.axes, varies, problems)
-    if not axes and not problems:
+    if not axes and not problems and not may_vary_nothing:
         problems.append(Problem(None, "the study varies nothing", _VARY))
     found = base.seeds if seeds is None else _seeds(seeds, problems)
     limits = replaced_worlds(base.worlds, worlds, base.graphs, problems)
@@ -62,7 +63,7 @@ def study_of_command(
         raise UserError(problems)
     return replace(
         base,
-        about=base.about or _question(axes, base.graphs),
+        about=base.about or (_question(axes, base.graphs) if axes else ""),
         axes=axes,
         seeds=found,
         overrides=(*_not_replaced(base.overrides, overrides), *overrides),

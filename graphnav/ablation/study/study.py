@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from graphnav.ablation.study.decomposition import Decomposition
 from graphnav.errors import Place
 from graphnav.graph import Override
 
@@ -49,5 +50,7 @@ class Study:
     """The variant whose runs metrics may be relative to; empty for none."""
     worlds: Mapping[str, int] = field(default_factory=dict)
     """By graph: how many of the seeds, the first ones, are its worlds; all of them where it is not named."""
+    decomposition: Decomposition | None = None
+    """What it decomposes, for the report; None for other studies."""
     places: dict[str, Place] = field(default_factory=dict, compare=False)
     """The place of each of ``graphs``, ``metrics`` and ``within``, and of the reference."""

@@ -12,7 +12,17 @@ from markupsafe import Markup
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.report.html.render import rendered
-from graphnav.ablation.report.html.sections import drawings, gallery, maps, overview, plots, reproduce, tables, timing
+from graphnav.ablation.report.html.sections import (
+    decomposition,
+    drawings,
+    gallery,
+    maps,
+    overview,
+    plots,
+    reproduce,
+    tables,
+    timing,
+)
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.results import Comparison, Record
 from graphnav.catalog import Catalog
@@ -51,6 +61,7 @@ def write_report(
 def page_of(study: StudyResults) -> Markup:
     """Return the page."""
     sections = [
+        _Section("decomposition", "Where it is lost", decomposition(study)),
         _Section("graph", "What was swapped", drawings(study)),
         _Section("tables", "Results", tables(study)),
         _Section("plots", "Metrics", plots(study)),
