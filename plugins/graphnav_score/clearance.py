@@ -27,6 +27,8 @@ METRICS = (
 )
 
 _EIGHTH = math.pi / 4
+_SECTORS = (("min_clearance_ahead_m", (-1,)), ("min_clearance_side_m", (1, -3)))
+"""Where sectors of a quarter turn begin, in eighths of a turn from straight ahead."""
 
 
 class SectorClearance:
@@ -41,13 +43,14 @@ class SectorClearance:
         """Count this state, if the robot has driven a metre."""
         if driven_m < MIN_DRIVEN_M or not len(self._bodies.body):
             return
+        # Nothing in a sector is nearer than what is nearest in all directions.
+        sectors = [(name, eighths) for name, eighths in _SECTORS if state.clearance_m < self._min_m[name]]
+        if not sectors:
+            return
         ends_m = self._bodies.edges_m(state)
-        ahead, *sides = (
-            float(nearest_m(ends_m, begin * _EIGHTH, (begin + 2) * _EIGHTH).min()) - self._radius_m
-            for begin in (-1, 1, -3)
-        )
-        for name, distance_m in zip(self._min_m, (ahead, min(sides)), strict=True):
-            self._min_m[name] = min(self._min_m[name], max(distance_m, 0.0))
+        for name, eighths in sectors:
+            distances_m = (nearest_m(ends_m, begin * _EIGHTH, (begin + 2) * _EIGHTH).min() for begin in eighths)
+            self._min_m[name] = min(self._min_m[name], max(float(min(distances_m)) - self._radius_m, 0.0))
 
     def metrics(self) -> Mapping[str, float]:
         """Return the metrics that are defined."""

@@ -1,4 +1,4 @@
-"""What the robot touched first, and who ran into whom."""
+"""The first contact of a drive: with what, and who ran into whom."""
 
 from __future__ import annotations
 

@@ -14,8 +14,9 @@ METRICS = [metric for score in graphnav_stages() for metric in metrics_of(score)
 
 LOWER = {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3", "false_obstacle_ratio"}
 LOWER |= {"hit_mover", "hit_by_mover"}
-LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad"}
-NEITHER = {"frames", "median_variance_ratio", "alpha_taken_ratio"}
+LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad", "never_sighted_ratio", "mean_sighting_delay_m"}
+LOWER |= {"mean_time_to_react_s", "unjudged_obstacle_ratio"}
+NEITHER = {"frames", "counted_frames_ratio", "median_variance_ratio", "alpha_taken_ratio", "obstacles", "reacted_ratio"}
 
 
 def test_lower_is_better_where_it_is() -> None:

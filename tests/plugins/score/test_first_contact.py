@@ -1,4 +1,4 @@
-"""Who ran into whom, in drives through the simulated world."""
+"""The first contact, in drives through the simulated world."""
 
 from __future__ import annotations
 
