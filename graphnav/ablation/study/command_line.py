@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -53,12 +53,8 @@ def study_of_command(
         problems.append(Problem(None, "the study varies nothing", _VARY))
     found = base.seeds if seeds is None else _seeds(seeds, problems)
     limits = replaced_worlds(base.worlds, worlds, base.graphs, problems)
-    columns = _split(metrics)
-    if "" in columns:
-        problems.append(Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl"))
-    conditions = _split(within)
-    if "" in conditions:
-        problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))
+    columns, conditions = _split(metrics), _split(within)
+    problems += _empty(columns, conditions)
     if problems:
         raise UserError(problems)
     return replace(
@@ -77,6 +73,13 @@ def study_of_command(
         | _placed(conditions, "--within")
         | _placed([reference] if reference else [], "--reference"),
     )
+
+
+def _empty(columns: Sequence[str], conditions: Sequence[str]) -> Iterator[Problem]:
+    if "" in columns:
+        yield Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl")
+    if "" in conditions:
+        yield Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps")
 
 
 def _placed(words: Iterable[str], option: str) -> dict[str, Place]:
