@@ -18,6 +18,7 @@ from graphnav.errors import Place, Problem, UserError
 from graphnav.graph import Override, find_graph
 
 _VARY = "write --vary plane=plane.ica,plane.affine, or name a study"
+_METRICS, _WITHIN = "write --metrics drive.success,drive.spl", "write --within control.max_speed_mps"
 
 
 def study_of_command(
@@ -53,12 +54,8 @@ def study_of_command(
         problems.append(Problem(None, "the study varies nothing", _VARY))
     found = base.seeds if seeds is None else _seeds(seeds, problems)
     limits = replaced_worlds(base.worlds, worlds, base.graphs, problems)
-    columns = _split(metrics)
-    if "" in columns:
-        problems.append(Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl"))
-    conditions = _split(within)
-    if "" in conditions:
-        problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))
+    columns = _split(metrics, Problem(Place("--metrics"), "a metric is empty", _METRICS), problems)
+    conditions = _split(within, Problem(Place("--within"), "an axis is empty", _WITHIN), problems)
     if problems:
         raise UserError(problems)
     return replace(
@@ -72,15 +69,13 @@ def study_of_command(
         one_at_a_time=one_at_a_time or base.one_at_a_time,
         reference=base.reference if reference is None else reference,
         worlds=limits,
-        places=base.places
-        | _placed(columns, "--metrics")
-        | _placed(conditions, "--within")
-        | _placed([reference] if reference else [], "--reference"),
+        places=base.places | _placed({"--metrics": columns, "--within": conditions, "--reference": [reference or ""]}),
     )
 
 
-def _placed(words: Iterable[str], option: str) -> dict[str, Place]:
-    return dict.fromkeys(words, Place(option))
+def _placed(words: Mapping[str, Iterable[str]]) -> dict[str, Place]:
+    """Return the option of each word, by the words of each option; what is empty has none."""
+    return {word: Place(option) for option, of in words.items() for word in of if word}
 
 
 def _seeds(seeds: str | Sequence[int], problems: list[Problem]) -> tuple[int, ...]:
@@ -92,8 +87,11 @@ def _seeds(seeds: str | Sequence[int], problems: list[Problem]) -> tuple[int, ..
         return ()
 
 
-def _split(texts: Sequence[str]) -> list[str]:
-    return [part.strip() for text in texts for part in text.split(",")]
+def _split(texts: Sequence[str], if_empty: Problem, problems: list[Problem]) -> list[str]:
+    """Return the words between commas; ``if_empty`` is added to ``problems`` where one is missing."""
+    words = [part.strip() for text in texts for part in text.split(",")]
+    problems += [if_empty] * ("" in words)
+    return words
 
 
 def _not_replaced(old: Sequence[Override], new: Sequence[Override]) -> list[Override]:
