@@ -39,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _ABOUT
     parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files or names of shipped ones")
     _add_study_options(parser)
+    _add_world_options(parser)
     _add_execution_options(parser)
     parser.add_argument("--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder")
     parser.add_argument(
@@ -72,7 +73,6 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="override in all runs: a stage, a parameter or a wire",
     )
-    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
     parser.add_argument(
         "--one-at-a-time", action="store_true", help="change one axis of the base at a time instead of crossing"
     )
@@ -89,6 +89,11 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         metavar="AXIS,...",
         help="axes that are conditions: variants are compared with the base under the same one",
     )
+
+
+def _add_world_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the worlds of a study, and how its variants are compared there."""
+    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
     parser.add_argument(
         "--worlds",
         action="append",

@@ -8,7 +8,7 @@ from dataclasses import replace
 from graphnav.ablation.decompose.common_drive import common_drive
 from graphnav.ablation.decompose.stage_oracles import stage_oracles
 from graphnav.ablation.study import Axis, Choice, Decomposition, MetricExpression, Study
-from graphnav.ablation.study.decomposition import AXIS, BASE, COMMON, CONDITION, OWN
+from graphnav.ablation.study.study import AXIS, BASE, COMMON, CONDITION, OWN
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, UserError
 from graphnav.graph import Graph, Override, Target, load_graph

@@ -96,7 +96,7 @@ class Plan:
     """Files given with ``--plugin`` and those that the graphs name, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)
     decomposition: Decomposition | None = None
-    """What it decomposes; None for other studies."""
+    """Its stages and their oracles; None where it decomposes nothing."""
 
     @cached_property
     def variants(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""What a decomposed study says, in sentences and rows."""
+"""Sentences and table rows of a decomposed study."""
 
 from __future__ import annotations
 

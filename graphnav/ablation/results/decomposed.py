@@ -1,4 +1,4 @@
-"""What each stage of a drive costs: the metrics with its oracle in its place."""
+"""Metrics of a drive with its stages replaced by their oracles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphnav.ablation.results.comparison import Difference, Estimate
 from graphnav.ablation.results.metric_values import Values, is_binary, values_of
 from graphnav.ablation.results.records import Record
 from graphnav.ablation.study import MetricExpression
-from graphnav.ablation.study.decomposition import BASE, COMMON, CONDITION
+from graphnav.ablation.study.study import BASE, COMMON, CONDITION
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Swap:
 
 @dataclass(frozen=True)
 class Losses:
-    """What the stages of one graph cost by one metric."""
+    """Losses of the stages of one graph by one metric."""
 
     graph: str
     metric: str

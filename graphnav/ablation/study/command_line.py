@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -18,6 +18,7 @@ from graphnav.errors import Place, Problem, UserError
 from graphnav.graph import Override, find_graph
 
 _VARY = "write --vary plane=plane.ica,plane.affine, or name a study"
+_METRICS, _WITHIN = "write --metrics drive.success,drive.spl", "write --within control.max_speed_mps"
 
 
 def study_of_command(
@@ -53,8 +54,8 @@ def study_of_command(
         problems.append(Problem(None, "the study varies nothing", _VARY))
     found = base.seeds if seeds is None else _seeds(seeds, problems)
     limits = replaced_worlds(base.worlds, worlds, base.graphs, problems)
-    columns, conditions = _split(metrics), _split(within)
-    problems += _empty(columns, conditions)
+    columns = _split(metrics, Problem(Place("--metrics"), "a metric is empty", _METRICS), problems)
+    conditions = _split(within, Problem(Place("--within"), "an axis is empty", _WITHIN), problems)
     if problems:
         raise UserError(problems)
     return replace(
@@ -68,22 +69,13 @@ def study_of_command(
         one_at_a_time=one_at_a_time or base.one_at_a_time,
         reference=base.reference if reference is None else reference,
         worlds=limits,
-        places=base.places
-        | _placed(columns, "--metrics")
-        | _placed(conditions, "--within")
-        | _placed([reference] if reference else [], "--reference"),
+        places=base.places | _placed({"--metrics": columns, "--within": conditions, "--reference": [reference or ""]}),
     )
 
 
-def _empty(columns: Sequence[str], conditions: Sequence[str]) -> Iterator[Problem]:
-    if "" in columns:
-        yield Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl")
-    if "" in conditions:
-        yield Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps")
-
-
-def _placed(words: Iterable[str], option: str) -> dict[str, Place]:
-    return dict.fromkeys(words, Place(option))
+def _placed(words: Mapping[str, Iterable[str]]) -> dict[str, Place]:
+    """Return the option of each word, by the words of each option; what is empty has none."""
+    return {word: Place(option) for option, of in words.items() for word in of if word}
 
 
 def _seeds(seeds: str | Sequence[int], problems: list[Problem]) -> tuple[int, ...]:
@@ -95,8 +87,11 @@ def _seeds(seeds: str | Sequence[int], problems: list[Problem]) -> tuple[int, ..
         return ()
 
 
-def _split(texts: Sequence[str]) -> list[str]:
-    return [part.strip() for text in texts for part in text.split(",")]
+def _split(texts: Sequence[str], if_empty: Problem, problems: list[Problem]) -> list[str]:
+    """Return the words between commas; ``if_empty`` is added to ``problems`` where one is missing."""
+    words = [part.strip() for text in texts for part in text.split(",")]
+    problems += [if_empty] * ("" in words)
+    return words
 
 
 def _not_replaced(old: Sequence[Override], new: Sequence[Override]) -> list[Override]:

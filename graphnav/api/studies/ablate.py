@@ -42,16 +42,14 @@ def ablate(
 ) -> Study:
     """Swap stages of graphs, repeat over seeds, compare with statistics; return the tables and the report.
 
-    Runs execute in separate processes, one per core. A failed run is a result. With ``folder``, the same call resumes
-    an interrupted study, and more ``seeds`` add runs to the existing ones. There is no confirmation of many runs.
+    A failed run is a result. With ``folder``, the same call resumes a study, and more ``seeds`` add runs to it.
 
     Raises
     ------
     UserError
         All errors of the study and its graphs; nothing has run then.
     GraphnavError
-        The study was interrupted by a full disk, a lost cluster or, with ``fail_fast``, a failed run. Every finished
-        run is in ``folder``.
+        A full disk, a lost cluster or, with ``fail_fast``, a failed run; every finished run is in ``folder``.
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """

@@ -35,7 +35,7 @@ class StudyFiles:
     comparison: Comparison
     report: Path
     losses: tuple[Losses, ...] = ()
-    """What a decomposed study lost where."""
+    """Of a decomposed study."""
 
 
 def write_study_files(

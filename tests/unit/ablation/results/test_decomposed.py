@@ -1,4 +1,4 @@
-"""What each oracle adds, alone and behind those before it."""
+"""Each oracle adds something alone, and behind those before it."""
 
 import dataclasses
 from collections.abc import Callable, Mapping
@@ -10,7 +10,7 @@ from graphnav.ablation.report.decomposition_chart import decomposition_picture
 from graphnav.ablation.report.decomposition_text import notes, rows, sentences
 from graphnav.ablation.results import Losses, losses
 from graphnav.ablation.results.records import Record
-from graphnav.ablation.study.decomposition import Decomposition
+from graphnav.ablation.study.study import Decomposition
 from graphnav.stage import Metric
 
 MakePlan = Callable[..., Plan]

@@ -1,4 +1,4 @@
-"""What depends on the frames that a run meets is compared only where two variants drive alike."""
+"""Metrics of the frames that a run meets are compared only where two variants drive alike."""
 
 import dataclasses
 import io
