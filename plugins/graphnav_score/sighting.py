@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Latest, Map, Metric, Plane, Stage, Stamp, State, Truth, Twist, param
+from graphnav import Latest, Map, Metric, Plane, Role, Stage, Stamp, State, Truth, Twist, param
 from graphnav.arrays import Longs
 from graphnav_score.bodies import Bodies, nearest_m
 from graphnav_score.body_labels import BodyLabels
@@ -29,6 +29,8 @@ class Sighting(Stage):
     command at the first sighting, or slows down by ``min_slowing_ratio``. Only obstacles that were within 45 degrees of
     straight ahead when sighted ask for a reaction; without ``command`` none is measured.
     """
+
+    role: ClassVar[Role] = "score"
 
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric("obstacles", better="neither", help="Obstacles that count."),

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
 import pytest
 from graphnav_score.body_labels import BodyLabels
 from graphnav_score.floor_points import floor_points_m
@@ -37,7 +40,7 @@ def world(*bodies: Doubles, tilt_rad: float = np.pi / 2) -> Map:
     )
 
 
-def rays(tilt_rad: float, y: Doubles, x: Doubles) -> tuple[Doubles, Doubles]:
+def rays(tilt_rad: float, y: npt.NDArray[np.floating], x: npt.NDArray[np.floating]) -> tuple[Doubles, Doubles]:
     """Return the depth of the floor, and its places in the robot's frame, of pixels off the middle by y and x."""
     down, right = np.meshgrid(y / FOCAL_PX, x / FOCAL_PX, indexing="ij")
     z_m = HEIGHT_M / (np.sin(tilt_rad) + np.cos(tilt_rad) * down)
@@ -90,7 +93,7 @@ def state(x_m: float) -> State:
 
 
 def drive(
-    world_: Map, shares: list[float], commands: list[Twist] | None = None, step_m: float = 0.05, **params: float
+    world_: Map, shares: list[float], commands: list[Twist] | None = None, step_m: float = 0.05, **params: Any
 ) -> dict[str, float]:
     """Return the metrics of a drive along x in which this share of the visible obstacle is marked in each frame."""
     stage = Sighting(**params)
