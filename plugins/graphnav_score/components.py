@@ -20,7 +20,7 @@ class Components(Stage):
     """Which of the two independent components tells obstacle from ground.
 
     For either one the score of a cell is the deviation of its length from the median length of the frame [OI, eq. 3],
-    whichever of them the detector took. Pixels and frames count as for `score.plane`, except frames without motion.
+    whichever of them the detector took. Pixels and frames count as for `score.plane`; frames without motion count too.
     """
 
     role: ClassVar[Role] = "score"
