@@ -34,8 +34,7 @@ def decomposition_picture(found: Sequence[Losses], kind: str = "png") -> bytes:
     """
     import matplotlib as mpl
 
-    options = {"font.size": 9, "svg.fonttype": "none", "svg.hashsalt": "graphnav", "axes.spines.top": False}
-    with mpl.rc_context({**options, "axes.spines.right": False}):
+    with mpl.rc_context({"font.size": 9, "svg.fonttype": "none", "svg.hashsalt": "graphnav"}):
         figure = _figure(found)
         data = io.BytesIO()
         metadata = {"Date": None} if kind == "svg" else {"Software": None}
@@ -74,6 +73,7 @@ def _limits(shown: Sequence[float]) -> tuple[float, float]:
 def _draw(axes: Axes, of: Losses, *, has_ticks: bool) -> list[float]:
     """Draw the steps of one graph by one metric; return the values that they cover."""
     axes.set_axis_on()
+    axes.spines[["top", "right"]].set_visible(False)
     axes.set_title(heading(of), loc="left", fontsize=10, color=_INK)
     steps = [swap for swap in of.cumulative if swap.estimate is not None]
     means = [of.as_it_is.mean, *(swap.estimate.mean for swap in steps if swap.estimate is not None)]
