@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
 
@@ -105,6 +105,11 @@ def shade(normal: Doubles) -> float:
     """Return the brightness of a face with this outward normal: ambient and diffuse light, 1 for the floor."""
     lambert = max(0.0, float(normal @ SUN_W))
     return (AMBIENT + (1 - AMBIENT) * lambert) / (AMBIENT + (1 - AMBIENT) * float(SUN_W[2]))
+
+
+def unshaded(faces: Faces) -> Faces:
+    """Return the faces, all as bright as the floor."""
+    return replace(faces, shade=np.ones_like(faces.shade))
 
 
 @dataclass
