@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -12,15 +13,18 @@ from graphnav import Image, Map, ParamError, Source, State, Truth, param
 from graphnav_world.brightness import ExposureSteps, Swing
 from graphnav_world.camera_motion import CameraMotion, Shake
 from graphnav_world.geometry import outlines
+from graphnav_world.geometry.scene import unshaded
 from graphnav_world.maps.world_map import WorldMap, load_map
 from graphnav_world.painted_world import painted_world
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
 from graphnav_world.rendering.lighting import Lighting, Lights
 from graphnav_world.rendering.mip import level_count
+from graphnav_world.rendering.neutral import NeutralTexture
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame, Renderer
 from graphnav_world.rendering.shadows import Caster, Shadows
+from graphnav_world.rendering.textures import Texture
 from graphnav_world.vehicle import Pose
 
 
@@ -99,6 +103,12 @@ class Simulation(Source):
     contrast_ratio: float = param(
         1.0, ge=0.0, le=10.0, doc="contrast of all textures, times the map's; 0 leaves surfaces blank"
     )
+    neutral: bool = param(
+        False,
+        doc="whether floor, walls and obstacles all show one noise, without shading, whose grains are as large and as "
+        "many in the picture at any distance and slant: appearance says nothing, only motion does; contrast and "
+        "brightness are those of the map's floor",
+    )
     exposure_s: float = param(
         0.0, ge=0.0, le=1.0, doc="time that the shutter is open, around the frame's stamp; more blurs motion"
     )
@@ -134,9 +144,15 @@ class Simulation(Source):
         self._camera_motion = CameraMotion(self._camera, shake, np.random.default_rng([seed, 11]))
         levels = level_count(shake.farthest(self._camera))
         painted = painted_world(loaded, seed, self.contrast_ratio, levels)
-        self._faces = painted.faces
-        lighting = self._lighting(np.random.default_rng([seed, 13]))
-        self._renderer = Renderer(self._camera, painted.faces, painted.atlas, painted.floor_origin_m, lighting)
+        self._faces = unshaded(painted.faces) if self.neutral else painted.faces
+        self._renderer = Renderer(
+            self._camera,
+            self._faces,
+            painted.atlas,
+            painted.floor_origin_m,
+            lighting=self._lighting(np.random.default_rng([seed, 13])),
+            neutral=self._neutral(draw.textures["floor"], seed) if self.neutral else None,
+        )
         self._swing = Swing(self.light_swing_ratio, self.light_period_s)
         steps_rng = np.random.default_rng([seed, 12])
         self._exposure_steps = ExposureSteps(self.exposure_step_ratio, self.exposure_step_s, steps_rng)
@@ -155,6 +171,10 @@ class Simulation(Source):
         robot = Caster(self.robot_radius_m, self.camera_height_m)
         shadows = Shadows(robot, self._camera.focal_px, rng) if lights.shadow else None
         return Lighting(self._camera, self._faces, lights, shadows)
+
+    def _neutral(self, floor: Texture, seed: int) -> NeutralTexture:
+        texture = replace(floor, contrast=floor.contrast * self.contrast_ratio)
+        return NeutralTexture(self._camera, self._faces, texture, seed)
 
     def _look(self, pose: Pose, time_s: float, interval_us: int) -> tuple[Image, Truth | None]:
         """Return the frame seen from a pose and its ground truth, None for the first frame and where nothing reads it.

@@ -112,6 +112,11 @@ def shade(normal: Doubles) -> float:
     return (AMBIENT + (1 - AMBIENT) * lambert) / (AMBIENT + (1 - AMBIENT) * float(SUN_W[2]))
 
 
+def unshaded(faces: Faces) -> Faces:
+    """Return the faces, all as bright as the floor."""
+    return replace(faces, shade=np.ones_like(faces.shade))
+
+
 @dataclass
 class _Collected:
     quads: list[Doubles] = field(default_factory=list)

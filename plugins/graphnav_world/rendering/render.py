@@ -16,6 +16,7 @@ from graphnav_world.rendering.body_texture import BodyTexture
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.floor import Floor
 from graphnav_world.rendering.lighting import Lighting
+from graphnav_world.rendering.neutral import NeutralTexture
 from graphnav_world.rendering.noise import normal_noise
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.true_flow import TrueFlow
@@ -72,17 +73,25 @@ class Renderer:
     """Renders one world.
 
     ``floor_origin_m``: the world point where the floor's texture begins. ``lighting``: None for uniform light.
-    Everything is computed from the same exact hits of pixel rays and planes: texture coordinates, depth and flow.
+    ``neutral``: draws all surfaces in place of their textures. Everything is computed from the same exact hits of pixel
+    rays and planes: texture coordinates, depth and flow.
     """
 
     def __init__(
-        self, camera: Camera, faces: Faces, atlas: Atlas, floor_origin_m: Doubles, lighting: Lighting | None = None
+        self,
+        camera: Camera,
+        faces: Faces,
+        atlas: Atlas,
+        floor_origin_m: Doubles,
+        *,
+        lighting: Lighting | None = None,
+        neutral: NeutralTexture | None = None,
     ) -> None:
         self._zbuffer = ZBuffer(camera)
         self._floor = Floor(camera, atlas, floor_origin_m)
         self._texture = BodyTexture(camera, faces, atlas)
         self._flow = TrueFlow(camera, faces)
-        self._lighting = lighting
+        self._lighting, self._neutral = lighting, neutral
 
     def render(
         self,
@@ -112,8 +121,8 @@ class Renderer:
 
     def _gray(self, placed: Placed, seen: Visible) -> Floats:
         """Return the gray values before brightness and noise, float32 (rows, cols)."""
-        gray = self._floor.gray(placed)
-        if len(seen.pixel):
+        gray = self._floor.gray(placed) if self._neutral is None else self._neutral.gray(placed)
+        if len(seen.pixel) and self._neutral is None:
             gray.reshape(-1)[seen.pixel] = self._texture.gray(placed, seen)
         if self._lighting is not None:
             self._lighting.apply(gray, placed, seen, _inverse_depth(self._floor.inverse_depth(placed), seen))
