@@ -28,8 +28,9 @@ resumes a study that was interrupted, and a longer range of seeds adds runs to t
 
 _OF_RUNS = (
     ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
-    ("--reference", "reference"), ("--worlds", "worlds"), ("--one-at-a-time", "one_at_a_time"),
-    ("--decompose", "decompose"), ("--plugin", "plugins"), ("--cluster", "cluster"),
+    ("--reference", "reference"), ("--worlds", "worlds"), ("--until-clear", "until_clear"),
+    ("--one-at-a-time", "one_at_a_time"), ("--decompose", "decompose"), ("--plugin", "plugins"),
+    ("--cluster", "cluster"),
 )  # fmt: skip
 """Options that apply only to a study that runs, with the names of their arguments."""
 
@@ -94,6 +95,11 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
 def _add_world_options(parser: argparse.ArgumentParser) -> None:
     """Declare the worlds of a study, and how its variants are compared there."""
     parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
+    parser.add_argument(
+        "--until-clear",
+        action="store_true",
+        help="add seeds, in their order, only until the metric that decides tells every variant from the base",
+    )
     parser.add_argument(
         "--worlds",
         action="append",
@@ -208,6 +214,7 @@ def _request(args: argparse.Namespace) -> StudyRequest:
         plugins=args.plugins,
         reference=args.reference,
         worlds=parse_worlds(args.worlds, problems),
+        until_clear=args.until_clear,
         problems=problems,
     )
 
