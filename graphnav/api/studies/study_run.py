@@ -11,9 +11,11 @@ from typing import Protocol
 from graphnav.ablation.execution import (
     StudyFolder,
     TaskFactory,
+    TimeEstimate,
     Workers,
     cluster_workers,
     draw_failures,
+    estimate_time,
     execute,
     local_workers,
     pending_drawings,
@@ -100,6 +102,10 @@ class StudyRun:
 
         while batch := jobs_of_next_round(self.plan, read_records(self.plan, self._folder.path), is_made):
             yield batch
+
+    def estimate(self, jobs: Sequence[Job]) -> TimeEstimate:
+        """Return an upper bound of the time of runs; may make a short run of each graph."""
+        return estimate_time(jobs, read_records(self.plan, self._folder.path), self._tasks, self.workers)
 
     def seconds_a_run(self) -> float:
         """Return the mean wall time of the existing runs, of which there is at least one."""
