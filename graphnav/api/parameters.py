@@ -45,6 +45,8 @@ PARAMETERS = {
     "reference": "The variant, by its name in tables, whose runs relative metrics compare with; None: that of the "
     "study.",
     "worlds": 'Graphs that have only the first so many seeds: ``{"laps": 10}``; None: those of the study.',
+    "until_clear": "Use the seeds, in their order, only until the metric that decides tells every variant from "
+    "the base.",
     "fail_fast": "Raise `GraphnavError` at the first run in which a stage fails or whose process dies.",
     "one_at_a_time": "Change one axis of the base at a time, in place of crossing them.",
     "decompose": "Swap the stages of a graph's drive for their oracles, one at a time and cumulatively, and show where "

@@ -28,8 +28,9 @@ resumes a study that was interrupted, and a longer range of seeds adds runs to t
 
 _OF_RUNS = (
     ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
-    ("--reference", "reference"), ("--worlds", "worlds"), ("--one-at-a-time", "one_at_a_time"),
-    ("--decompose", "decompose"), ("--plugin", "plugins"), ("--cluster", "cluster"),
+    ("--reference", "reference"), ("--worlds", "worlds"), ("--until-clear", "until_clear"),
+    ("--one-at-a-time", "one_at_a_time"), ("--decompose", "decompose"), ("--plugin", "plugins"),
+    ("--cluster", "cluster"),
 )  # fmt: skip
 """Options that apply only to a study that runs, with the names of their arguments."""
 
@@ -42,6 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_world_options(parser)
     _add_execution_options(parser)
     parser.add_argument("--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder")
+    parser.add_argument(
+        "--export",
+        choices=["mlflow"],
+        help="with --report: also write an MLflow run for each case (extra: mlflow) on MLFLOW_TRACKING_URI",
+    )
     parser.add_argument(
         "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
     )
@@ -94,6 +100,11 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
 def _add_world_options(parser: argparse.ArgumentParser) -> None:
     """Declare the worlds of a study, and how its variants are compared there."""
     parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
+    parser.add_argument(
+        "--until-clear",
+        action="store_true",
+        help="add seeds, in their order, only until the metric that decides tells every variant from the base",
+    )
     parser.add_argument(
         "--worlds",
         action="append",
@@ -154,6 +165,7 @@ def main(args: argparse.Namespace) -> int:
     from rich.console import Console
 
     from graphnav.ablation.execution import read_plan
+    from graphnav.api.studies.mlflow_export import export_to_mlflow
     from graphnav.api.studies.study_files import write_study_files
     from graphnav.cli.study_output import print_outputs, write_pairing
 
@@ -166,6 +178,8 @@ def main(args: argparse.Namespace) -> int:
         plan = read_plan(args.report)
         files = write_study_files(plan, args.report, _catalog_of_usable_plugins(plan))
         print_outputs(plan, args.report, files, console)
+        if args.export:
+            console.print(f"mlflow: {export_to_mlflow(plan, files, args.report)}", markup=False)
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
@@ -178,6 +192,8 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
     """Raise UserError if --report or --compare is combined with options of a study that runs."""
     if args.fail_if and not args.compare:
         raise UserError.of("--fail-if is for --compare, which compares two studies", "add --compare A B")
+    if args.export and not args.report:
+        raise UserError.of("--export is for --report, which reads an existing study", "add --report DIR")
     chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
     if not chosen:
         return
@@ -208,6 +224,7 @@ def _request(args: argparse.Namespace) -> StudyRequest:
         plugins=args.plugins,
         reference=args.reference,
         worlds=parse_worlds(args.worlds, problems),
+        until_clear=args.until_clear,
         problems=problems,
     )
 

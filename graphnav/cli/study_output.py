@@ -42,7 +42,10 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console)
     for metric in plan.metrics if files.records else ():
         if not comparison.has_metric(metric):
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
-    if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
+    for note in files.notes:
+        console.print(note, style="dim", markup=False)
+    missing = plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as)
+    if missing and not plan.until_clear:
         console.print(f"{missing} of {plan.n_jobs} runs are pending")
     for of in files.losses:
         console.print(" ".join(sentences(plan, of)), markup=False)

@@ -86,6 +86,8 @@ class Plan:
     """Graph by graph, in the same order of variants; the base first."""
     reference: str = ""
     """The variant whose runs metrics may be relative to; empty for none."""
+    until_clear: bool = False
+    """Whether worlds are added until the metric that decides tells each variant from the base."""
     worlds: Mapping[str, int] = field(default_factory=dict)
     """By graph, as the study names it: how many of the seeds are its worlds; all where it is not named."""
     within: tuple[str, ...] = ()

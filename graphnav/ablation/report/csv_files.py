@@ -19,20 +19,24 @@ TIMING = "timing.csv"
 def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
     """Write a line a run and a column a metric; the same runs give the same bytes, in whatever order they were made.
 
-    Nothing that a wall clock measured is in it. Numbers are written so that reading them gives the same number back; a
-    metric that a run does not have is empty.
+    ``cause`` is the failure without its time: runs that failed alike have the same. Nothing that a wall clock measured
+    is in it. Numbers are written so that reading them gives the same number back; a metric that a run does not have is
+    empty.
     """
     ordered = in_plan_order(plan, records)
     metrics = metric_columns(plan, ordered)
     cases = {(case.graph, case.variant): case for case in plan.cases}
-    header = ["graph", "variant", *plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *metrics]
+    columns = ("seed", "outcome", "cause", "failure", "frames", "sim_s")
+    header = ["graph", "variant", "role", *plan.axes, *columns, *metrics]
     rows = (
         [
             (case := cases[record.graph, record.variant]).source,
             record.variant,
+            case.role,
             *(case.labels.get(axis, "") for axis in plan.axes),
             record.seed,
             record.outcome,
+            record.cause,
             record.failure,
             record.frames,
             repr(record.sim_s),

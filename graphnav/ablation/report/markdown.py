@@ -20,14 +20,16 @@ ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
 _ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
 
 
-def table_markdown(plan: Plan, comparison: Comparison, found: Sequence[Losses] = ()) -> str:
+def table_markdown(plan: Plan, comparison: Comparison, found: Sequence[Losses] = (), notes: Sequence[str] = ()) -> str:
     """Return the table of a study, graph by graph, with how to read it and how to reproduce it.
 
-    ``found``: what a decomposed study lost where.
+    ``found``: what a decomposed study lost where. ``notes``: sentences on the number of worlds.
     """
     parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else []), *_decomposition(plan, found)]
     for graph in plan.graphs:
         parts += [f"## {graph}", *_graph(plan, comparison, comparison.of_graph(graph))]
+    if notes:
+        parts += ["## Number of worlds", bullets(map(escaped, notes))]
     parts += ["## How to read and repeat this", bullets(map(escaped, legend(plan, comparison)))]
     parts.append(bullets(f"{name}: {code(value)}" for name, value in origin(plan)))
     return "\n\n".join(parts) + "\n"

@@ -16,6 +16,7 @@ from graphnav.ablation.results.intervals import DRAWS, SEED, bootstrap, wilson
 from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
 from graphnav.ablation.results.records import Record, in_plan_order, read_record, read_records
+from graphnav.ablation.results.sample_size import sample_size_texts
 
 __all__ = [
     "DRAWS",
@@ -47,6 +48,7 @@ __all__ = [
     "parse_fail_conditions",
     "read_record",
     "read_records",
+    "sample_size_texts",
     "shown_metrics",
     "table_metrics",
     "values_of",

@@ -47,13 +47,13 @@ class Study:
 
     @cached_property
     def runs(self) -> pd.DataFrame:
-        """One row per run: graph, variant, axes, seed, outcome, failure, frames, sim_s, metrics.
+        """One row per run: graph, variant, role, axes, seed, outcome, cause, failure, frames, sim_s, metrics.
 
         The content of ``results.csv``; missing metrics are NaN. Raises UserError without pandas.
         """
         pandas = import_pandas("Study.runs")
         metrics = metric_columns(self.plan, self.records)
-        columns = ["graph", "variant", *self.plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *metrics]
+        columns = ["graph", "variant", "role", *self.plan.axes, *_RUN_COLUMNS, *metrics]
         rows = [self._run(record) for record in in_plan_order(self.plan, self.records)]
         return pandas.DataFrame(rows, columns=columns)
 
@@ -75,8 +75,15 @@ class Study:
 
     def _run(self, record: Record) -> dict[str, Any]:
         case = self.plan.case(record.graph, record.variant)
-        told = {name: getattr(record, name) for name in ("seed", "outcome", "failure", "frames", "sim_s")}
-        return {"graph": case.source, "variant": record.variant, **case.labels, **told, **record.metrics}
+        told = {name: getattr(record, name) for name in _RUN_COLUMNS}
+        return {
+            "graph": case.source,
+            "variant": record.variant,
+            "role": case.role,
+            **case.labels,
+            **told,
+            **record.metrics,
+        }
 
     def _comparisons(self) -> Iterator[tuple[tuple[str, str, str], dict[str, Any]]]:
         for graph in self.plan.graphs:
@@ -99,6 +106,7 @@ class Study:
         return rendered("graphnav.api", "study.html", about=self.plan.about, table=str(self), report=self.report)
 
 
+_RUN_COLUMNS = ("seed", "outcome", "cause", "failure", "frames", "sim_s")
 _COLUMNS = (
     "worlds", "mean", "low", "high", "difference", "difference_low", "difference_high", "won", "lost", "clear",
 )  # fmt: skip

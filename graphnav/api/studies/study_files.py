@@ -22,7 +22,8 @@ from graphnav.ablation.report import (
     write_results,
     write_timing,
 )
-from graphnav.ablation.results import Comparison, Losses, Record, compare, losses, read_records
+from graphnav.ablation.results import Comparison, Losses, Record, compare, losses, read_records, sample_size_texts
+from graphnav.ablation.stopping import stopping_texts
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph
 
@@ -33,6 +34,8 @@ class StudyFiles:
 
     records: tuple[Record, ...]
     comparison: Comparison
+    notes: tuple[str, ...]
+    """Sentences on the number of worlds: when a study was stopped, and how many an unclear difference needs."""
     report: Path
     losses: tuple[Losses, ...] = ()
     """Of a decomposed study."""
@@ -56,8 +59,9 @@ def write_study_files(
     write_metrics(plan, records, folder / METRICS)
     write_timing(plan, records, folder / TIMING)
     found = losses(plan, records)
-    write_atomically(folder / TABLE, table_markdown(plan, comparison, found))
+    notes = (*stopping_texts(plan, records), *sample_size_texts(plan, comparison, records))
+    write_atomically(folder / TABLE, table_markdown(plan, comparison, found, notes))
     if found:
         write_atomically(folder / PICTURE, decomposition_picture(found))
-    report = write_report(plan, comparison, records, folder, catalog, graphs)
-    return StudyFiles(records, comparison, report, found)
+    report = write_report(plan, comparison, records, folder, catalog, graphs, notes)
+    return StudyFiles(records, comparison, notes, report, found)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from graphnav.ablation.decompose import decomposed_study
 from graphnav.ablation.plan import CheckedStudy, check_study, with_versions
+from graphnav.ablation.stopping import check_stopping
 from graphnav.ablation.study import Vary, study_of_command
 from graphnav.catalog import Catalog
 from graphnav.errors import Problem
@@ -33,6 +34,8 @@ class StudyRequest:
     worlds: Mapping[str, int] = field(default_factory=dict)
     decompose: bool = False
     """Whether the stages of the drive are swapped for their oracles (`decomposed_study`)."""
+    until_clear: bool = False
+    """Whether the results decide how many of the seeds are used."""
     problems: Sequence[Problem] = ()
     """Problems of options that were parsed before."""
 
@@ -60,7 +63,10 @@ class StudyRequest:
         if self.decompose:
             study = decomposed_study(study, catalog)
         checked = check_study(study, catalog, command or self.command, self.plugins)
-        return replace(checked, plan=with_versions(checked.plan))
+        plan = replace(checked.plan, until_clear=self.until_clear)
+        if self.until_clear:
+            check_stopping(plan)
+        return replace(checked, plan=with_versions(plan))
 
     @property
     def command(self) -> str:
@@ -76,7 +82,12 @@ class StudyRequest:
             ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),
         )
         words = [word for option, values in options for value in values for word in (option, str(value))]
-        words += ["--one-at-a-time"] * self.one_at_a_time + ["--decompose"] * self.decompose
+        flags = {
+            "--one-at-a-time": self.one_at_a_time,
+            "--decompose": self.decompose,
+            "--until-clear": self.until_clear,
+        }
+        words += [flag for flag, is_set in flags.items() if is_set]
         return shlex.join(["graphnav", "ablate", *self.names, *words])
 
 

@@ -46,13 +46,14 @@ def write_report(
     folder: Path,
     catalog: Catalog,
     graphs: Mapping[str, Graph] = MappingProxyType({}),
+    notes: Sequence[str] = (),
 ) -> Path:
     """Write ``report.html`` into the folder of a study, and the maps with paths that it shows; return its path.
 
     The page needs no other file, no script and no network. The same runs and pictures give the same bytes. ``graphs``:
-    those that are loaded already, by `Case.folder`.
+    those that are loaded already, by `Case.folder`; ``notes``: sentences on the number of worlds.
     """
-    study = StudyResults(plan, comparison, records, folder, catalog, graphs)
+    study = StudyResults(plan, comparison, records, folder, catalog, graphs, notes)
     path = folder / REPORT
     write_atomically(path, page_of(study))
     return path

@@ -25,6 +25,8 @@ class StudyResults:
     catalog: Catalog
     graphs: Mapping[str, Graph] = field(default_factory=dict)
     """Graphs that are loaded already, by `Case.folder`."""
+    notes: Sequence[str] = ()
+    """Sentences on the number of worlds."""
 
     @cached_property
     def metrics(self) -> tuple[str, ...]:

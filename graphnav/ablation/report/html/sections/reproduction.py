@@ -44,4 +44,4 @@ def reproduce(study: StudyResults) -> Markup:
 def _meaning(study: StudyResults) -> list[str]:
     n = sum(1 for row in study.comparison.rows if row.differences and not row.case.same_as)
     own = _MEANING.format(min_n=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
-    return [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics)]
+    return [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics), *study.notes]
