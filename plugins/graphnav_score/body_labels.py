@@ -14,7 +14,7 @@ OBSTACLE = 1
 _CELL_M = 0.02
 _MAX_CELLS = 4000
 _MARGIN_M = 0.05
-"""What lies this far beside a body counts as its own: a pixel's depth is that of its middle."""
+"""Points this far beside a body count as its own: a pixel's depth is that of its middle."""
 
 
 class BodyLabels:

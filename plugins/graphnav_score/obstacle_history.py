@@ -1,4 +1,4 @@
-"""What became of one obstacle of a drive: visible, sighted, reacted to."""
+"""History of one obstacle of a drive: visible, sighted, reacted to."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Seen:
 
 @dataclass
 class ObstacleHistory:
-    """What became of one obstacle; None until it happened.
+    """History of one obstacle; an event is None until it happened.
 
     Parameters
     ----------

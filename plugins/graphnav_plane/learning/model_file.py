@@ -27,7 +27,7 @@ FORMAT = 1
 TEACH = "teach one: python tools/teach_learned.py -o FILE"
 
 _DAMAGED = (ValueError, KeyError, TypeError, AttributeError, EOFError, RuntimeError, SyntaxError, struct.error)
-"""What numpy, zipfile and json raise for files that they cannot read."""
+"""Exceptions of numpy, zipfile and json for files that they cannot read."""
 
 Arrays = Mapping[str, npt.NDArray[Any]]
 

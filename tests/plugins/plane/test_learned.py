@@ -114,7 +114,7 @@ def test_a_damaged_file_is_refused_or_gives_finite_scores(tmp_path: Path) -> Non
         (replace(network_of(), biases=network_of((len(NAMES), 4, 1)).biases), "do not fit together"),
         (replace(network_of(), scale=np.zeros(len(NAMES), np.float32)), "do not fit together"),
         (replace(network_of(), mean=np.full(len(NAMES), np.nan, np.float32)), "not finite float32"),
-        (replace(network_of(), mean=np.zeros(len(NAMES), float)), "not finite float32"),  # type: ignore[arg-type]
+        (replace(network_of(), mean=np.zeros(len(NAMES), float)), "not finite float32"),
         (replace(network_of(), biases=network_of().biases[:1]), "lacks biases_1"),
     ],
 )
