@@ -44,7 +44,7 @@ def decomposed_study(study: Study, catalog: Catalog) -> Study:
     return replace(
         study,
         name=f"{study.name}_decomposed",
-        about=f"Where does {', '.join(study.graphs)} lose what its oracles reach?",
+        about=f"Which stages lose what their oracles reach on {', '.join(study.graphs)}?",
         axes=tuple(axes),
         metrics=columns,
         within=(CONDITION,) if drive is not None else (),

@@ -30,7 +30,7 @@ def decomposition_picture(found: Sequence[Losses], kind: str = "png") -> bytes:
     """Return a chart for every graph (column) and metric (row) as a picture, "png" or "svg"; the same bytes each time.
 
     From left to right: the graph as it is, what each further oracle adds, all oracles. Rings: the graph with the oracle
-    of one stage alone, with its 95 % interval.
+    of one stage alone, with the 95 % interval of its difference from the graph as it is.
     """
     import matplotlib as mpl
 
@@ -94,23 +94,32 @@ def _draw(axes: Axes, of: Losses, *, has_ticks: bool) -> list[float]:
     axes.set_xlim(-0.6, len(of.cumulative) + 1.6)
     axes.grid(axis="y", color=_QUIET, alpha=0.25, linewidth=0.6)
     axes.set_axisbelow(True)
-    return [*means, *_draw_single(axes, of.single)]
+    return [*means, *_draw_single(axes, of)]
 
 
 def _change(swap: Swap, change: float) -> str:
     return "same graph" if swap.is_same else number(change, ".3f", sign="+")
 
 
-def _draw_single(axes: Axes, single: Sequence[Swap]) -> list[float]:
+def _draw_single(axes: Axes, of: Losses) -> list[float]:
     """Draw the graph with one oracle alone; return the values that it covers."""
-    found = [(place, swap.estimate) for place, swap in enumerate(single, start=1) if swap.estimate is not None]
-    means = [of.mean for _, of in found]
-    bounds = [(of.low, of.high) if math.isfinite(of.low) else (of.mean, of.mean) for _, of in found]
-    lengths = [[mean - low for mean, (low, _) in zip(means, bounds, strict=True)]]
-    lengths.append([high - mean for mean, (_, high) in zip(means, bounds, strict=True)])
-    places = [place + _ASIDE for place, _ in found]
-    axes.errorbar(places, means, yerr=lengths, fmt="o", color=_INK, **_RING)
+    found = [(place, swap) for place, swap in enumerate(of.single, start=1) if swap.estimate is not None]
+    means = [swap.estimate.mean for _, swap in found if swap.estimate is not None]
+    bounds = [_bounds(of, swap, mean) for (_, swap), mean in zip(found, means, strict=True)]
+    below = [mean - low for mean, (low, _) in zip(means, bounds, strict=True)]
+    above = [high - mean for mean, (_, high) in zip(means, bounds, strict=True)]
+    axes.errorbar([place + _ASIDE for place, _ in found], means, yerr=[below, above], fmt="o", color=_INK, **_RING)
     return [bound for both in bounds for bound in both]
+
+
+def _bounds(of: Losses, swap: Swap, mean: float) -> tuple[float, float]:
+    """Return the interval of a swap's difference, from the graph as it is; of a share, the part between 0 and 1."""
+    if swap.gain is None or not math.isfinite(swap.gain.low):
+        return mean, mean
+    low, high = of.as_it_is.mean + swap.gain.low, of.as_it_is.mean + swap.gain.high
+    if min(mean, of.as_it_is.mean) >= 0 and max(mean, of.as_it_is.mean) <= 1:
+        low, high = max(low, 0.0), min(high, 1.0)
+    return min(low, mean), max(high, mean)
 
 
 def _legend_handles() -> list[Artist]:
@@ -121,5 +130,5 @@ def _legend_handles() -> list[Artist]:
         Line2D([], [], color=_LEVEL, linewidth=4, label="mean"),
         Patch(color=_GAIN, label="one more oracle: higher"),
         Patch(color=_LOSS, label="one more oracle: lower"),
-        Line2D([], [], marker="o", color=_INK, label="this oracle alone, 95 % interval", **_RING),
+        Line2D([], [], marker="o", color=_INK, label="this oracle alone, 95 % interval of its difference", **_RING),
     ]
