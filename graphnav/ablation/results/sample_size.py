@@ -69,7 +69,8 @@ def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Reco
                 continue
             differences = _paired(values[graph, row.case.variant], values[graph, base])
             needed = worlds_needed(differences, binary=binary, comparisons=len(rows))
-            yield f"{graph}, {row.case.variant}: {column.text} is not clear after {found.n} worlds; {_needs(needed, found.mean)}"
+            state = f"{graph}, {row.case.variant}: {column.text} is not clear after {found.n} worlds"
+            yield f"{state}; {_needs(needed, found.mean)}"
 
 
 def _needs(worlds: int | None, mean: float) -> str:
