@@ -69,10 +69,13 @@ def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Reco
                 continue
             differences = _paired(values[graph, row.case.variant], values[graph, base])
             needed = worlds_needed(differences, binary=binary, comparisons=len(rows))
-            yield f"{graph}, {row.case.variant}: {column.text} is not clear after {found.n} worlds; {_needs(needed)}"
+            state = f"{graph}, {row.case.variant}: {column.text} is not clear after {found.n} worlds"
+            yield f"{state}; {_needs(needed, found.mean)}"
 
 
-def _needs(worlds: int | None) -> str:
+def _needs(worlds: int | None, mean: float) -> str:
+    if mean == 0:
+        return "they show no difference"
     if worlds is None:
         return f"a difference this small needs more than {MAX_WORLDS}"
     return f"a difference of this size would be clear in 4 of 5 studies of about {worlds}"

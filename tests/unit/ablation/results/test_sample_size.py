@@ -78,3 +78,10 @@ def test_the_sentence_is_on_unclear_variants_only(make_plan: MakePlan, make_reco
         "corridor, alike: drive.success is not clear after 20 worlds; "
         f"a difference of this size would be clear in 4 of 5 studies of about {worlds}"
     )
+
+
+def test_where_nothing_differs_no_number_is_given(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(seeds=range(3), metrics={"drive.success": "higher"})
+    records = [make_record(variant, seed, {"drive.success": 1.0}) for variant in plan.variants for seed in range(3)]
+    (text,) = sample_size_texts(plan, compare(plan, records), records)
+    assert text == "corridor, affine: drive.success is not clear after 3 worlds; they show no difference"
