@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
@@ -42,6 +43,9 @@ class Metric:
         drives that arrive; `MEASURED`: reported of all drives, and not compared where a stage failed.
     is_outcome
         Whether it is 1 for a drive that arrived and 0 for one that did not. Counts as 0 if a stage failed.
+    min_difference
+        The smallest difference between two means that matters, in the metric's unit; 0: any. Studies call no smaller
+        difference clear.
     """
 
     name: str
@@ -51,6 +55,7 @@ class Metric:
     unit: str = ""
     if_failed: float | Literal["measured", "undefined"] = MEASURED
     is_outcome: bool = False
+    min_difference: float = 0.0
 
     @property
     def label(self) -> str:
@@ -102,4 +107,6 @@ def _fault(metric: Metric) -> str:
         return f"if_failed is {metric.if_failed!r}: use a number, UNDEFINED or MEASURED"
     if metric.is_outcome and metric.if_failed != 0.0:
         return "an outcome is 0 of a failed drive: write if_failed=0.0"
+    if not (isinstance(metric.min_difference, float | int) and 0 <= metric.min_difference < math.inf):
+        return f"min_difference is {metric.min_difference!r}: use a number of 0 or more"
     return ""

@@ -30,33 +30,52 @@ class Plane(Stage):
 
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric("frames", better="neither", help="Frames that count."),
-        Metric("judged_ratio", unit="ratio", better="higher", help="Share of their pixels that was judged."),
-        Metric("auroc", better="higher", help="Area under the receiver operating characteristic of the score."),
+        Metric(
+            "judged_ratio",
+            unit="ratio",
+            better="higher",
+            min_difference=0.02,
+            help="Share of their pixels that was judged.",
+        ),
+        Metric(
+            "auroc",
+            better="higher",
+            min_difference=0.01,
+            help="Area under the receiver operating characteristic of the score.",
+        ),
         Metric(
             "recall_at_5_false_alarms_ratio",
             unit="ratio",
             better="higher",
+            min_difference=0.02,
             help="Share of obstacle found where the score is split so that 5 % of the ground is called obstacle.",
         ),
         Metric(
             "balanced_accuracy_ratio",
             unit="ratio",
             better="higher",
+            min_difference=0.01,
             help="Of the map: mean of the recalls of obstacle and of ground.",
         ),
         Metric(
-            "iou_ratio", unit="ratio", better="higher", help="Of the map: intersection over union of obstacle, pooled."
+            "iou_ratio",
+            unit="ratio",
+            better="higher",
+            min_difference=0.02,
+            help="Of the map: intersection over union of obstacle, pooled.",
         ),
         Metric(
             "false_obstacle_ratio",
             unit="ratio",
             better="lower",
+            min_difference=0.01,
             help="Share of ground called obstacle, over the frames that count and those without any obstacle.",
         ),
         Metric(
             "flicker_ratio",
             unit="ratio",
             better="lower",
+            min_difference=0.01,
             help="Share of cells whose map changed since the last frame although the truth did not; all frames.",
         ),
     )
