@@ -103,6 +103,10 @@ def _fault(metric: Metric) -> str:
         return f"unit is '{metric.unit}', but the name says '{named}': change one of them"
     if metric.better not in get_args(Better):
         return f"better is {metric.better!r}: use {', '.join(get_args(Better))}"
+    return _value_fault(metric)
+
+
+def _value_fault(metric: Metric) -> str:
     if isinstance(metric.if_failed, str) and metric.if_failed not in {MEASURED, UNDEFINED}:
         return f"if_failed is {metric.if_failed!r}: use a number, UNDEFINED or MEASURED"
     if metric.is_outcome and metric.if_failed != 0.0:

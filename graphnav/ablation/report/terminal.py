@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, worlds_text
+from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, too_few_worlds, worlds_text
 from graphnav.ablation.report.markdown import ARROWS
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
@@ -37,6 +37,8 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
             for reason, times in row.failures.items():
                 line = " ".join(f"{row.case.variant}: {times} failed: {reason}".split())
                 console.print(Text(line, style="red"), soft_wrap=True)
+    if comparison.family and (few := too_few_worlds(len(plan.seeds), comparison.family)):
+        console.print(Text(few, style="yellow"), soft_wrap=True)
 
 
 def print_paired_studies(console: Console, pairing: PairedStudies) -> None:

@@ -63,8 +63,9 @@ class Study:
 
         ``worlds``: number of worlds with the metric; ``mean`` with its 95 % interval ``low`` to ``high``; the mean
         paired ``difference`` from the base in the same worlds with its interval; ``won`` and ``lost``: number of worlds
-        in which it was better and worse; ``clear``: whether the interval of the difference excludes 0, over enough
-        worlds. The base has no difference: NaN, 0, 0 and False.
+        in which it was better and worse; ``p`` of no difference, and ``p_holm``, adjusted for all comparisons of the
+        graph, of the metric that decides; ``clear``: whether that one's difference is significant and matters. The base
+        has no difference: NaN, 0, 0 and False.
 
         Raises UserError without pandas.
         """
@@ -100,7 +101,8 @@ class Study:
 
 
 _COLUMNS = (
-    "worlds", "mean", "low", "high", "difference", "difference_low", "difference_high", "won", "lost", "clear",
+    "worlds", "mean", "low", "high", "difference", "difference_low", "difference_high", "won", "lost", "p",
+    "p_holm", "clear",
 )  # fmt: skip
 
 
@@ -110,5 +112,6 @@ def _cells(row: Row, metric: str) -> dict[str, Any]:
     cells |= {"won": 0, "lost": 0, "clear": False}
     if other is not None:
         cells |= {"difference": other.mean, "difference_low": other.low, "difference_high": other.high}
-        cells |= {"won": other.won, "lost": other.lost, "clear": other.is_clear}
+        cells |= {"won": other.won, "lost": other.lost, "p": other.p, "clear": other.is_clear}
+        cells |= {"p_holm": other.significance.p_holm} if other.significance else {}
     return cells
