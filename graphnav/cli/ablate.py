@@ -43,6 +43,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
     )
+    parser.add_argument(
+        "--contrast",
+        dest="contrasts",
+        action="append",
+        default=[],
+        metavar="A,B",
+        help="compare two variants of the study, or with --report of an existing one, in every metric",
+    )
 
 
 def _add_study_options(parser: argparse.ArgumentParser) -> None:
@@ -117,6 +125,7 @@ def main(args: argparse.Namespace) -> int:
     from rich.console import Console
 
     from graphnav.ablation.execution import read_plan
+    from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_files import write_study_files
     from graphnav.cli.study_output import print_outputs, write_pairing
 
@@ -128,8 +137,9 @@ def main(args: argparse.Namespace) -> int:
         return OK
     if args.report:
         plan = read_plan(args.report)
+        pairs = parse_pairs(args.contrasts, plan.variants)
         files = write_study_files(plan, args.report, _catalog_of_usable_plugins(plan))
-        print_outputs(plan, args.report, files, console)
+        print_outputs(plan, args.report, files, console, pairs)
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
@@ -144,6 +154,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
     if not chosen:
         return
     given = [*args.names, *(option for option, name in _OF_RUNS if getattr(args, name)), *chosen[1:]]
+    given += ["--contrast"] if args.compare and args.contrasts else []
     if args.report and args.folder:
         given.append("-o")
     if given:
@@ -174,17 +185,19 @@ def _request(args: argparse.Namespace) -> StudyRequest:
 def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
     """Make the pending runs of a study, draw its failures, write its report."""
     from graphnav.ablation.execution import StudyFolder, pending_jobs
+    from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_run import ExecutionOptions, run_study
     from graphnav.cli.study_output import print_outputs
     from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
 
+    pairs = parse_pairs(args.contrasts, study.plan.variants)
     plan, options = study.plan, ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs)
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
             with interrupted_by_sigterm():
                 files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
-                print_outputs(plan, folder.path, files, console)
+                print_outputs(plan, folder.path, files, console, pairs)
         except KeyboardInterrupt:
             state = _state(plan, len(pending_jobs(plan, folder)))
             print(f"stopped: {state}; resume with the same command", file=sys.stderr)

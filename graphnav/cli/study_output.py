@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -15,17 +16,19 @@ from graphnav.ablation.report import (
     TIMING,
     paired_studies_markdown,
     print_comparison,
+    print_contrasts,
     print_paired_studies,
 )
-from graphnav.ablation.results import pair_studies, read_records
+from graphnav.ablation.results import Pair, contrasts, pair_studies, read_records
 from graphnav.api.studies.study_files import StudyFiles
 from graphnav.errors import UserError
 
 
-def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console) -> None:
-    """Print the table of a study in short, and the files that were written."""
+def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console, pairs: Sequence[Pair] = ()) -> None:
+    """Print the table of a study in short, pairs of its variants, and the files that were written."""
     comparison = files.comparison
     print_comparison(console, comparison, plan)
+    print_contrasts(console, contrasts(plan, files.records, pairs), plan)
     for metric in plan.metrics if files.records else ():
         if not comparison.has_metric(metric):
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)

@@ -5,7 +5,7 @@ from graphnav.ablation.report.csv_files import METRICS, RESULTS, TIMING, write_m
 from graphnav.ablation.report.html import write_report
 from graphnav.ablation.report.markdown import TABLE, table_markdown
 from graphnav.ablation.report.paired_markdown import paired_studies_markdown
-from graphnav.ablation.report.terminal import print_comparison, print_paired_studies
+from graphnav.ablation.report.terminal import print_comparison, print_contrasts, print_paired_studies
 
 __all__ = [
     "METRICS",
@@ -14,6 +14,7 @@ __all__ = [
     "TIMING",
     "paired_studies_markdown",
     "print_comparison",
+    "print_contrasts",
     "print_paired_studies",
     "table_markdown",
     "write_atomically",

@@ -17,6 +17,7 @@ from graphnav.ablation.results.hypothesis_tests import (
 )
 from graphnav.ablation.results.intervals import bonett_price, difference_interval, student, wilson
 from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
+from graphnav.ablation.results.pair_text import parse_pairs
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
 from graphnav.ablation.results.records import Record, in_plan_order, read_record, read_records
 
@@ -49,6 +50,7 @@ __all__ = [
     "min_worlds",
     "p_value",
     "pair_studies",
+    "parse_pairs",
     "read_record",
     "read_records",
     "shown_metrics",

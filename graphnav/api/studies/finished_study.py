@@ -12,7 +12,17 @@ from rich.console import Console
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import print_comparison
-from graphnav.ablation.results import Comparison, Record, Row, in_plan_order, metric_columns, shown_metrics
+from graphnav.ablation.results import (
+    Comparison,
+    Difference,
+    Record,
+    Row,
+    contrasts,
+    in_plan_order,
+    metric_columns,
+    parse_pairs,
+    shown_metrics,
+)
 from graphnav.api.extras import import_pandas
 from graphnav.api.result_folder import KeptFolder
 from graphnav.api.studies.study_files import StudyFiles
@@ -74,6 +84,25 @@ class Study:
         index = pandas.MultiIndex.from_tuples([key for key, _ in rows], names=["graph", "metric", "variant"])
         return pandas.DataFrame([row for _, row in rows], index=index, columns=list(_COLUMNS))
 
+    def contrast(self, first: str, second: str) -> pd.DataFrame:
+        """Compare two variants: a row for each graph and metric (the index).
+
+        ``difference`` is of the first from the second, in the same worlds, with its 95 % interval; ``won``, ``tied``,
+        ``lost`` count worlds; ``probability_better`` is the chance that the first is better in a world, plus half that
+        of a tie; ``p`` and ``clear`` as in `table`, of this pair alone.
+
+        Raises UserError for what is not two variants of the study, and without pandas.
+        """
+        pandas = import_pandas("Study.contrast")
+        pairs = parse_pairs([f"{first},{second}"], self.plan.variants)
+        found = [
+            ((pair.graph, metric), _contrast_cells(difference))
+            for pair in contrasts(self.plan, self.records, pairs)
+            for metric, difference in pair.differences.items()
+        ]
+        index = pandas.MultiIndex.from_tuples([key for key, _ in found], names=["graph", "metric"])
+        return pandas.DataFrame([row for _, row in found], index=index, columns=list(_CONTRAST_COLUMNS))
+
     def _run(self, record: Record) -> dict[str, Any]:
         case = self.plan.case(record.graph, record.variant)
         told = {name: getattr(record, name) for name in ("seed", "outcome", "failure", "frames", "sim_s")}
@@ -104,6 +133,18 @@ _COLUMNS = (
     "worlds", "mean", "low", "high", "difference", "difference_low", "difference_high", "won", "lost", "p",
     "p_holm", "clear",
 )  # fmt: skip
+
+_CONTRAST_COLUMNS = (
+    "worlds", "difference", "difference_low", "difference_high", "won", "tied", "lost", "probability_better",
+    "probability_better_low", "probability_better_high", "p", "clear",
+)  # fmt: skip
+
+
+def _contrast_cells(found: Difference) -> list[Any]:
+    chance = found.probability_better
+    interval = (found.mean, found.low, found.high)
+    worlds = (found.won, found.tied, found.lost)
+    return [found.n, *interval, *worlds, chance.mean, chance.low, chance.high, found.p, found.is_clear]
 
 
 def _cells(row: Row, metric: str) -> dict[str, Any]:
