@@ -12,7 +12,17 @@ from markupsafe import Markup
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.report.html.render import rendered
-from graphnav.ablation.report.html.sections import drawings, gallery, maps, overview, plots, reproduce, tables, timing
+from graphnav.ablation.report.html.sections import (
+    drawings,
+    gallery,
+    maps,
+    overview,
+    pair_matrices,
+    plots,
+    reproduce,
+    tables,
+    timing,
+)
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.results import Comparison, Record
 from graphnav.catalog import Catalog
@@ -53,6 +63,7 @@ def page_of(study: StudyResults) -> Markup:
     sections = [
         _Section("graph", "What was swapped", drawings(study)),
         _Section("tables", "Results", tables(study)),
+        _Section("pairs", "All pairs", pair_matrices(study)),
         _Section("plots", "Metrics", plots(study)),
         _Section("paths", "Paths", maps(study)),
         _Section("time", "Time per stage", timing(study)),

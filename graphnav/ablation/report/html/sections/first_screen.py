@@ -8,7 +8,7 @@ from graphnav.ablation.report.html.number_text import counted
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections.forest_plot import chart_key, forest
 from graphnav.ablation.report.html.sections.headline import headline, verdicts
-from graphnav.ablation.report.html.sections.parameter_sweeps import deciding_sweeps
+from graphnav.ablation.report.html.sections.plots import deciding_sweeps
 from graphnav.ablation.report.html.sections.variant_lists import reference_values, variants_by_verdict
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.legend import seeds_text, too_few_worlds

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from graphnav.ablation.report.html.charts.scale import scale_of, wide_scale_of
 from graphnav.ablation.report.html.number_text import MINUS, estimated, means_text, number
-from graphnav.ablation.report.html.sections.parameter_sweeps import axis_numbers
+from graphnav.ablation.report.html.sections.plots.parameter_sweeps import axis_numbers
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results.comparison import Difference, Row
 from graphnav.ablation.results.hypothesis_tests import Significance
