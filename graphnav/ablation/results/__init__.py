@@ -1,9 +1,9 @@
 """The results of a study: records, intervals, comparisons."""
 
+from graphnav.ablation.results.compare_pairs import AllPairs, Contrast, Pair, all_pairs, contrasts
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
-from graphnav.ablation.results.contrasts import AllPairs, Contrast, Pair, all_pairs, contrasts
 from graphnav.ablation.results.failures import failure_folder, is_failure, worst_failures
 from graphnav.ablation.results.hypothesis_tests import (
     ALPHA,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from graphnav.ablation.results.contrasts import Pair
+from graphnav.ablation.results.compare_pairs import Pair
 from graphnav.errors import Problem, UserError, did_you_mean
 
 

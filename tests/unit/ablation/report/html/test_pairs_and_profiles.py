@@ -12,12 +12,15 @@ import pytest
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.report.html.charts import Steps, Strand, parallel_chart, profile_chart
 from graphnav.ablation.results.records import Record
-from graphnav.stage import Metric
+from graphnav.stage import Metric, Role
 
 from .example_study import SUCCESS, Page, plan_of, record_of, records_of, report
 
-ROLES = dict.fromkeys(("ica", "affine", "bad"), "method")
 NUMBER = r"-?\d+(?:\.\d+)?"
+
+
+def methods(*variants: str) -> dict[str, Role]:
+    return dict.fromkeys(variants, "method")
 
 
 def points(curve: str) -> list[tuple[float, float]]:
@@ -26,7 +29,7 @@ def points(curve: str) -> list[tuple[float, float]]:
 
 
 def test_all_pairs_are_in_a_matrix_with_both_sides(tmp_path: Path) -> None:
-    plan = plan_of(ROLES)
+    plan = plan_of(methods("ica", "affine", "bad"))
     text = report(plan, records_of(plan, {"ica": 1.0, "affine": 0.95, "bad": 0.1}), tmp_path)
     shown = Page(text).text
     assert "corridor : 3 pairs" in shown
@@ -38,13 +41,13 @@ def test_all_pairs_are_in_a_matrix_with_both_sides(tmp_path: Path) -> None:
 
 
 def test_a_pair_needs_no_matrix(tmp_path: Path) -> None:
-    plan = plan_of(dict.fromkeys(("ica", "affine"), "method"))
+    plan = plan_of(methods("ica", "affine"))
     assert "All pairs" not in report(plan, records_of(plan, {"ica": 1.0, "affine": 0.5}), tmp_path)
-    assert "All pairs" not in report(plan_of(ROLES), [], tmp_path)
+    assert "All pairs" not in report(plan_of(methods("ica", "affine", "bad")), [], tmp_path)
 
 
 def test_of_very_many_variants_some_are_shown_and_all_count(tmp_path: Path) -> None:
-    plan = plan_of(dict.fromkeys((f"v{k}" for k in range(30)), "method"))
+    plan = plan_of(methods(*(f"v{k}" for k in range(30))))
     shown = Page(report(plan, records_of(plan, {f"v{k}": k / 30 for k in range(30)}), tmp_path)).text
     assert "corridor : 435 pairs" in shown
     assert "6 more variants are not shown, but count in the family." in shown
@@ -63,7 +66,7 @@ def with_spl(plan: Plan, values: dict[str, list[float]]) -> tuple[Plan, list[Rec
 
 
 def test_shares_that_are_not_only_0_or_1_have_profiles(tmp_path: Path) -> None:
-    plan = plan_of(dict.fromkeys(("ica", "affine"), "method"), seeds=range(4))
+    plan = plan_of(methods("ica", "affine"), seeds=range(4))
     study = with_spl(plan, {"ica": [0.9, 0.8, 1.0, 0.0], "affine": [0.5, 0.6, 0.0, 0.0]})
     text = report(*study, tmp_path)
     assert "Performance profiles" in text
@@ -87,7 +90,7 @@ def test_a_profile_falls_from_the_share_of_successes_to_nothing() -> None:
 
 
 def test_axes_that_vary_are_drawn_together(tmp_path: Path) -> None:
-    plan = plan_of(dict.fromkeys(("a", "b", "c", "d"), "method"))
+    plan = plan_of(methods("a", "b", "c", "d"))
     flow = {"a": "lk", "b": "dis", "c": "lk", "d": "dis"}
     plane = {"a": "ica", "b": "ica", "c": "affine", "d": "affine"}
     cases = tuple(replace(c, labels={"plane": plane[c.variant], "flow": flow[c.variant]}) for c in plan.cases)

@@ -8,9 +8,9 @@ from collections.abc import Callable
 import pytest
 
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.results.compare_pairs import all_pairs, contrasts
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import Difference
-from graphnav.ablation.results.contrasts import all_pairs, contrasts
 from graphnav.ablation.results.intervals import bonett_price
 from graphnav.ablation.results.records import Record
 
