@@ -68,7 +68,7 @@ def sign_flip(differences: Doubles) -> float:
     # Sums that are equal by the numbers on paper may differ by rounding.
     observed = abs(float(known.sum())) - 1e-9 * float(np.abs(known).sum())
     n_above = int((others.size - np.searchsorted(others, observed - ones, side="left")).sum())
-    return min(1.0, 2 * n_above / (1 << known.size))
+    return min(1.0, 2 * n_above / (1 << int(known.size)))
 
 
 def mcnemar(only_this: int, only_base: int) -> float:

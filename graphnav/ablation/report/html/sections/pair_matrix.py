@@ -17,6 +17,8 @@ from graphnav.stage import Better
 
 _MIN_VARIANTS = 3
 """The pairs of fewer variants are in the tables of differences from the base."""
+_MAX_VARIANTS = 60
+"""Of more, the pairs are not compared: there are thousands, and no worlds that could tell them apart."""
 _MAX_OPEN = 8
 """Variants of a matrix that is not folded."""
 
@@ -42,15 +44,15 @@ class _Matrix:
 
 
 def pair_matrices(study: StudyResults) -> Markup:
-    """Return a matrix for each graph with three variants or more, of very many variants of those that plots show."""
+    """Return a matrix for each graph with three variants or more, of many variants of those that plots show."""
     metric = study.deciding
-    if metric is None or not study.n_runs:
+    if metric is None or not study.n_runs or len(study.own_variants) > _MAX_VARIANTS:
         return Markup("")
     shown = shown_variants(study, metric)
     better = study.plan.better(metric)
     every = [pairs for pairs in all_pairs(study.plan, study.records) if len(pairs.variants) >= _MIN_VARIANTS]
     matrices = [_matrix(pairs, shown, better) for pairs in every]
-    return rendered("pair_matrix.html", metric=metric, better=better, matrices=matrices)
+    return rendered("pair_matrix.html", metric=metric, matrices=matrices)
 
 
 def _matrix(pairs: AllPairs, shown: Sequence[str], better: Better) -> _Matrix:

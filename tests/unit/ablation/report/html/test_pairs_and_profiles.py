@@ -51,6 +51,8 @@ def test_of_very_many_variants_some_are_shown_and_all_count(tmp_path: Path) -> N
     shown = Page(report(plan, records_of(plan, {f"v{k}": k / 30 for k in range(30)}), tmp_path)).text
     assert "corridor : 435 pairs" in shown
     assert "6 more variants are not shown, but count in the family." in shown
+    many = plan_of(methods(*(f"v{k}" for k in range(61))), seeds=range(2))
+    assert "All pairs" not in report(many, records_of(many, {f"v{k}": 0.5 for k in range(61)}), tmp_path)
 
 
 def with_spl(plan: Plan, values: dict[str, list[float]]) -> tuple[Plan, list[Record]]:
