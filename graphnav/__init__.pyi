@@ -29,6 +29,8 @@ from .api.profile import profile as profile
 from .api.run import run as run
 from .api.studies.ablate import ablate as ablate
 from .api.studies.finished_study import Study as Study
+from .api.studies.tune import Tuned as Tuned
+from .api.studies.tune import tune as tune
 from .continuity import Continuity as Continuity
 from .errors import (
     DeclarationError as DeclarationError,
@@ -70,6 +72,9 @@ from .grid import (
 from .hooks import hookimpl as hookimpl
 from .messages import (
     About as About,
+)
+from .messages import (
+    Components as Components,
 )
 from .messages import (
     Flow as Flow,

@@ -97,6 +97,15 @@ def graphnav_draw_frames(
 
 
 @hookspec(firstresult=True)
+def graphnav_draw_rows(recording: Recording, times_s: Sequence[float], file: Path) -> Path | None:
+    """Draw single frames of a recorded run into one picture ``file``: a row for each frame, its panels side by side.
+
+    ``times_s``: seconds since the log begins; for each the nearest frame is drawn, in the order of time. Return
+    ``file``, or None, without writing, if the log holds no images; raise UserError for a time outside of it.
+    """
+
+
+@hookspec(firstresult=True)
 def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
     """Draw a contact sheet of a recorded run: small frames at regular intervals, side by side.
 

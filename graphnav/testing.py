@@ -16,6 +16,7 @@ from graphnav.graph.find import shipped_folder
 from graphnav.graph.paths import resolve_paths
 from graphnav.messages import Message
 from graphnav.stage import (
+    MAY_READ_TRUTH,
     Latest,
     Param,
     Source,
@@ -118,6 +119,9 @@ def _check_declaration(cls: type[Stage]) -> None:
             except ParamError as error:
                 raise AssertionError(f"{cls.__qualname__}: invalid default: {error}") from error
     _check_metrics(cls)
+    truth = [port.name for port in ports.inputs if port.message.is_truth]
+    what = f'input \'{truth[:1]}\' is true data, but the role is {cls.role}: write role = "score" or role = "oracle"'
+    _require(not truth or cls.role in MAY_READ_TRUTH, cls, what)
 
 
 def _check_unit(cls: type[Stage], param: Param) -> None:

@@ -95,18 +95,21 @@ def yaml_value(value: object, name: str) -> object:
     return str(value) if isinstance(value, Path) else value
 
 
-def plain(value: object, name: str) -> object:
-    """Return a value without numpy types.
+def plain(value: object, name: str, depth: int = 0) -> object:
+    """Return a value without numpy types; ``depth``: of the lists that contain it.
 
     Raises
     ------
     UserError
         A graph cannot contain it.
     """
+    if depth > _MAX_DEPTH:
+        what = f"{name} has lists in more than {_MAX_DEPTH} others, or one that contains itself"
+        raise UserError.of(what, "write a list of values")
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [plain(item, name) for item in value]
+        return [plain(item, name, depth + 1) for item in value]
     if value is None or isinstance(value, bool | int | float | str | Path):
         return value
     raise wrong_type(name, value, "a string, number, bool, None, path or a list of these", "write its name or value")
@@ -147,5 +150,7 @@ def _shown(value: object) -> str:
     return text if len(text) <= _MAX_SHOWN and text.isprintable() else "a value"
 
 
+_MAX_DEPTH = 20
+"""Lists within lists."""
 _MAX_SHOWN = 60
 _MAX_S = 1e12

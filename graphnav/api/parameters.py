@@ -37,8 +37,18 @@ PARAMETERS = {
     "machine hardly changes.",
     "functions": "Also sample the functions inside of the steps, for the flame graph; needs pyinstrument.",
     "metrics": 'Columns of the tables, ``"drive.success"``, the one that decides first; none: all of them.',
+    "trials": "Trials of each rival, the first of which is the rival as it is.",
+    "search": 'Ranges of parameters, as ``--search`` takes them: ``"plane.threshold_px=0.05:2:log"``, '
+    '``"plane.rule=mad,otsu"``; others follow from what the stages declare.',
+    "sampler_seed": "Seed of the proposals; worlds do not depend on it.",
     "within": "Axes that are conditions: variants are compared with the base under the same one.",
+    "reference": "The variant, by its name in tables, whose runs relative metrics compare with; None: that of the "
+    "study.",
+    "worlds": 'Graphs that have only the first so many seeds: ``{"laps": 10}``; None: those of the study.',
+    "fail_fast": "Raise `GraphnavError` at the first run in which a stage fails or whose process dies.",
     "one_at_a_time": "Change one axis of the base at a time, in place of crossing them.",
+    "decompose": "Swap the stages of a graph's drive for their oracles, one at a time and cumulatively, and show where "
+    "is lost what these reach; in place of ``vary``.",
     "jobs": "Runs at once; None: one a core.",
     "cluster": 'The scheduler of a Dask cluster, ``"tcp://host:8786"``, that makes the runs.',
     "gallery": "How many failures of each variant are run again and drawn for the report.",

@@ -38,6 +38,17 @@ def temporary_folder() -> KeptFolder:
         ) from error
 
 
+def named_folder(given: PathLike) -> KeptFolder:
+    """Return a folder that may hold what an earlier call left.
+
+    Raises
+    ------
+    UserError
+        ``given`` is not a path.
+    """
+    return KeptFolder(path_of(given, "folder", "ablations/1").absolute(), is_temporary=False)
+
+
 def new_folder(given: PathLike | None) -> KeptFolder:
     """Return a new or empty writable folder: ``given``, else a temporary one.
 

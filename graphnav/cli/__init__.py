@@ -17,6 +17,7 @@ from graphnav.machine.single_thread import ONE_THREAD
 COMMANDS = {
     "run": "run a graph into a run folder: log, summary, pictures",
     "ablate": "swap stages and conditions, repeat over seeds, compare with statistics",
+    "tune": "search the parameters of rivals, the same budget for each, in worlds for tuning",
     "check": "report all errors of a graph, with line and column",
     "draw": "draw a graph: boxes in the terminal, svg, mermaid or dot",
     "stages": "list the installed stages, or describe one",

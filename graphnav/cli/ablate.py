@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_former_option, add_plugin_option, catalog_of, count
-from graphnav.cli.status import INTERRUPTED, OK
-from graphnav.errors import CatalogError, GraphnavError, Problem, UserError
+from graphnav.cli.status import FAILED, INTERRUPTED, OK
+from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,7 +28,8 @@ resumes a study that was interrupted, and a longer range of seeds adds runs to t
 
 _OF_RUNS = (
     ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
-    ("--one-at-a-time", "one_at_a_time"), ("--plugin", "plugins"), ("--cluster", "cluster"),
+    ("--reference", "reference"), ("--worlds", "worlds"), ("--one-at-a-time", "one_at_a_time"),
+    ("--decompose", "decompose"), ("--plugin", "plugins"), ("--cluster", "cluster"),
 )  # fmt: skip
 """Options that apply only to a study that runs, with the names of their arguments."""
 
@@ -38,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _ABOUT
     parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files or names of shipped ones")
     _add_study_options(parser)
+    _add_world_options(parser)
     _add_execution_options(parser)
     parser.add_argument("--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder")
     parser.add_argument(
@@ -50,6 +52,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="A,B",
         help="compare two variants of the study, or with --report of an existing one, in every metric",
+    )
+    parser.add_argument(
+        "--fail-if",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help="with --compare: exit status 1 if the difference B - A of any case meets it: 'drive.success < -0.05' for "
+        "the mean, 'high(drive.success) < 0' for the upper end of its interval; may be given several times",
     )
 
 
@@ -71,9 +81,14 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="override in all runs: a stage, a parameter or a wire",
     )
-    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
     parser.add_argument(
         "--one-at-a-time", action="store_true", help="change one axis of the base at a time instead of crossing"
+    )
+    parser.add_argument(
+        "--decompose",
+        action="store_true",
+        help="swap the stages of a graph's drive for their oracles, one at a time and cumulatively, and show where is "
+        "lost what these reach",
     )
     parser.add_argument(
         "--within",
@@ -81,6 +96,23 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="AXIS,...",
         help="axes that are conditions: variants are compared with the base under the same one",
+    )
+
+
+def _add_world_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the worlds of a study, and how its variants are compared there."""
+    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
+    parser.add_argument(
+        "--worlds",
+        action="append",
+        default=[],
+        metavar="GRAPH=N,...",
+        help="graphs that have only the first N seeds",
+    )
+    parser.add_argument(
+        "--reference",
+        metavar="VARIANT",
+        help="the variant, by its name in tables, whose runs relative metrics compare with (drive.oracle_spl)",
     )
     parser.add_argument(
         "--metrics",
@@ -117,6 +149,11 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
         help="failures of each variant that are run again and drawn (default 2; baselines 1)",
     )
     parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the drawn failures")
+    parser.add_argument(
+        "--fail-fast",
+        action="store_true",
+        help="stop at the first run in which a stage fails or whose process dies, with exit status 1",
+    )
     parser.add_argument("--yes", action="store_true", help="do not ask for confirmation before more than 1000 runs")
 
 
@@ -133,8 +170,7 @@ def main(args: argparse.Namespace) -> int:
     console = Console(highlight=False, soft_wrap=True)
     if args.compare:
         first, second = args.compare
-        write_pairing(first, second, args.folder, console)
-        return OK
+        return write_pairing(first, second, args.folder, args.fail_if, console)
     if args.report:
         plan = read_plan(args.report)
         pairs = parse_pairs(args.contrasts, plan.variants)
@@ -150,6 +186,8 @@ def main(args: argparse.Namespace) -> int:
 
 def _refuse_mixtures(args: argparse.Namespace) -> None:
     """Raise UserError if --report or --compare is combined with options of a study that runs."""
+    if args.fail_if and not args.compare:
+        raise UserError.of("--fail-if is for --compare, which compares two studies", "add --compare A B")
     chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
     if not chosen:
         return
@@ -164,7 +202,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
 
 def _request(args: argparse.Namespace) -> StudyRequest:
     """Return the study that the command line asks for."""
-    from graphnav.ablation.study import parse_varies
+    from graphnav.ablation.study import parse_varies, parse_worlds
     from graphnav.api.studies.study_request import StudyRequest
     from graphnav.graph import parse_overrides
 
@@ -177,7 +215,10 @@ def _request(args: argparse.Namespace) -> StudyRequest:
         metrics=args.metrics,
         within=args.within,
         one_at_a_time=args.one_at_a_time,
+        decompose=args.decompose,
         plugins=args.plugins,
+        reference=args.reference,
+        worlds=parse_worlds(args.worlds, problems),
         problems=problems,
     )
 
@@ -186,24 +227,31 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     """Make the pending runs of a study, draw its failures, write its report."""
     from graphnav.ablation.execution import StudyFolder, pending_jobs
     from graphnav.ablation.results import parse_pairs
-    from graphnav.api.studies.study_run import ExecutionOptions, run_study
-    from graphnav.cli.study_output import print_outputs
+    from graphnav.api.studies.study_run import ExecutionOptions, FailFastError, run_study
+    from graphnav.cli.study_output import all_failed, print_outputs
     from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
 
-    pairs = parse_pairs(args.contrasts, study.plan.variants)
-    plan, options = study.plan, ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs)
+    plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
+    options = ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs, fail_fast=args.fail_fast)
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
             with interrupted_by_sigterm():
                 files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
                 print_outputs(plan, folder.path, files, console, pairs)
+                if all_failed(files):
+                    print("a stage failed in every run", file=sys.stderr)
+                    return FAILED
         except KeyboardInterrupt:
             state = _state(plan, len(pending_jobs(plan, folder)))
             print(f"stopped: {state}; resume with the same command", file=sys.stderr)
             return INTERRUPTED
         except UserError:
             raise
+        except FailFastError as error:
+            state = _state(plan, len(pending_jobs(plan, folder)))
+            hint = f"graphnav ablate --report {shlex.quote(shown_path(folder.path))} writes their tables"
+            raise GraphnavError(f"{error}\nstopped by --fail-fast: {state}; {hint}") from error
         except GraphnavError as error:
             state = _state(plan, len(pending_jobs(plan, folder)))
             raise GraphnavError(f"{error}\n  {state}; fix this and resume with the same command") from error

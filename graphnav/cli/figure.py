@@ -30,6 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the panels of the frame at T (12.3s) instead; may be given several times",
     )
     parser.add_argument(
+        "--rows", action="store_true", help="with --at: one picture of these frames, a row of panels each"
+    )
+    parser.add_argument(
         "--every", dest="every_s", type=period, metavar="T", help="a contact sheet instead: a frame every T (0.5s)"
     )
     add_span_options(parser, "of a contact sheet: ")
@@ -41,10 +44,12 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.catalog import Catalog
     from graphnav.cli.damaged_log import damage_told
     from graphnav.record import Recording, find_log
-    from graphnav.report.pictures import draw_all, draw_frames, draw_sheet
+    from graphnav.report.pictures import draw_all, draw_frames, draw_rows, draw_sheet
 
     if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):
         raise UserError.of("--from and --until are for a contact sheet", "add --every 0.5s, or leave them out")
+    if args.rows and not args.times_s:
+        raise UserError.of("--rows is for frames of given times", "add --at 2s --at 4s, or leave it out")
     log = find_log(args.run)
     folder = args.folder or log.parent
     suffix = f".{args.format}"
@@ -54,7 +59,8 @@ def main(args: argparse.Namespace) -> int:
             folder.mkdir(parents=True, exist_ok=True)
             drawn: list[Path] = []
             if args.times_s:
-                drawn += draw_frames(catalog, recording, args.times_s, folder, suffix)
+                draw = draw_rows if args.rows else draw_frames
+                drawn += draw(catalog, recording, args.times_s, folder, suffix)
             if args.every_s is not None:
                 drawn += draw_sheet(catalog, recording, args.every_s, (args.from_s, args.until_s), folder, suffix)
             if (not args.times_s and args.every_s is None) or args.video:

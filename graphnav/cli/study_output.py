@@ -11,17 +11,31 @@ from graphnav.ablation.execution import read_plan
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
     METRICS,
+    PICTURE,
     RESULTS,
     TABLE,
     TIMING,
+    difference_text,
     paired_studies_markdown,
     print_comparison,
     print_contrasts,
     print_paired_studies,
+    sentences,
 )
-from graphnav.ablation.results import Pair, contrasts, pair_studies, read_records
+from graphnav.ablation.results import (
+    FailedCase,
+    Pair,
+    check_fail_conditions,
+    contrasts,
+    failed_cases,
+    pair_studies,
+    parse_fail_conditions,
+    read_records,
+)
 from graphnav.api.studies.study_files import StudyFiles
+from graphnav.cli.status import FAILED, OK
 from graphnav.errors import UserError
+from graphnav.runner import Outcome
 
 
 def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console, pairs: Sequence[Pair] = ()) -> None:
@@ -34,19 +48,33 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console,
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
     if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
         console.print(f"{missing} of {plan.n_jobs} runs are pending")
-    console.print(f"{folder}: {RESULTS}, {METRICS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
+    for of in files.losses:
+        console.print(" ".join(sentences(plan, of)), markup=False)
+    written = [RESULTS, METRICS, TIMING, TABLE, *([PICTURE] if files.losses else []), files.report.name]
+    console.print(f"{folder}: {', '.join(written)}", markup=False)
 
 
-def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Console) -> None:
+def all_failed(files: StudyFiles) -> bool:
+    """Return whether there are runs and a stage failed in every one."""
+    return bool(files.records) and all(record.outcome == Outcome.FAILED for record in files.records)
+
+
+def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, fail_if: Sequence[str], console: Console) -> int:
     """Compare the studies of two folders, world by world; print a short table, write the full one to ``file``.
+
+    Returns the exit status: 1 if a case meets a condition of ``fail_if``, or cannot be judged by it.
 
     Raises
     ------
     UserError
-        A folder does not contain a study, they have nothing in common, or the file cannot be written.
+        A condition cannot be read or names an unknown metric, a folder does not contain a study, they have nothing in
+        common, or the file cannot be written.
     """
+    conditions = parse_fail_conditions(fail_if)
     plan_a, plan_b = map(read_plan, (folder_a, folder_b))
-    pairing = pair_studies(plan_a, read_records(plan_a, folder_a), plan_b, read_records(plan_b, folder_b))
+    runs_a, runs_b = read_records(plan_a, folder_a), read_records(plan_b, folder_b)
+    pairing = pair_studies(plan_a, runs_a, plan_b, runs_b, [condition.column for condition in conditions])
+    check_fail_conditions(conditions, pairing)
     print_paired_studies(console, pairing)
     if file is not None:
         try:
@@ -54,3 +82,14 @@ def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, console: Co
         except OSError as error:
             raise UserError.of(f"cannot write {file}: {error.strerror}", "choose another file with -o") from error
         console.print(str(file), markup=False)
+    failed = list(failed_cases(conditions, pairing))
+    for case in failed:
+        console.print(_failed_case_text(case), style="red", markup=False)
+    return FAILED if failed else OK
+
+
+def _failed_case_text(case: FailedCase) -> str:
+    where = f"{case.condition.text}: {case.graph}, {case.variant}"
+    if case.difference is None:
+        return f"{where}: no world of both studies has this metric"
+    return f"{where}: B - A is {difference_text(case.difference)}"

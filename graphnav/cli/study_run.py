@@ -33,6 +33,7 @@ class StudyConsole:
 
     def __init__(self, console: Console, *, is_sure: bool) -> None:
         self._console, self._is_sure = console, is_sure
+        self._errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
     def accept(self, run: StudyRun) -> Sequence[Job] | None:
         """Return the pending runs, None where the user does not want them.
@@ -61,7 +62,11 @@ class StudyConsole:
 
     def progress(self, title: str, done: int, total: int) -> AbstractContextManager[Callable[[str], None]]:
         """Return the progress bar."""
-        return study_bar(Console(stderr=True), title, done, total)
+        return study_bar(self._errors, title, done, total)
+
+    def failed(self, text: str) -> None:
+        """Print a failed run above the progress bar."""
+        self._errors.print(text, markup=False, style="red")
 
     def tell(self, line: str) -> None:
         """Print a line."""

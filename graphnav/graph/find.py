@@ -11,6 +11,8 @@ SHIPPED = "graphnav_graphs"
 """The data package with graphs, maps and planar models."""
 
 _SUFFIXES = (".yaml", ".yml")
+_NO_GRAPHS = ("maps", "studies")
+"""Folders of the data package whose YAML files are no graphs."""
 
 
 def shipped_folder() -> Path:
@@ -19,8 +21,11 @@ def shipped_folder() -> Path:
 
 
 def shipped_graphs() -> dict[str, Path]:
-    """Return the graphs that ship, by name."""
-    return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml"))}
+    """Return the graphs that ship, by name: that of a graph in a folder is ``folder/name``."""
+    folder = shipped_folder()
+    in_folders = (path for path in sorted(folder.glob("*/*.yaml")) if path.parent.name not in _NO_GRAPHS)
+    paths = (*sorted(folder.glob("*.yaml")), *in_folders)
+    return {path.relative_to(folder).with_suffix("").as_posix(): path for path in paths}
 
 
 def find_graph(name: str | Path, folder: Path = Path()) -> Path:

@@ -3,10 +3,11 @@
 from graphnav.messages.message import Message, snake_case
 from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
 from graphnav.messages.run import About, Fired, Status
-from graphnav.messages.vision import Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
+from graphnav.messages.vision import Components, Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [
     "About",
+    "Components",
     "Fired",
     "Flow",
     "Goal",

@@ -42,6 +42,9 @@ class Message:
     many_writers: ClassVar[bool] = False
     """Whether several programs may write a channel of this type: then timestamps and sequence numbers are not compared,
     and ages count from the arrival."""
+    is_truth: ClassVar[bool] = False
+    """Whether it is true data, which no sensor of a robot gives: only stages whose role is score or oracle may read it.
+    A message class of another package that carries such data sets it, too."""
     n_classes: ClassVar[int] = 0
     """The number of message classes declared so far, by which caches notice new ones."""
     is_plain: ClassVar[bool]

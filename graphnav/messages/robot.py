@@ -99,6 +99,8 @@ class State(Message, lcm=graphnav_lcm.state_t):
     ``moving``: float64 (n, 3), poses (x_m, y_m, yaw_rad) of the moving obstacles in the map's order.
     """
 
+    is_truth: ClassVar[bool] = True
+
     x_m: float
     y_m: float
     yaw_rad: float
@@ -126,6 +128,8 @@ class Map(Message, lcm=graphnav_lcm.map_t):
     goal region, empty if there is none. ``shortest_m``: length of the shortest path for this robot, 0 without
     a goal. ``footprint_m``: float64 (n, 2) in R, outline on the floor of what the camera sees.
     """
+
+    is_truth: ClassVar[bool] = True
 
     kind: Bytes
     height_m: Doubles

@@ -7,7 +7,7 @@ block of pixels whose top left pixel is (r * step_px, c * step_px).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import graphnav_lcm
 import numpy as np
@@ -90,6 +90,27 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
     converged: bool = True
 
 
+class Components(Message, lcm=graphnav_lcm.components_t, grid=("alpha", "beta", "valid")):
+    """The independent components of a flow and its planar flow [OI, eq. 2], ordered by the variance of their length.
+
+    ``alpha``, ``beta``: float32 (rows, cols, 2), right and down, of unit variance: v_alpha, whose length varies less,
+    and v_beta. Their signs are arbitrary.
+    ``mixing``: float64 (2, 2), the coefficients a_ij: flow = a_00 v_alpha + a_01 v_beta, and planar flow =
+    a_10 v_alpha + a_11 v_beta, in pixels.
+    ``variances``: float64 (2,), of the lengths of v_alpha and v_beta over the valid cells.
+    ``taken``: which of them the obstacle score is made from, 0 or 1.
+    ``valid``: uint8 (rows, cols), 1 where the cell was separated.
+    """
+
+    alpha: Floats
+    beta: Floats
+    mixing: Doubles
+    variances: Doubles
+    taken: int
+    valid: Bytes
+    step_px: int
+
+
 class Potential(Message, lcm=graphnav_lcm.potential_t, grid=("potential", "gradient")):
     """The obstacle potential and its gradient, on the grid of the plane that it was made from.
 
@@ -109,6 +130,8 @@ class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flo
     ``depth_m``: float32 (rows, cols) along the optical axis, infinite above the horizon, finite elsewhere.
     ``flow_px``: float32 (rows, cols, 2), as in `Flow`, including points that were hidden or outside before.
     """
+
+    is_truth: ClassVar[bool] = True
 
     obstacle: Bytes
     depth_m: Floats = may_be_infinite()

@@ -47,6 +47,15 @@ def draw_frames(
     return drawn or []
 
 
+def draw_rows(
+    catalog: Catalog, recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
+) -> list[Path]:
+    """Draw the frames nearest to ``times_s`` (seconds from the start) into one picture; raises as `draw_frames`."""
+    with _drawing_into(catalog, recording, folder):
+        drawn = catalog.hook.graphnav_draw_rows(recording=recording, times_s=times_s, file=folder / f"rows{suffix}")
+    return [] if drawn is None else [drawn]
+
+
 def draw_sheet(
     catalog: Catalog, recording: Recording, every_s: float, span_s: tuple[float, float], folder: Path, suffix: str
 ) -> list[Path]:

@@ -11,6 +11,10 @@ from collections.abc import Mapping
 METRICS: Mapping[str, str] = {"least_clearance_m": "min_clearance_m"}
 """Of stages' metrics, without the stage's name."""
 
+REPLACED_METRICS: Mapping[str, str] = {"barn": "sct"}
+"""Of stages' metrics that no longer exist, and what to use: recorded ones keep their names, since they measure
+something else."""
+
 ROLES: Mapping[str, str] = {"control": "baseline"}
 STAGE_ATTRIBUTES: Mapping[str, str] = {"less_is_better": "metrics"}
 STUDY_KEYS: Mapping[str, str] = {"figures": "metrics"}

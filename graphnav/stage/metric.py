@@ -46,6 +46,19 @@ class Metric:
     min_difference
         The smallest difference between two means that matters, in the metric's unit; 0: any. Studies call no smaller
         difference clear.
+    of_frames
+        Whether it depends on which frames a run meets, as the score of a detector does. Variants of a study that drive
+        differently meet different frames: then it is reported of each, and not compared.
+    is_key
+        Whether it is one of the few that sum up a run: those ``graphnav ablate --decompose`` shows by default.
+    relative_to
+        Another metric of the stage, one that is better lower and above 0. The stage does not report this one: a study
+        that names a reference variant adds it to each run that has the other, as ``reference / max(own, reference)``
+        where ``reference`` is the other in the reference's run in the same world. It is ``if_failed`` where the drive
+        did not arrive or a stage failed, and missing where the reference's run does not have the other.
+    bounds
+        The lowest and the highest value that is possible; None: unknown. An outcome has (0, 1). Studies that are
+        stopped by their results (``--until-clear``) need it.
     """
 
     name: str
@@ -56,6 +69,15 @@ class Metric:
     if_failed: float | Literal["measured", "undefined"] = MEASURED
     is_outcome: bool = False
     min_difference: float = 0.0
+    of_frames: bool = False
+    is_key: bool = False
+    relative_to: str = ""
+    bounds: tuple[float, float] | None = None
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """The lowest and the highest possible value; None: unknown."""
+        return (0.0, 1.0) if self.is_outcome else self.bounds
 
     @property
     def label(self) -> str:
@@ -86,9 +108,21 @@ def _metrics_of(cls: Any) -> Mapping[str, Metric]:
     if repeated:
         raise DeclarationError(f"{cls.__qualname__} declares the metric '{repeated[0]}' twice: keep one")
     for metric in declared:
-        if fault := _fault(metric):
+        if fault := _fault(metric) or _relative_fault(metric, declared):
             raise DeclarationError(f"metric '{metric.name}' of {cls.__qualname__}: {fault}")
     return MappingProxyType({metric.name: metric for metric in declared})
+
+
+def _relative_fault(metric: Metric, declared: tuple[Metric, ...]) -> str:
+    """Return what is wrong with what a metric is relative to, empty if nothing is."""
+    if not metric.relative_to:
+        return ""
+    other = next((other for other in declared if other.name == metric.relative_to), None)
+    if other is None or other.relative_to:
+        return f"relative_to is '{metric.relative_to}': name a metric that the stage reports"
+    if other.better != "lower" or metric.better != "higher":
+        return f"relative_to is '{other.name}': of the other lower has to be better, of this one higher"
+    return "if_failed is 'undefined': use a number, or MEASURED" if metric.if_failed == UNDEFINED else ""
 
 
 def _fault(metric: Metric) -> str:
@@ -113,4 +147,15 @@ def _value_fault(metric: Metric) -> str:
         return "an outcome is 0 of a failed drive: write if_failed=0.0"
     if not (isinstance(metric.min_difference, float | int) and 0 <= metric.min_difference < math.inf):
         return f"min_difference is {metric.min_difference!r}: use a number of 0 or more"
-    return ""
+    return _bounds_fault(metric)
+
+
+def _bounds_fault(metric: Metric) -> str:
+    """Return what is wrong with the bounds of a metric, empty if nothing is."""
+    if metric.bounds is None:
+        return ""
+    bounds: Any = metric.bounds
+    numbers = isinstance(bounds, tuple) and len(bounds) == 2 and all(isinstance(b, float | int) for b in bounds)
+    if not numbers or not -math.inf < bounds[0] < bounds[1] < math.inf:
+        return f"bounds are {bounds!r}: write the lowest and the highest value, as (0, 1)"
+    return "" if not metric.is_outcome or bounds == (0, 1) else f"bounds are {bounds!r}, but an outcome is 0 or 1"

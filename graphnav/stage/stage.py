@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Literal, dataclass_transform, get_args
+from typing import Any, ClassVar, Final, Literal, dataclass_transform, get_args
 
 from graphnav.errors import ParamError
 from graphnav.stage.metric import Metric
@@ -14,8 +14,12 @@ from graphnav.stage.port import ports_of
 Ending = Literal["goal", "contact", "end"]
 """The outcomes with which a source ends a run."""
 
-Role = Literal["method", "baseline", "oracle"]
-"""Role of a stage in a comparison: a method, a baseline that a method has to beat, an oracle that sees the truth."""
+Role = Literal["method", "baseline", "oracle", "score"]
+"""Role of a stage in a comparison: a method, a baseline that a method has to beat, an oracle that sees the truth, a
+score that only measures. True data (`Message.is_truth`) reaches oracles and scores alone; no stage reads a score."""
+
+MAY_READ_TRUTH: Final[tuple[Role, ...]] = ("oracle", "score")
+"""The roles of stages that may read true data."""
 
 
 @dataclass_transform(kw_only_default=True, eq_default=False)
@@ -38,7 +42,8 @@ class Stage:
     """
 
     role: ClassVar[Role] = "method"
-    """Its role in comparisons, shown in tables."""
+    """Its role in comparisons, shown in tables. A graph is refused in which a method or a baseline reads true data, or
+    any stage reads an output of a score."""
     metrics: ClassVar[tuple[Metric, ...]] = ()
     """The metrics that `summary` returns."""
     is_guard: ClassVar[bool] = False

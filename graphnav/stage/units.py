@@ -24,6 +24,7 @@ UNITS: Mapping[str, Unit] = MappingProxyType(
         "hz": Unit("Hz", "hertz"),
         "rad": Unit("rad", "radians"),
         "deg": Unit("°", "degrees"),
+        "degps": Unit("°/s", "degrees per second"),
         "mps": Unit("m/s", "metres per second"),
         "mps2": Unit("m/s²", "metres per second squared"),
         "mps3": Unit("m/s³", "metres per second cubed"),

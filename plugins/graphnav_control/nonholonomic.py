@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from graphnav import Continuity, Stage, Stamp, Steering, Twist, param
+from graphnav import Continuity, ParamError, Stage, Stamp, Steering, Twist, param
 
 
 class Nonholonomic(Stage):
@@ -12,7 +12,7 @@ class Nonholonomic(Stage):
 
     T = T_m cos(theta) and R = R_m sin(theta) [OI, section 3], T the forward speed and R the turning rate. Beyond a
     right angle the law as published would drive backwards, blind, and turn more slowly the larger the angle: there T is
-    0 and R keeps its full value, so that the robot turns on the spot.
+    0 and R keeps its full value, so that the robot turns on the spot. ``reversing`` is the law as published.
 
     ``floor_ratio`` and ``smoothing_s`` are departures from [OI], off by default.
 
@@ -31,6 +31,17 @@ class Nonholonomic(Stage):
         0.0, ge=0.0, doc="time constant of a low-pass of the command; more is smoother and later, 0 is none"
     )
 
+    reversing: bool = param(
+        False, doc="the law as published also beyond a right angle: the robot drives backwards, where it does not see"
+    )
+
+    def check(self) -> None:
+        """Check that the robot is not to reverse and to keep a minimum speed at once."""
+        if self.reversing and self.floor_ratio:
+            raise ParamError(
+                "reversing", "a robot that reverses has no minimum speed", "remove floor_ratio, or reversing"
+            )
+
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the last command."""
         self._last: tuple[int, Twist] | None = None
@@ -41,8 +52,10 @@ class Nonholonomic(Stage):
         if self._continuity.breaks(stamp):
             self._last = None
         theta_rad = steering.theta_rad
-        speed_ratio = max(math.cos(theta_rad), self.floor_ratio)
-        turn_ratio = math.sin(theta_rad) if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
+        speed_ratio, turn_ratio = math.cos(theta_rad), math.sin(theta_rad)
+        if not self.reversing:
+            speed_ratio = max(speed_ratio, self.floor_ratio)
+            turn_ratio = turn_ratio if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
         wanted = Twist(v_mps=self.max_speed_mps * speed_ratio, omega_radps=self.max_turn_radps * turn_ratio)
         twist = self._smoothed(wanted, stamp)
         self._last = stamp, twist

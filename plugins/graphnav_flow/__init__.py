@@ -11,6 +11,7 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_flow.dis import Dis
     from graphnav_flow.farneback import Farneback
     from graphnav_flow.lucas_kanade import LucasKanade
+    from graphnav_flow.plain_lucas_kanade import PlainLucasKanade
     from graphnav_flow.truth import Truth
 
-    return [LucasKanade, Dis, Farneback, Truth]
+    return [LucasKanade, PlainLucasKanade, Dis, Farneback, Truth]

@@ -36,6 +36,11 @@ class Subspace(Taught):
     draws: int = param(
         16, ge=0, le=1000, doc="random pairs of vectors whose motions the fit may start from; 0 trusts the last frame"
     )
+    with_turn: bool = param(
+        True,
+        doc="whether the planar flow includes that of the turn; false: that of the translation alone, whose mean "
+        "points against the way that the robot drives (for the guiding force of `steer.pca`)",
+    )
 
     def reset(self, seed: int) -> None:
         """Read the model and stand still."""
@@ -57,7 +62,7 @@ class Subspace(Taught):
         return fitted(self._model, flow, self._moved)
 
     def _moved(self, uv_px: Doubles, counts: Bools) -> Doubles:
-        """Estimate the motion; return its planar flow, (2n,)."""
+        """Estimate the motion; return its planar flow, (2n,), without that of the turn where it is not wanted."""
         series, seen = self._series, np.flatnonzero(counts)
         products = series.products(uv_px)
         starts = np.zeros((2, 2 + self.draws))
@@ -66,7 +71,7 @@ class Subspace(Taught):
             starts[:, 2:] = motions_of_pairs(series, products, seen, self.draws, self._rng)
         start = best_motion(series, products, seen, starts, self.noise_px)
         self._motion = fitted_motion(series, products, counts.astype(np.float64), start, self.noise_px)
-        return series.flow(self._motion)
+        return series.flow(self._motion if self.with_turn else self._motion * (1.0, 0.0))
 
     def _use(self, model: PlanarModel) -> None:
         terms = driving_terms(model.terms)

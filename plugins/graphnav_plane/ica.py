@@ -3,20 +3,41 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, Planar, Plane, Stamp, param
+from graphnav import Components, Flow, Planar, Plane, Stamp, param
 from graphnav.arrays import Doubles, Floats
+from graphnav_plane.components import components
 from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
 from graphnav_plane.separation.whitening import Whitened, whiten
 
 Indices = npt.NDArray[np.intp]
+
+
+class IcaOutputs(NamedTuple):
+    """Outputs of `Ica`; ``components`` is left out where nothing reads it, and where nothing could be separated."""
+
+    plane: Plane
+    components: Components | None
+
+
+class Separation(NamedTuple):
+    """By what flow and planar flow add up to an obstacle's, px, and the component that it is: a row of ``unmixing``.
+
+    ``unmixing``: (2, 2), None if nothing could be separated.
+    """
+
+    of_flow: float
+    of_planar: float
+    row: int
+    unmixing: Doubles | None
+    converged: bool
 
 
 class Ica(Detector):
@@ -34,6 +55,8 @@ class Ica(Detector):
     FastICA gives components of unit variance, in which noise looks as large as a wall. So the score is in pixels: the
     component is divided by its greater unmixing coefficient, which makes it u - αû itself. Only so can a threshold
     tell an obstacle from the noise that is all that the component holds on an empty floor.
+
+    ``components`` publishes both components, their mixing and their variances.
 
     If one mixture adds nothing to the other (at rest û = 0, on a floor without noise u is a multiple of it)
     nothing can be separated: α is what fits best.
@@ -78,7 +101,7 @@ class Ica(Detector):
         super().reset(seed)
         self._unmixing: Doubles = np.random.default_rng(seed).standard_normal((2, 2))
 
-    def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> Plane:
+    def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> IcaOutputs:
         """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.
 
         Raises
@@ -89,25 +112,28 @@ class Ica(Detector):
         self._begin(stamp)
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < MIN_VECTORS:
-            return self._unjudged(cells)
+            return IcaOutputs(self._unjudged(cells), None)
         judged = np.flatnonzero(valid)
-        (of_flow, of_planar), converged = self._separated(_mixtures(cells.uv_px, planar.planar_uv_px, judged))
-        left_px = cv2.addWeighted(cells.uv_px, of_flow, planar.planar_uv_px, of_planar, 0.0)
+        found = self._separated(_mixtures(cells.uv_px, planar.planar_uv_px, judged))
+        left_px = cv2.addWeighted(cells.uv_px, found.of_flow, planar.planar_uv_px, found.of_planar, 0.0)
         score = self._remembered(left_px, valid, cells)
         if self.about == "median":
             score = np.where(valid, np.abs(score - np.median(score[valid])), np.float32(0.0))
-        return self._plane(score, valid, cells.step_px, converged=converged)
+        plane = self._plane(score, valid, cells.step_px, converged=found.converged)
+        if found.unmixing is None or not self.is_read("components"):
+            return IcaOutputs(plane, None)
+        return IcaOutputs(plane, components(cells, planar, valid, found.unmixing, found.row))
 
-    def _separated(self, mixtures: Doubles) -> tuple[tuple[float, float], bool]:
-        """Return by what flow and planar flow add up to an obstacle's, px, and whether the iteration converged."""
+    def _separated(self, mixtures: Doubles) -> Separation:
         white = whiten(mixtures, self.min_eigenvalue_ratio, centred=self.centred)
         if white is None:
-            return (1.0, -_gain(mixtures)), True
+            return Separation(1.0, -_gain(mixtures), 0, None, converged=True)
         rotation, converged = self._rotation(white)
         self._unmixing = rotation @ white.matrix
-        of_flow, of_planar = self._unmixing[self._which(rotation @ white.samples, mixtures)].tolist()
+        row = self._which(rotation @ white.samples, mixtures)
+        of_flow, of_planar = self._unmixing[row].tolist()
         scale = math.copysign(max(abs(of_flow), abs(of_planar)), of_flow)
-        return (of_flow / scale, of_planar / scale), converged
+        return Separation(of_flow / scale, of_planar / scale, row, self._unmixing, converged)
 
     def _rotation(self, white: Whitened) -> tuple[Doubles, bool]:
         if self.solver == "sklearn":

@@ -6,13 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from graphnav import Metric, Stage, Steering, param
+from graphnav import Metric, Role, Stage, Steering, param
+from graphnav_score.frame_metrics import of_frames
 
 
 class Agreement(Stage):
     """How well steering agrees with an oracle's on the same frames, whichever of the two drives."""
 
-    metrics: ClassVar[tuple[Metric, ...]] = (
+    role: ClassVar[Role] = "score"
+    metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that had both."),
         Metric(
             "angle_error_rad",

@@ -9,8 +9,9 @@ import cv2
 import numpy as np
 
 import graphnav
-from graphnav import Metric, Stage, Truth, coarsen, param
+from graphnav import Metric, Role, Stage, Truth, coarsen, param
 from graphnav.arrays import Floats
+from graphnav_score.frame_metrics import of_frames
 from graphnav_score.pixels import cell_factor
 
 
@@ -20,7 +21,8 @@ class Flow(Stage):
     A coarser flow than the truth is compared with the truth's mean over its cells.
     """
 
-    metrics: ClassVar[tuple[Metric, ...]] = (
+    role: ClassVar[Role] = "score"
+    metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that were compared."),
         Metric(
             "valid_ratio", unit="ratio", better="higher", min_difference=0.02, help="Share of vectors that are valid."

@@ -6,7 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from graphnav import UNDEFINED, Latest, Map, Metric, Stage, Stamp, State, param
+from graphnav import UNDEFINED, Latest, Map, Metric, Role, Stage, Stamp, State, param
+from graphnav_score import clearance
+from graphnav_score.first_contact import CONTACT_METRICS, FirstContact
 
 NOTHING_NEAR_M = 1000.0
 """The clearance that `State` gives where there is nothing."""
@@ -18,15 +20,19 @@ class Navigation(Stage):
     """How a drive went.
 
     Without a goal on the map no drive arrives or fails: all that is measured is reported, and ``success``, ``timeout``,
-    ``spl`` and ``barn`` are left out. The last two need the map.
+    ``spl`` and ``sct`` are left out. The last two and the clearances of sectors need the map.
+
+    The minimum and mean clearance count from the first state on, in all directions: a robot that starts with its back
+    to a wall has that wall in them. ``min_clearance_ahead_m`` and ``min_clearance_side_m`` tell how the robot drove.
 
     References
     ----------
     .. [SPL] P. Anderson et al., On Evaluation of Embodied Navigation Agents, 2018, arXiv:1807.06757.
-    .. [BARN] X. Xiao et al., Autonomous Ground Navigation in Highly Constrained Spaces: Lessons Learned From the
-       Benchmark Autonomous Robot Navigation Challenge at ICRA 2022, IEEE RAM 29(4), 2022.
+    .. [SCT] N. Yokoyama, S. Ha, D. Batra, Success Weighted by Completion Time: A Dynamics-Aware Evaluation Criteria
+       for Embodied Navigation, IROS 2021, arXiv:2103.08022.
     """
 
+    role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric(
             "success",
@@ -34,6 +40,7 @@ class Navigation(Stage):
             min_difference=0.05,
             if_failed=0.0,
             is_outcome=True,
+            is_key=True,
             help="1 if the robot reached the goal without a contact, else 0.",
         ),
         Metric(
@@ -43,13 +50,16 @@ class Navigation(Stage):
             help="1 if it neither reached the goal nor touched anything, else 0.",
         ),
         Metric("collision", better="lower", min_difference=0.05, help="1 if it touched anything, else 0."),
+        *CONTACT_METRICS,
         Metric(
             "min_clearance_m",
             unit="m",
             better="higher",
             min_difference=0.02,
-            help="From the robot's rim to what was nearest, minimum over the drive; left out if nothing ever was.",
+            help="From the robot's rim to what was nearest, minimum over the drive from its start on; left out if "
+            "nothing ever was.",
         ),
+        *clearance.METRICS,
         Metric(
             "mean_clearance_m",
             unit="m",
@@ -86,25 +96,42 @@ class Navigation(Stage):
             better="higher",
             min_difference=0.02,
             if_failed=0.0,
+            is_key=True,
             help="Success weighted by path length: shortest path / max(path, shortest path), 0 if failed [SPL].",
+            bounds=(0.0, 1.0),
         ),
         Metric(
-            "barn",
+            "oracle_spl",
             better="higher",
-            min_difference=0.01,
+            min_difference=0.02,
             if_failed=0.0,
-            help="Optimal time / clip(time, 2 x, 8 x optimal time), 0 if failed, 0.5 at best; the optimal time is that "
-            "of the shortest path at `optimal_speed_mps` [BARN].",
+            relative_to="path_length_m",
+            bounds=(0.0, 1.0),
+            help="The path of the study's `reference` in the same world / max(path, reference's path), 0 if failed; "
+            "left out where the reference has no run or did not arrive.",
+        ),
+        Metric(
+            "sct",
+            better="higher",
+            min_difference=0.02,
+            if_failed=0.0,
+            help="Success weighted by completion time: optimal time / max(time, optimal time), 0 if failed; the "
+            "optimal time is that of the shortest path at `optimal_speed_mps` [SCT].",
         ),
     )
 
-    optimal_speed_mps: float = param(
-        0.5, gt=0.0, doc="speed of the drive that `barn` calls optimal; more makes the score stricter"
+    optimal_speed_mps: float | None = param(
+        None,
+        gt=0.0,
+        doc="speed of the drive that `sct` calls optimal; more makes the score stricter; null: the highest speed of "
+        "the robot in this drive",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last drive."""
         self._map: Map | None = None
+        self._sectors: clearance.SectorClearance | None = None
+        self._max_speed_mps = 0.0
         self._states = 0
         self._first_us = self._last_us = 0
         self._at_goal = self._contact = False
@@ -112,15 +139,20 @@ class Navigation(Stage):
         self._path_m = 0.0
         self._place_m = (0.0, 0.0)
         self._jerk = MeanJerk()
+        self._first_contact = FirstContact()
 
     def step(self, state: State, map: Latest[Map], stamp: Stamp) -> None:  # noqa: A002  # the port's name
         """Count this state."""
-        self._map = map.value or self._map
+        if map.value is not None and map.value is not self._map:
+            self._map, self._sectors = map.value, clearance.SectorClearance(map.value)
         place_m = (state.x_m, state.y_m)
         if not self._states:
             self._first_us, self._place_m = stamp, place_m
         self._path_m += math.dist(place_m, self._place_m)
         self._place_m, self._last_us = place_m, stamp
+        self._max_speed_mps = max(self._max_speed_mps, abs(state.v_mps))
+        if self._sectors is not None:
+            self._sectors.add(state, self._path_m)
         self._states += 1
         self._at_goal |= state.at_goal
         self._contact |= state.contact
@@ -128,6 +160,7 @@ class Navigation(Stage):
         self._sum_clearance_m += state.clearance_m
         velocity = (state.v_mps * math.cos(state.yaw_rad), state.v_mps * math.sin(state.yaw_rad))
         self._jerk.add(velocity, stamp * 1e-6)
+        self._first_contact.add(state, self._map, stamp * 1e-6)
 
     def summary(self) -> Mapping[str, float]:
         """Return the metrics of the drive so far, none before its first state."""
@@ -136,6 +169,7 @@ class Navigation(Stage):
         duration_s = (self._last_us - self._first_us) * 1e-6
         values = {
             "collision": float(self._contact),
+            **self._first_contact.metrics(self._map),
             "min_clearance_m": self._min_clearance_m,
             "mean_clearance_m": self._sum_clearance_m / self._states,
             "path_length_m": self._path_m,
@@ -143,6 +177,8 @@ class Navigation(Stage):
         }
         if self._min_clearance_m >= NOTHING_NEAR_M:
             del values["min_clearance_m"], values["mean_clearance_m"]
+        if self._sectors is not None:
+            values |= self._sectors.metrics()
         if self._jerk.mean_mps3 is not None:
             values["mean_jerk_mps3"] = self._jerk.mean_mps3
         has_goal = self._at_goal if self._map is None else len(self._map.goal_m) > 0
@@ -156,7 +192,9 @@ class Navigation(Stage):
         }
         if self._map is not None:
             values["spl"] = success * spl(self._map.shortest_m, self._path_m)
-            values["barn"] = success * barn(self._map.shortest_m / self.optimal_speed_mps, duration_s)
+            # Times at one speed compare as lengths do.
+            optimal_m = (self.optimal_speed_mps or self._max_speed_mps) * duration_s
+            values["sct"] = success * spl(self._map.shortest_m, optimal_m)
         return values
 
 
@@ -191,10 +229,3 @@ def spl(shortest_m: float, path_m: float) -> float:
     """Return shortest / max(path, shortest) of a successful drive; 1 where it began at its goal."""
     longer = max(path_m, shortest_m)
     return shortest_m / longer if longer > 0 else 1.0
-
-
-def barn(optimal_s: float, duration_s: float) -> float:
-    """Return optimal / clip(time, 2 x optimal, 8 x optimal) of a successful drive, 0.125 to 0.5."""
-    if optimal_s == 0:
-        return 0.5
-    return optimal_s / min(max(duration_s, 2 * optimal_s), 8 * optimal_s)

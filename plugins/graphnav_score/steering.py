@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 
 import graphnav
-from graphnav import Metric, Stage, Truth, param
+from graphnav import Metric, Role, Stage, Truth, param
+from graphnav_score.frame_metrics import of_frames
 
 
 class Steering(Stage):
@@ -21,7 +22,8 @@ class Steering(Stage):
     clearly.
     """
 
-    metrics: ClassVar[tuple[Metric, ...]] = (
+    role: ClassVar[Role] = "score"
+    metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that count for the side."),
         Metric(
             "right_sign_ratio",

@@ -9,7 +9,11 @@ import numpy as np
 
 from graphnav import Latest, Map, Stage, State, Steering, param
 from graphnav_steer.axes import toward
+from graphnav_steer.lap import once_around
 from graphnav_steer.way import Way
+
+NEXT_LAP_M = 2.0
+"""Cost of what is left of a lap at which the next one is planned."""
 
 
 class Oracle(Stage):
@@ -19,6 +23,9 @@ class Oracle(Stage):
     more. It is known from every point, so that a robot that strays need not plan again. The robot heads for the point
     ``look_ahead_m`` along the path; with `control.nonholonomic` (T = T_m cos θ, R = R_m sin θ) that is nearly the arc
     of [PP]. Moving obstacles are ignored.
+
+    On a map without a goal it goes round, lap by lap: the corridor that it is in is cut off behind the robot, and the
+    way leads to the far side of the cut.
 
     References
     ----------
@@ -48,13 +55,20 @@ class Oracle(Stage):
         Raises
         ------
         ValueError
-            There is no map, or it has no goal.
+            There is no map, or it has neither a goal nor a corridor to go around.
         """
         if self._way is None:
             if map.value is None:
                 raise ValueError("steer.oracle plans on the map: connect it: --set steer.in.map=robot.map")
-            self._way = Way(map.value, self.comfort_m, self.wall_cost)
+            self._world = map.value
+            self._way = self._plan(state)
+        elif not len(self._world.goal_m) and self._way.cost(state.x_m, state.y_m) < NEXT_LAP_M:
+            self._way = self._plan(state)
         x, y = self._way.ahead(state.x_m, state.y_m, self.look_ahead_m) - (state.x_m, state.y_m)
         theta_rad = 0.0 if x == y == 0.0 else math.remainder(math.atan2(y, x) - state.yaw_rad, 2 * math.pi)
         way, nothing = toward(theta_rad), np.zeros(2)
         return Steering(repulsive=nothing, guiding=way, control=way, theta_rad=theta_rad, eigenvalues=nothing)
+
+    def _plan(self, state: State) -> Way:
+        world = self._world if len(self._world.goal_m) else once_around(self._world, state)
+        return Way(world, self.comfort_m, self.wall_cost)

@@ -16,10 +16,16 @@ from graphnav_steer.field import OBSTACLE_LEVEL, Field, obstacle_field
 from graphnav_steer.forces import Forces
 from graphnav_steer.principal import Principal, mean_gradient
 
-Strength = Literal["share", "gradient"]
+Strength = Literal["share", "gradient", "unit"]
 
-STRENGTH_DOC = "strength of r: the obstacle's share of the picture, or the length of the mean gradient"
-GAIN_DOC = "dimensionless: length of r at a share of 1 (or where the mean gradient is 255 per sigma); w has length 1"
+STRENGTH_DOC = (
+    "strength of r: the obstacle's share of the picture, the length of the mean gradient, or unit: one length whenever "
+    "there is an obstacle, as that of v1 in [OI, eq. 8]"
+)
+GAIN_DOC = (
+    "dimensionless: length of r at a share of 1 (or where the mean gradient is 255 per sigma; if unit, always); w has "
+    "length 1"
+)
 BELL_DOC = "standard deviation, in picture widths, of a bell that weighs the map's columns; null for none"
 NEAR_DOC = "dimensionless: weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
 BACKWARD_DOC = "whether r may point backwards; otherwise r only turns the robot aside"
@@ -73,7 +79,7 @@ class Potential(Forces):
 
     def _repulsive_force(self, obstacle: Doubles | None, share: float, field: Field, sigma_cells: float) -> Doubles:
         """Return r; ``obstacle`` is the direction to it (right, down)."""
-        length = self.gain * share
+        length = self.gain if self.strength == "unit" else self.gain * share
         if self.strength == "gradient":
             mean = math.hypot(*mean_gradient(field.gradient))
             length = self.gain * mean * sigma_cells / OBSTACLE_LEVEL

@@ -1,4 +1,4 @@
-"""Pictures of a recorded run, drawn from its log alone: ``map.png``, ``panels.png``, ``video.mp4``."""
+"""Pictures of a recorded run, drawn from its log alone: ``map.png``, ``panels.png``, ``components.png``, a video."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) -> list[Path]:  # noqa: FBT001 - the hook's signature
     """Draw the content of the log into ``folder``; return the files, in a fixed order.
 
-    A log without a map gives no ``map.png``, one without camera data no ``panels.png``.
+    A log without a map gives no ``map.png``, one without camera data no ``panels.png``, one without independent
+    components no ``components.png``.
     """
     from graphnav_view.pictures import draw
 
@@ -42,7 +43,7 @@ def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[st
 
 @hookimpl
 def graphnav_picture(message: Message, context: PictureContext) -> Bytes | None:
-    """Draw an image, a flow, a plane, a potential, a force, or the robot on its map; None for other messages."""
+    """Draw an image, flow, components, plane, potential, force, or the robot on its map; None for other messages."""
     from graphnav_view.message_picture import picture_of
 
     return picture_of(message, context)
@@ -57,6 +58,15 @@ def graphnav_draw_frames(
     from graphnav_view.signals import Signals
 
     return draw_frames(Signals(recording), times_s, folder, suffix)
+
+
+@hookimpl
+def graphnav_draw_rows(recording: Recording, times_s: Sequence[float], file: Path) -> Path | None:
+    """Draw the paper's seven panels of each frame in a row; None if the log has no camera data."""
+    from graphnav_view.panels.frame_rows import draw_rows
+    from graphnav_view.signals import Signals
+
+    return draw_rows(Signals(recording), times_s, file)
 
 
 @hookimpl

@@ -6,6 +6,7 @@ import math
 from bisect import bisect_left
 
 from graphnav import Latest, Twist
+from graphnav_world.delay_line import DelayLine
 from graphnav_world.vehicle import SUBSTEP_S, Pose, Vehicle
 
 STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
@@ -15,17 +16,22 @@ _SUBSTEP_US = round(SUBSTEP_S * 1e6)
 class Drive:
     """Drives a vehicle by the last command until it is older than ``timeout_s``; then brakes.
 
-    Times are microseconds from the start.
+    Everything that a command does it does ``latency_s`` later. Times are microseconds from the start.
     """
 
-    def __init__(self, vehicle: Vehicle, timeout_s: float) -> None:
+    def __init__(self, vehicle: Vehicle, timeout_s: float, latency_s: float = 0.0) -> None:
         self._vehicle, self._timeout_s = vehicle, timeout_s
+        self._heard: DelayLine[Latest[Twist]] = DelayLine(round(1e6 * latency_s))
         self._twist, self._expires_us = STANDSTILL, 0
         self._times_us = [0]
-        self._poses = [vehicle.pose]
+        self._pose = vehicle.pose
+        self._wheels = [vehicle.wheels]
 
     def hear(self, command: Latest[Twist], now_us: int) -> None:
-        """Apply the newest command from now on, for ``timeout_s`` minus its age."""
+        """Apply the newest command from now and the latency on, for ``timeout_s`` minus its age."""
+        self._heard.put(command, now_us)
+
+    def _obey(self, command: Latest[Twist], now_us: int) -> None:
         if command.value is None or command.age_s > self._timeout_s:
             self._twist = STANDSTILL
             return
@@ -34,32 +40,35 @@ class Drive:
 
     def advance(self, until_us: int) -> Pose:
         """Drive until a time; return the pose then. Its clearance is the minimum since the last call."""
-        begin_us, begin = self._times_us[-1], self._poses[-1]
-        self._times_us, self._poses = [begin_us], [begin]
+        begin = self._pose
+        self._times_us, self._wheels = self._times_us[-1:], self._wheels[-1:]
         clearances_m = []
         while (now_us := self._times_us[-1]) < until_us:
+            for heard_us, command in self._heard.due(now_us):
+                self._obey(command, heard_us)
             alive = now_us < self._expires_us
             twist = self._twist if alive else STANDSTILL
             end_us = min(until_us, self._expires_us) if alive else until_us
-            pose = self._substep(twist, min(now_us + _SUBSTEP_US, end_us))
-            clearances_m.append(pose.clearance_m)
-        return self._poses[-1]._replace(clearance_m=min(clearances_m, default=begin.clearance_m))
+            self._substep(twist, int(min(now_us + _SUBSTEP_US, end_us, self._heard.next_us)))
+            clearances_m.append(self._pose.clearance_m)
+        return self._pose._replace(clearance_m=min(clearances_m, default=begin.clearance_m))
 
-    def pose_at(self, time_us: int) -> Pose:
-        """Return the pose at a time of the last `advance`, interpolated between steps of at most 10 ms."""
+    def wheels_at(self, time_us: int) -> Pose:
+        """Return the pose by the wheels at a time of the last `advance`, interpolated between steps of up to 10 ms."""
         k = bisect_left(self._times_us, time_us)
         if self._times_us[k] == time_us:
-            return self._poses[k]
+            return self._wheels[k]
         then_us, end_us = self._times_us[k - 1 : k + 1]
-        return _between(self._poses[k - 1], self._poses[k], (time_us - then_us) / (end_us - then_us))
+        return _between(self._wheels[k - 1], self._wheels[k], (time_us - then_us) / (end_us - then_us))
 
-    def _substep(self, twist: Twist, until_us: int) -> Pose:
+    def _substep(self, twist: Twist, until_us: int) -> None:
         pose = self._vehicle.advance(twist.v_mps, twist.omega_radps, until_us / 1e6)
+        wheels = self._vehicle.wheels
         if pose.contact:
-            pose = pose._replace(v_mps=0.0, omega_radps=0.0)
+            pose, wheels = (one._replace(v_mps=0.0, omega_radps=0.0) for one in (pose, wheels))
         self._times_us.append(until_us)
-        self._poses.append(pose)
-        return pose
+        self._pose = pose
+        self._wheels.append(wheels)
 
 
 def _between(then: Pose, now: Pose, share: float) -> Pose:

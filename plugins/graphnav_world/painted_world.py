@@ -59,6 +59,6 @@ def painted_world(world: WorldMap, seed: int, contrast_ratio: float, levels: int
 
 def _floor_m(draw: MapDraw) -> tuple[Doubles, Doubles]:
     """Return the lowest and highest corner of the floor that can be seen."""
-    standing = [body.outline for body in draw.bodies if body.patrol is None]
+    standing = [body.outline for body in draw.bodies if body.course is None]
     points = np.concatenate([[draw.start[:2]], draw.goal_m, *standing])
     return points.min(axis=0) - BEYOND_BODIES_M, points.max(axis=0) + BEYOND_BODIES_M

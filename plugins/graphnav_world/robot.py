@@ -22,9 +22,10 @@ from graphnav import (
     param,
 )
 from graphnav_world.drive import Drive
+from graphnav_world.late_motion import LatePoses
+from graphnav_world.mobile_robot import MobileRobot
 from graphnav_world.odometry import DeadReckoning
 from graphnav_world.schedule import Schedule
-from graphnav_world.simulation import Simulation
 from graphnav_world.vehicle import Pose
 
 MAP_HZ = 0.5
@@ -45,7 +46,7 @@ class RobotOutputs(NamedTuple):
     map: Map | None
 
 
-class Robot(Simulation):
+class Robot(MobileRobot):
     """The world of `world.pymunk` as a robot on a bus, with separate rates of its drive and sensors.
 
     Each firing is a step of the physics, over all the time since the last one, in steps of at most 10 ms. A command
@@ -55,7 +56,8 @@ class Robot(Simulation):
     Images, truth (with the image, if it is read; its flow since the last image), state, beacon and map (every 2 s)
     have the stamp of the first step at which they are due. Odometry has its own stamps: it samples the pose exactly at
     its jittered times, and is published at the first step at or after each. Its frame is the start pose; errors
-    accumulate.
+    accumulate. With ``odometry_delay_frames`` a sample is of the newest pose sampled that many image periods ago or
+    earlier.
 
     It ends the run with ``goal`` when the robot's centre is in the map's goal region, and with ``contact`` at the first
     touch. With ``ends: false`` the run continues, and the robot stands.
@@ -99,8 +101,9 @@ class Robot(Simulation):
         self._images = Schedule(self.image_hz, self.image_jitter_s, (seed, 3))
         self._samples = Schedule(self.odometry_hz, self.odometry_jitter_s, (seed, 4))
         self._states, self._goals, self._maps = map(Schedule, (self.state_hz, self.goal_hz, MAP_HZ))
-        self._drive = Drive(self._vehicle, self.command_timeout_s)
-        self._reckoning = DeadReckoning(self._vehicle.pose, self._errors)
+        self._drive = Drive(self._vehicle, self.command_timeout_s, self.command_latency_s)
+        self._late_poses = LatePoses(self._vehicle.wheels, round(1e6 * self.odometry_delay_frames / self.image_hz))
+        self._reckoning = DeadReckoning(self._vehicle.wheels, self._errors)
         self._pending: deque[Stamped[Odometry]] = deque(maxlen=_MAX_PENDING)
         self._begin_us: int | None = None
         self._image_us = 0
@@ -139,7 +142,8 @@ class Robot(Simulation):
         """Read the samples that are due; return the oldest pending one."""
         assert self._begin_us is not None
         for time_us in self._samples.due(now_us):
-            reading = self._reckoning.read(self._drive.pose_at(time_us))
+            pose, measured_us = self._late_poses.next(self._drive.wheels_at(time_us), time_us)
+            reading = self._reckoning.read(pose, measured_us / 1e6)
             self._pending.append(Stamped(reading, self._begin_us + time_us))
         return self._pending.popleft() if self._pending else None
 

@@ -1,4 +1,4 @@
-"""Base of the simulated robots: parameters, the drawn world, and the messages of a pose in it."""
+"""The drawn world of the simulated robots, and the messages of a pose in it."""
 
 from __future__ import annotations
 
@@ -8,17 +8,20 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Goal, Image, Map, ParamError, Source, State, Truth, param
+from graphnav import Image, Map, ParamError, Source, State, Truth, param
+from graphnav_world.brightness import ExposureSteps, Swing
+from graphnav_world.camera_motion import CameraMotion, Shake
 from graphnav_world.geometry import outlines
 from graphnav_world.maps.world_map import WorldMap, load_map
-from graphnav_world.odometry import OdometryErrors
 from graphnav_world.painted_world import painted_world
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
+from graphnav_world.rendering.lighting import Lighting, Lights
 from graphnav_world.rendering.mip import level_count
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame, Renderer
-from graphnav_world.vehicle import Limits, Pose, Vehicle
+from graphnav_world.rendering.shadows import Caster, Shadows
+from graphnav_world.vehicle import Pose
 
 
 class Simulation(Source):
@@ -35,6 +38,19 @@ class Simulation(Source):
         75.0, gt=0.0, le=90.0, doc="tilt of the camera below the horizontal; 90 looks straight down"
     )
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider")
+    camera_shake_deg: float = param(
+        0.0,
+        ge=0.0,
+        le=5.0,
+        doc="standard deviation by which the camera pitches and rolls about its centre, independently, in the robot's "
+        "axes; the exposure of a frame has one pose",
+    )
+    camera_bob_ratio: float = param(
+        0.0, ge=0.0, le=0.1, doc="standard deviation of the camera's height, as a share of camera_height_m"
+    )
+    camera_shake_s: float = param(
+        0.2, gt=0.0, le=60.0, doc="correlation time of shake and bob: less is more abrupt, far above a frame's is slow"
+    )
     noise_sigma_gray: float = param(
         2.0,
         ge=0.0,
@@ -49,6 +65,37 @@ class Simulation(Source):
     light_period_s: float = param(
         2.0, gt=0.0, le=1000.0, doc="period of the light's oscillation; less changes it faster"
     )
+    exposure_step_ratio: float = param(
+        0.0,
+        ge=0.0,
+        le=4.0,
+        doc="jumps of an automatic exposure: at each, brightness is multiplied by a new factor, from 1 / (1 + this) to "
+        "1 + this; 0 never jumps",
+    )
+    exposure_step_s: float = param(
+        2.0, gt=0.0, le=1000.0, doc="mean time between jumps of the exposure, each 0.5 to 1.5 times as long; seeded"
+    )
+    lamp_ratio: float = param(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        doc="share of the light that comes from a lamp at the camera, which falls off with distance and with the angle "
+        "from the optical axis; the mean of an empty floor stays",
+    )
+    glare_ratio: float = param(
+        0.0,
+        ge=0.0,
+        le=10.0,
+        doc="brightness of that lamp's reflection on the floor at the foot of the mast, as a share of white; it stays "
+        "in its place in the picture, and saturates",
+    )
+    shadow_ratio: float = param(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        doc="share of the light that shadows take: soft ones of objects out of view, fixed in the world, and the "
+        "robot's own, that of an upright cylinder as high as the camera, which moves with it",
+    )
     contrast_ratio: float = param(
         1.0, ge=0.0, le=10.0, doc="contrast of all textures, times the map's; 0 leaves surfaces blank"
     )
@@ -56,16 +103,6 @@ class Simulation(Source):
         0.0, ge=0.0, le=1.0, doc="time that the shutter is open, around the frame's stamp; more blurs motion"
     )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
-    max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="maximum speed of the drive, forwards and backwards")
-    max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="maximum turning rate of the drive, to either side")
-    speed_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum speed; more is more sluggish")
-    turn_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum turning rate")
-    odometry_scale_ratio: float = param(
-        0.02, ge=0.0, lt=1.0, doc="constant relative error of odometry in a run; the seed draws the signs"
-    )
-    odometry_noise_ratio: float = param(
-        0.01, ge=0.0, lt=1.0, doc="standard deviation of odometry's random error, as a share of each displacement"
-    )
     truth: bool | None = param(
         None, doc="whether the ground truth of each image is published; null: if a stage or an output reads it"
     )
@@ -83,22 +120,26 @@ class Simulation(Source):
         self._load(seed=0)
 
     def reset(self, seed: int) -> None:
-        """Draw the map, its textures and the errors of the odometry, and put the robot at the start."""
+        """Draw the map and its textures."""
         loaded = self._load(seed)
         draw = loaded.draw
-        self._noise, errors = (np.random.default_rng([seed, part]) for part in (1, 2))
+        self._noise = np.random.default_rng([seed, 1])
         self._shortest_m = loaded.shortest_m
         self._draw = draw
         goal_m = draw.goal_m if len(draw.goal_m) else np.zeros((1, 2))
         self._goal_center_m: tuple[float, float] = tuple(goal_m.mean(axis=0).tolist())
         self._goal_reach_m = float(np.linalg.norm(goal_m - self._goal_center_m, axis=1).max())
         self._camera = Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size)
-        painted = painted_world(loaded, seed, self.contrast_ratio, level_count(self._camera))
+        shake = Shake(self.camera_shake_deg, self.camera_bob_ratio, self.camera_shake_s)
+        self._camera_motion = CameraMotion(self._camera, shake, np.random.default_rng([seed, 11]))
+        levels = level_count(shake.farthest(self._camera))
+        painted = painted_world(loaded, seed, self.contrast_ratio, levels)
         self._faces = painted.faces
-        self._renderer = Renderer(self._camera, painted.faces, painted.atlas, painted.floor_origin_m)
-        limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
-        self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits)
-        self._errors = OdometryErrors(errors, self.odometry_scale_ratio, self.odometry_noise_ratio)
+        lighting = self._lighting(np.random.default_rng([seed, 13]))
+        self._renderer = Renderer(self._camera, painted.faces, painted.atlas, painted.floor_origin_m, lighting)
+        self._swing = Swing(self.light_swing_ratio, self.light_period_s)
+        steps_rng = np.random.default_rng([seed, 12])
+        self._exposure_steps = ExposureSteps(self.exposure_step_ratio, self.exposure_step_s, steps_rng)
         self._before: Placed | None = None
         self._has_truth = self.is_read("truth") if self.truth is None else self.truth
 
@@ -107,22 +148,31 @@ class Simulation(Source):
             raise ParamError("map", f"'map' is not a file: {self.map}", "give the path of a map's YAML file")
         return load_map(self.map, seed, self.robot_radius_m)
 
+    def _lighting(self, rng: np.random.Generator) -> Lighting | None:
+        lights = Lights(self.lamp_ratio, self.glare_ratio, self.shadow_ratio)
+        if not lights:
+            return None
+        robot = Caster(self.robot_radius_m, self.camera_height_m)
+        shadows = Shadows(robot, self._camera.focal_px, rng) if lights.shadow else None
+        return Lighting(self._camera, self._faces, lights, shadows)
+
     def _look(self, pose: Pose, time_s: float, interval_us: int) -> tuple[Image, Truth | None]:
         """Return the frame seen from a pose and its ground truth, None for the first frame and where nothing reads it.
 
         ``interval_us``: since the last frame.
         """
-        now = Placed.at(self._camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
-        swing = 1 + self.light_swing_ratio * math.sin(2 * math.pi * time_s / self.light_period_s)
+        camera = self._camera_motion.at(time_s)
+        now = Placed.at(camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
+        varying = self._swing.at(time_s) * self._exposure_steps.at(time_s)
         meanwhile = [
-            Placed.at(self._camera, self._faces, x, y, yaw, time_s + after_s)
+            Placed.at(camera, self._faces, x, y, yaw, time_s + after_s)
             for after_s, (x, y, yaw) in moments(pose, self.exposure_s)
         ]
         frame = self._renderer.render(
             now,
             self._before if self._has_truth else None,
             meanwhile=meanwhile,
-            light=self.light_ratio * self._draw.light_ratio * swing,
+            light=self.light_ratio * self._draw.light_ratio * varying,
             noise_sigma_gray=self.noise_sigma_gray * self._draw.noise_ratio,
             rng=self._noise,
         )
@@ -135,9 +185,9 @@ class Simulation(Source):
         return is_near and bool(len(goal_m)) and outlines.contains(goal_m, pose.x_m, pose.y_m)
 
     def _state(self, pose: Pose, time_s: float) -> State:
-        moving = np.zeros((len(self._faces.patrols), 3))
-        for position, patrol in zip(moving, self._faces.patrols, strict=True):
-            position[:2] = patrol.at(time_s)
+        moving = np.zeros((len(self._faces.movers), 3))
+        for position, mover in zip(moving, self._faces.movers, strict=True):
+            position[:2] = mover.at(time_s)
         return State(
             x_m=pose.x_m,
             y_m=pose.y_m,
@@ -149,13 +199,6 @@ class Simulation(Source):
             at_goal=self._at_goal(pose),
             moving=moving,
         )
-
-    def _beacon(self, pose: Pose) -> Goal | None:
-        if not len(self._draw.goal_m):
-            return None
-        x, y = self._goal_center_m[0] - pose.x_m, self._goal_center_m[1] - pose.y_m
-        bearing = math.remainder(math.atan2(y, x) - pose.yaw_rad, 2 * math.pi)
-        return Goal(bearing_rad=bearing, distance_m=math.hypot(x, y))
 
     def _map(self) -> Map:
         bodies = self._draw.bodies

@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 import pymunk
 
+from graphnav_world.geometry.movers import Mover, Walker, movers_of
 from graphnav_world.geometry.scene import Body
+from graphnav_world.slip import Slip
 
 SUBSTEP_S = 0.01
 FARTHEST_M = 1000.0
@@ -43,20 +45,31 @@ class Pose(NamedTuple):
 class Vehicle:
     """A disc that drives forwards and turns; it cannot slip sideways.
 
-    Steps of at most 10 ms; the first contact stops it permanently.
+    Steps of at most 10 ms; the first contact stops it permanently. Commands and limits are those of its wheels, which
+    the robot follows exactly unless there is a ``slip``.
     """
 
     def __init__(
-        self, bodies: Sequence[Body], start: tuple[float, float, float], radius_m: float, limits: Limits
+        self,
+        bodies: Sequence[Body],
+        start: tuple[float, float, float],
+        radius_m: float,
+        limits: Limits,
+        slip: Slip | None = None,
     ) -> None:
         self._space = pymunk.Space()
-        self._limits, self._radius_m = limits, radius_m
+        self._limits, self._radius_m, self._slip = limits, radius_m, slip
         self._time_s = 0.0
         self._v_mps = self._omega_radps = 0.0
+        self._speeds = (0.0, 0.0)
         self._contact = False
-        self._moving: list[tuple[pymunk.Body, Body]] = []
+        self.movers = movers_of(body.course for body in bodies if body.course is not None)
+        """The bodies that move, in their order."""
+        self._walkers = [mover for mover in self.movers if isinstance(mover, Walker)]
+        self._moving: list[tuple[pymunk.Body, Mover]] = []
+        movers = iter(self.movers)
         for body in bodies:
-            self._add(body)
+            self._add(body, None if body.course is None else next(movers))
         self._robot = pymunk.Body(mass=10.0, moment=math.inf)
         self._robot.position = start[0], start[1]
         self._robot.angle = start[2]
@@ -64,7 +77,7 @@ class Vehicle:
         rim.collision_type, rim.filter = ROBOT, pymunk.ShapeFilter(categories=ROBOT)
         self._space.add(self._robot, rim)
         self._space.on_collision(ROBOT, OTHER, begin=self._touch)
-        self._fastest_mps = max((body.patrol.speed_mps for _, body in self._moving if body.patrol), default=0.0)
+        self._fastest_mps = max((mover.speed_mps for mover in self.movers), default=0.0)
         self._search_m = FARTHEST_M
         self._here_m = self._clearance_m = self._find_nearest_m()
 
@@ -74,7 +87,15 @@ class Vehicle:
         x, y = self._robot.position
         clearance = 0.0 if self._contact else self._clearance_m
         yaw = math.remainder(self._robot.angle, 2 * math.pi)
-        return Pose(x, y, yaw, self._v_mps, self._omega_radps, clearance, self._contact)
+        return Pose(x, y, yaw, *self._speeds, clearance, self._contact)
+
+    @property
+    def wheels(self) -> Pose:
+        """Pose and speeds as the wheels tell them, which odometry measures: the `pose` itself without slip."""
+        if self._slip is None:
+            return self.pose
+        clearance = 0.0 if self._contact else self._clearance_m
+        return Pose(*self._slip.wheels, self._v_mps, self._omega_radps, clearance, self._contact)
 
     def advance(self, v_mps: float, omega_radps: float, until_s: float) -> Pose:
         """Drive towards a command until a time; return the pose then, or where the first contact was."""
@@ -86,6 +107,7 @@ class Vehicle:
         for k in range(steps):
             if self._contact:
                 break
+            self._tell_walkers()
             self._time_s = until_s if k == steps - 1 else begin_s + (k + 1) * dt_s
             self._step(v_mps, omega_radps, dt_s)
             self._here_m = self._find_nearest_m()
@@ -100,23 +122,32 @@ class Vehicle:
         if omega_radps != self._omega_radps:
             self._omega_radps = _towards(self._omega_radps, omega_radps, limits.turn_radps * (dt_s / limits.turn_up_s))
             robot.angular_velocity = self._omega_radps
-        midway = robot.angle + self._omega_radps * dt_s / 2
-        robot.velocity = self._v_mps * math.cos(midway), self._v_mps * math.sin(midway)
-        for carried, body in self._moving:
-            assert body.patrol is not None
-            x, y = body.patrol.at(self._time_s)
-            from_x, from_y = carried.position
-            carried.velocity = (x - from_x) / dt_s, (y - from_y) / dt_s
+        v, omega = self._v_mps, self._omega_radps
+        if self._slip is not None:
+            v, omega = self._slip.roll(v, omega, dt_s)
+            robot.angular_velocity = omega
+        self._speeds = v, omega
+        midway = robot.angle + omega * dt_s / 2
+        robot.velocity = v * math.cos(midway), v * math.sin(midway)
+        for carrier, mover in self._moving:
+            x, y = mover.at(self._time_s)
+            from_x, from_y = carrier.position
+            carrier.velocity = (x - from_x) / dt_s, (y - from_y) / dt_s
         self._space.step(dt_s)
         self._search_m += (abs(self._v_mps) + self._fastest_mps) * dt_s
 
-    def _add(self, body: Body) -> None:
+    def _tell_walkers(self) -> None:
+        """Show the robot to those who wait for it."""
+        for walker in self._walkers:
+            walker.see(self._time_s, self._robot.position, self._robot.velocity)
+
+    def _add(self, body: Body, mover: Mover | None) -> None:
         carrier = self._space.static_body
-        if body.patrol is not None:
+        if mover is not None:
             carrier = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            carrier.position = body.patrol.at(0.0)
+            carrier.position = mover.at(0.0)
             self._space.add(carrier)
-            self._moving.append((carrier, body))
+            self._moving.append((carrier, mover))
         for part in body.parts:
             shape = pymunk.Poly(carrier, part.tolist())
             shape.collision_type, shape.filter = OTHER, pymunk.ShapeFilter(categories=OTHER)

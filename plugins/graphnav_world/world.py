@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 from graphnav import Finished, Goal, Image, Latest, Map, Motion, Stamp, State, Truth, Twist, param
 from graphnav_world.drive import STANDSTILL
+from graphnav_world.late_drive import LateDrive
+from graphnav_world.late_motion import LateMotion
+from graphnav_world.mobile_robot import MobileRobot
 from graphnav_world.odometry import displacement
-from graphnav_world.simulation import Simulation
-from graphnav_world.vehicle import Pose
 
 
 class WorldOutputs(NamedTuple):
@@ -22,14 +23,15 @@ class WorldOutputs(NamedTuple):
     map: Map | None
 
 
-class Pymunk(Simulation):
+class Pymunk(MobileRobot):
     """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
 
     Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
     publishes it, with its ground truth if that is read. It ends the run with ``goal`` when the robot's centre is in the
     map's goal region, and with ``contact`` at the first touch.
 
-    Everything has the stamp of the frame: truth, state and the middle of the exposure.
+    Everything has the stamp of the frame: truth, state and the middle of the exposure. With ``command_latency_s`` a
+    command acts that long after the last frame, which need not be a multiple of the period.
     """
 
     command_timeout_s: float | None = param(
@@ -37,11 +39,13 @@ class Pymunk(Simulation):
     )
 
     def reset(self, seed: int) -> None:
-        """Draw the map, its textures and the errors of the odometry, and put the robot at the start."""
+        """Draw the map, its textures and all errors, and put the robot at the start."""
         super().reset(seed)
         self._begin_us: int | None = None
         self._last_us = 0
-        self._pose = self._vehicle.pose
+        self._drive = LateDrive(self._vehicle, self.command_latency_s)
+        self._late_motion = LateMotion(self.odometry_delay_frames)
+        self._pose, self._wheels = self._vehicle.pose, self._vehicle.wheels
 
     def step(self, command: Latest[Twist], utime: Stamp) -> WorldOutputs:
         """Drive until now, render, and publish."""
@@ -49,15 +53,15 @@ class Pymunk(Simulation):
         if self._begin_us is None:
             self._begin_us = self._last_us = utime
         time_s = (utime - self._begin_us) / 1e6
-        then = pose = self._pose
         if not first:
-            twist = self._obeyed(command)
-            pose = self._pose = self._vehicle.advance(twist.v_mps, twist.omega_radps, time_s)
+            last_us, now_us = self._last_us - self._begin_us, utime - self._begin_us
+            self._pose = self._drive.advance(self._obeyed(command), last_us, now_us)
+        pose = self._pose
         interval_us, self._last_us = utime - self._last_us, utime
         image, truth = self._look(pose, time_s, interval_us)
         outputs = WorldOutputs(
             image=image,
-            motion=None if first else self._motion(then, pose, interval_us),
+            motion=None if first else self._motion(interval_us),
             state=self._state(pose, time_s),
             truth=truth,
             goal=self._beacon(pose),
@@ -71,7 +75,9 @@ class Pymunk(Simulation):
         stale = self.command_timeout_s is not None and command.age_s > self.command_timeout_s
         return STANDSTILL if command.value is None or stale else command.value
 
-    def _motion(self, then: Pose, now: Pose, interval_us: int) -> Motion:
-        """Return the displacement in the robot's previous frame, with this run's scale errors and new noise."""
-        [(forward_m, left_m, turn_rad)] = self._errors.read(displacement(then, now))
+    def _motion(self, interval_us: int) -> Motion:
+        """Return the displacement by the wheels in the robot's previous frame, with the errors of odometry."""
+        then, self._wheels = self._wheels, self._vehicle.wheels
+        moved, interval_us = self._late_motion.next(displacement(then, self._wheels), interval_us)
+        [(forward_m, left_m, turn_rad)] = self._errors.read((moved, interval_us / 1e6))
         return Motion(forward_m=forward_m, left_m=left_m, turn_rad=turn_rad, interval_us=interval_us)

@@ -93,14 +93,16 @@ def _has_the_same_cells(former: list[dict[str, str]], today: list[dict[str, str]
     """
     declared = {f"drive.{name}": metric for name, metric in metrics_of(Navigation).items()}
     undefined = {name for name, metric in declared.items() if metric.if_failed == UNDEFINED}
+    gone = {f"drive.{name}" for name in former_names.REPLACED_METRICS}
+    added = {"drive.sct", "drive.min_clearance_ahead_m", "drive.min_clearance_side_m"}
     for old, new in zip(former, today, strict=True):
-        assert old.keys() == new.keys()
+        assert old.keys() - gone == new.keys() - added
         assert [old[name] for name in ("variant", "seed", "outcome")] == [
             new[n] for n in ("variant", "seed", "outcome")
         ]
-        emptied = {name for name in old if old[name] and not new[name]}
+        emptied = {name for name in old.keys() - gone if old[name] and not new[name]}
         assert emptied == (set() if new["outcome"] == "goal" else undefined)
-        assert not {name for name in old if new[name] and not old[name]}
+        assert not {name for name in old.keys() - gone if new[name] and not old[name]}
 
 
 def test_a_log_replays(capsys: pytest.CaptureFixture[str]) -> None:
@@ -136,6 +138,9 @@ def test_former_names_are_refused_in_files_that_people_write(
     assert main(["ablate", "corridor_ccw", *vary, "--metrics", "drive.least_clearance_m"]) == 2
     said = capsys.readouterr().err
     assert "stage 'drive' has no metric 'least_clearance_m'\n  did you mean 'min_clearance_m'?" in said
+    assert main(["ablate", "corridor_ccw", *vary, "--metrics", "drive.barn"]) == 2
+    said = capsys.readouterr().err
+    assert "stage 'drive' has no metric 'barn'\n  did you mean 'sct'?" in said
     with pytest.raises(SystemExit) as ended:
         main(["ablate", "corridor_ccw", *vary, "--figures", "drive.success"])
     assert ended.value.code == 2

@@ -31,14 +31,21 @@ def test_every_world_of_the_map_of_the_page_leads_to_its_goal(tmp_path: Path) ->
     path.write_text(blocks(MAPS, "yaml")[0])
     world = load_map(path, seed=1, robot_radius_m=0.2)
     assert 9 < world.shortest_m < 11
-    assert [body.patrol is None for body in world.draw.bodies] == [True, True, True, False]
+    assert [body.course is None for body in world.draw.bodies] == [True, True, True, False]
 
 
 @pytest.mark.parametrize("text", blocks(MAPS, "yaml")[1:])
 def test_every_part_that_the_page_shows_can_be_read(text: str) -> None:
     """A part is put into a map where it belongs: a shape becomes the goal, what moves an obstacle, an arc a wall."""
     part = yaml.safe_load(text)
-    within = {"circle": "goal", "box": "goal", "polygon": "goal", "moves": "obstacles", "arc": "walls"}
+    within = {
+        "circle": "goal",
+        "box": "goal",
+        "polygon": "goal",
+        "moves": "obstacles",
+        "crosses": "obstacles",
+        "arc": "walls",
+    }
     where = next((within[name] for name in reversed(part) if name in within), "")
     complete = {
         "": part,

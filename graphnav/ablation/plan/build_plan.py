@@ -12,6 +12,8 @@ from graphnav.ablation.plan.folder_names import folder_names
 from graphnav.ablation.plan.metric_checks import checked_metrics, declared_metrics
 from graphnav.ablation.plan.plan import RUNS, Case, Plan
 from graphnav.ablation.plan.study_problems import study_problems
+from graphnav.ablation.plan.upstream import driving_stages
+from graphnav.ablation.plan.variant_roles import variant_roles
 from graphnav.ablation.plan.variants import Variant, expand
 from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
@@ -51,7 +53,7 @@ def check_study(study: Study, catalog: Catalog, command: str, plugins: Sequence[
     metrics = checked_metrics(study, classes, problems)
     if problems:
         raise UserError(dict.fromkeys(problems))
-    cases = tuple(_cases(study, variants, checked))
+    cases = tuple(_cases(study, variants, checked, metrics))
     plan = Plan(
         name=study.name,
         about=study.about,
@@ -61,10 +63,13 @@ def check_study(study: Study, catalog: Catalog, command: str, plugins: Sequence[
         seeds=study.seeds,
         metrics=metrics,
         cases=cases,
+        reference=study.reference,
+        worlds=study.worlds,
         within=study.within,
         declared=declared_metrics(classes),
         plugins=_plugins(plugins, checked),
         versions=versions(),
+        decomposition=study.decomposition,
     )
     graphs = {case.folder: one.graph for case, one in zip(cases, checked, strict=True) if not case.same_as}
     return CheckedStudy(plan, graphs)
@@ -76,12 +81,15 @@ def _plugins(given: Sequence[Path], checked: Sequence[CheckedCase]) -> tuple[str
     return tuple(dict.fromkeys(str(path) for path in (*(path.resolve() for path in given), *named)))
 
 
-def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[CheckedCase]) -> Iterator[Case]:
+def _cases(
+    study: Study, variants: tuple[Variant, ...], checked: Sequence[CheckedCase], metrics: Sequence[str]
+) -> Iterator[Case]:
     of_graph = folder_names(study.graphs, lambda name: Path(name).stem)
     of_variant = folder_names(variant.name for variant in variants)
     first: dict[object, CheckedCase] = {}
     base: dict[str, CheckedCase] = {}
-    for case in checked:
+    drivers: dict[object, str] = {}
+    for case, role in zip(checked, variant_roles(checked, metrics), strict=True):
         graph = ", ".join(filter(None, (case.name, case.variant.condition)))
         same = first.setdefault((graph, case.identity), case)
         before = base.setdefault(graph, case).uses
@@ -92,11 +100,13 @@ def _cases(study: Study, variants: tuple[Variant, ...], checked: Sequence[Checke
             labels=case.variant.labels,
             overrides=case.overrides,
             is_base=case.variant.is_base,
-            role=case.role,
+            role=role,
             folder=f"{RUNS}/{of_graph[case.name]}/{of_variant[same.variant.name]}",
             same_as="" if same is case else same.variant.called,
             uses=case.uses,
             swapped=tuple(stage for stage, use in case.uses.items() if before.get(stage) != use),
             notices=case.notices,
             graph_yaml=resolved_yaml(case.graph),
+            driving=tuple(node.name for node in case.graph.order if node.name in driving_stages(case.graph)),
+            drives_as=drivers.setdefault((graph, case.drive), case.variant.called),
         )

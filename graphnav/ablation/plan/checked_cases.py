@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan.case_problems import CaseProblems, Origin
+from graphnav.ablation.plan.upstream import driving_stages, sees
 from graphnav.ablation.plan.variants import Variant
 from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
@@ -13,9 +14,6 @@ from graphnav.errors import Place, UserError
 from graphnav.graph import Graph, Node, Override, load_graph
 from graphnav.graph.paths import has_path
 from graphnav.stage import Role, Stage, params_of
-
-_ROLES: tuple[Role, ...] = ("oracle", "baseline", "method")
-"""The most special one first."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +30,7 @@ class CheckedCase:
     @property
     def identity(self) -> object:
         """Key of its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
-        nodes = tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in self.graph.nodes)
-        return self.name, nodes, repr(self.graph.run)
+        return self.name, self.identity_of({node.name for node in self.graph.nodes}), repr(self.graph.run)
 
     @property
     def uses(self) -> dict[str, str]:
@@ -41,11 +38,31 @@ class CheckedCase:
         return {node.name: node.use for node in self.graph.nodes}
 
     @property
-    def role(self) -> Role:
-        """The most special role that its axes put in."""
-        swapped = _swaps(self.variant.overrides)
-        roles = {node.stage_class.role for node in self.graph.nodes if node.name in swapped}
-        return next((role for role in _ROLES if role in roles), "method")
+    def swapped(self) -> frozenset[str]:
+        """The stages that its axes put in."""
+        return frozenset(_swaps(self.variant.overrides))
+
+    def roles_of(self, stages: Collection[str]) -> frozenset[Role]:
+        """Return the roles of stages; those that the graph does not have count for nothing."""
+        return frozenset(node.stage_class.role for node in self.graph.nodes if node.name in stages)
+
+    def identity_of(self, stages: Collection[str]) -> object:
+        """Return a key of stages and of all sources, equal for cases in which these do the same."""
+        return self._made_of({*stages, *(source.name for source in self.graph.sources)})
+
+    @property
+    def drive(self) -> object:
+        """A key of what drives, equal for cases that meet the same frames.
+
+        A drive that true data alone steers does not depend on what the sources show: how they are set does not count.
+        """
+        driving = driving_stages(self.graph)
+        is_blind = driving and not sees(self.graph, driving)
+        return self.name, self._made_of(driving) if is_blind else self.identity_of(driving)
+
+    def _made_of(self, stages: Collection[str]) -> tuple[object, ...]:
+        nodes = (node for node in self.graph.nodes if node.name in stages)
+        return tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in nodes)
 
     @property
     def notices(self) -> tuple[str, ...]:

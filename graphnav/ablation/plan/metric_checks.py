@@ -22,7 +22,7 @@ def checked_metrics(study: Study, classes: Classes, problems: list[Problem]) -> 
         except UserError as error:
             problems += [Problem(place, problem.what, problem.hint) for problem in error.problems]
             continue
-        wrong = list(_unknown(column, place, classes))
+        wrong = [*_unknown(column, place, classes), *_without_reference(study, column, place, classes)]
         problems += wrong
         if not wrong:
             columns.append(column.text)
@@ -39,6 +39,17 @@ def declared_metrics(classes: Classes) -> dict[str, Metric]:
     return found
 
 
+def _without_reference(
+    study: Study, column: MetricExpression, place: Place | None, classes: Classes
+) -> Iterator[Problem]:
+    declared = declared_metrics(classes)
+    for operand in column.operands:
+        metric = declared.get(operand)
+        if metric is not None and metric.relative_to and not study.reference:
+            what = f"'{operand}' is relative to a reference variant, and the study names none"
+            yield Problem(place, what, "write reference: VARIANT, or --reference VARIANT")
+
+
 def _unknown(column: MetricExpression, place: Place | None, classes: Classes) -> Iterator[Problem]:
     declared = declared_metrics(classes)
     scored = [name for name, found in classes.items() if any(metrics_of(cls) for cls in found)]
@@ -51,6 +62,6 @@ def _unknown(column: MetricExpression, place: Place | None, classes: Classes) ->
             yield Problem(place, f"'{operand}': stage '{stage}' reports no metrics", stages)
         elif operand not in declared:
             known = [name for cls in classes[stage] for name in metrics_of(cls)]
-            near = did_you_mean(metric, known, former_names.METRICS)
+            near = did_you_mean(metric, known, {**former_names.METRICS, **former_names.REPLACED_METRICS})
             hint = near or f"its metrics are {', '.join(dict.fromkeys(known))}"
             yield Problem(place, f"'{operand}': stage '{stage}' has no metric '{metric}'", hint)

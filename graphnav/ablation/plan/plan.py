@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.ablation.plan import former_plan
-from graphnav.ablation.study import MetricExpression
+from graphnav.ablation.study import Decomposition, MetricExpression
 from graphnav.errors import Place, shown_path
 from graphnav.graph import Override, Target, parse_override
 from graphnav.stage import Better, Metric, Role
@@ -35,7 +35,7 @@ class Case:
     overrides: tuple[Override, ...]
     is_base: bool
     role: Role
-    """Of the stages that its axes swap in: "oracle" if one is, else "baseline" if one is, else "method"."""
+    """As `variant_roles` finds it: "oracle", "baseline" or "method"."""
     folder: str
     """Where its runs are, below the study's folder; unique unless another case resolves to the same graph."""
     same_as: str
@@ -48,6 +48,10 @@ class Case:
     """Notices of what was rewired, pruned and set to defaults."""
     graph_yaml: str
     """The resolved graph, portable."""
+    driving: tuple[str, ...] = ()
+    """The stages that drive the world's robot, in firing order."""
+    drives_as: str = ""
+    """The first variant whose drive is this one: in the same world both meet the same frames."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,10 @@ class Plan:
     """Columns of the table, ``stage.metric`` or two of them, the one that decides first; empty for all metrics."""
     cases: tuple[Case, ...]
     """Graph by graph, in the same order of variants; the base first."""
+    reference: str = ""
+    """The variant whose runs metrics may be relative to; empty for none."""
+    worlds: Mapping[str, int] = field(default_factory=dict)
+    """By graph, as the study names it: how many of the seeds are its worlds; all where it is not named."""
     within: tuple[str, ...] = ()
     """Axes that are conditions, within which variants are compared."""
     declared: Mapping[str, Metric] = field(default_factory=dict)
@@ -87,6 +95,8 @@ class Plan:
     plugins: tuple[str, ...] = ()
     """Files given with ``--plugin`` and those that the graphs name, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)
+    decomposition: Decomposition | None = None
+    """Its stages and their oracles; None where it decomposes nothing."""
 
     @cached_property
     def variants(self) -> tuple[str, ...]:
@@ -106,15 +116,23 @@ class Plan:
     @property
     def jobs(self) -> Iterator[Job]:
         """Every run of the study, seed by seed, so that all variants grow together."""
-        for seed in self.seeds:
+        for place, seed in enumerate(self.seeds):
             for case in self.cases:
-                if not case.same_as:
+                if not case.same_as and place < self.n_worlds(case):
                     yield Job(case, seed)
 
     @property
     def n_jobs(self) -> int:
         """The number of runs."""
-        return len(self.seeds) * sum(not case.same_as for case in self.cases)
+        return sum(self.n_worlds(case) for case in self.cases if not case.same_as)
+
+    def n_worlds(self, case: Case) -> int:
+        """Return the number of worlds of a case."""
+        return min(self.worlds.get(case.source, len(self.seeds)), len(self.seeds))
+
+    def seeds_of(self, case: Case) -> tuple[int, ...]:
+        """Return the worlds of a case: the first of the seeds."""
+        return self.seeds[: self.n_worlds(case)]
 
     def metric(self, name: str) -> Metric:
         """Return what is declared of ``stage.metric``."""
@@ -132,6 +150,17 @@ class Plan:
         read = MetricExpression.parse(column)
         return 0.0 if read.operator == "/" else self.metric(read.operands[0]).min_difference
 
+    def are_comparable(self, one: Case, other: Case, column: str) -> bool:
+        """Return whether two cases of a graph may be compared by a column.
+
+        What depends on the frames that a run meets (`Metric.of_frames`) is compared only where both drive alike.
+        """
+        return one.drives_as == other.drives_as or not self.is_of_frames(column)
+
+    def is_of_frames(self, column: str) -> bool:
+        """Return whether a column depends on the frames that a run meets."""
+        return any(self.metric(name).of_frames for name in MetricExpression.parse(column).operands)
+
     def label(self, column: str) -> str:
         """Return the heading of a column: its metric, with the unit where the name does not tell it."""
         read = MetricExpression.parse(column)
@@ -148,14 +177,17 @@ class Plan:
         data = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         data["cases"] = [_case_json(case) for case in self.cases]
         data["declared"] = {name: dataclasses.asdict(metric) for name, metric in self.declared.items()}
+        data["decomposition"] = self.decomposition and dataclasses.asdict(self.decomposition)
         path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
     @classmethod
     def read(cls, path: Path) -> Plan:
         """Read what `write` wrote, in this version or an earlier one."""
         data: dict[str, Any] = former_plan.as_written_now(json.loads(path.read_text(encoding="utf-8")))
-        data["declared"] = {name: Metric(**declared) for name, declared in data["declared"].items()}
+        data["declared"] = {name: _metric(declared) for name, declared in data["declared"].items()}
         data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
+        if data.get("decomposition"):
+            data["decomposition"] = Decomposition(**data["decomposition"])
         data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
         return cls(**{key: _tuple(value) for key, value in data.items()})
 
@@ -173,6 +205,10 @@ def _case(data: dict[str, Any], place: Place) -> Case:
     else:
         overrides = [Override(Target.parse(key, place), value, place) for key, value in data["overrides"].items()]
     return Case(**fields | {"overrides": tuple(overrides)})
+
+
+def _metric(declared: dict[str, Any]) -> Metric:
+    return Metric(**{key: _tuple(value) for key, value in declared.items()})
 
 
 def _tuple(value: Any) -> Any:

@@ -9,6 +9,9 @@ from graphnav.ablation.study import Study
 from graphnav.errors import Problem, did_you_mean
 from graphnav.graph import Override, Target
 
+_MAX_NAMED = 20
+"""Variants that a hint lists."""
+
 _OWN = {
     "seed": ("a study's seeds are its worlds", "write seeds: FIRST:END, or --seeds FIRST:END"),
     "record": ("a study records what is small, and of failures everything", "leave it out"),
@@ -32,6 +35,7 @@ def _all_problems(study: Study, variants: Sequence[Variant]) -> Iterator[tuple[o
     if not study.seeds:
         yield "seeds", Problem(None, f"the study '{study.name}' has no seeds", "specify the worlds: --seeds 0:50")
     yield from ((problem, problem) for problem in _within(study))
+    yield from ((problem, problem) for problem in _reference(study, variants))
     for override in study.overrides:
         yield from _own(override)
     for variant in variants:
@@ -54,17 +58,26 @@ def _within(study: Study) -> Iterator[Problem]:
         yield Problem(place, "'within' names every axis, which leaves none to compare", "leave out the one that varies")
 
 
+def _reference(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+    names = list(dict.fromkeys(variant.called for variant in variants))
+    if study.reference and study.reference not in names:
+        what = f"the reference is '{study.reference}', but the study has no such variant"
+        hint = did_you_mean(study.reference, names) or f"its variants are {', '.join(names[:_MAX_NAMED])}"
+        yield Problem(study.places.get(study.reference), what, hint)
+
+
 def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem]]:
-    who: dict[Target, str] = {target: "'set'" for override in study.overrides for target in override.target.each}
+    who = {target: ("'set'", override.value) for override in study.overrides for target in override.target.each}
     for axis, choice in variant.choices.items():
-        here: dict[Target, str] = {}
+        here: dict[Target, tuple[str, object]] = {}
         for override in choice.overrides:
             yield from _own(override)
             for target in override.target.each:
-                if target in who:
-                    what = f"axis '{axis}' sets {target}, as {who[target]} does"
-                    yield (axis, target, who[target]), Problem(override.place, what, "keep one", "duplicate")
-                here[target] = f"axis '{axis}'"
+                setter, value = who.get(target, ("", None))
+                if setter and (study.decomposition is None or value != override.value):
+                    what = f"axis '{axis}' sets {target}, as {setter} does"
+                    yield (axis, target, setter), Problem(override.place, what, "keep one", "duplicate")
+                here[target] = f"axis '{axis}'", override.value
         who |= here
 
 

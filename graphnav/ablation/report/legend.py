@@ -25,6 +25,8 @@ UNTESTED = (
     "Other metrics are not tested and never bold: their intervals hold each for itself, and where nothing differs one "
     "in twenty still leaves out 0."
 )
+OWN_FRAMES = "own frames"
+"""In place of a difference of what depends on the frames met, between variants that drive differently."""
 
 
 def deciding(plan: Plan, metric: str | None, called: str = "bold") -> str:
@@ -38,13 +40,20 @@ def deciding(plan: Plan, metric: str | None, called: str = "bold") -> str:
     return f"{metric} decides: its differences are {called} where {', '.join(first)} and {last}."
 
 
-def too_few_worlds(n_worlds: int, family: int) -> str:
-    """Return how many worlds it takes to separate the variants of a table, empty if there are as many."""
-    needed = min_worlds(family)
-    if n_worlds >= needed:
+def too_few_worlds(plan: Plan, comparison: Comparison) -> str:
+    """Return how many worlds it takes to separate the variants of the largest table, empty if all have as many."""
+    tables = {
+        (plan.n_worlds(row.case), difference.significance.family)
+        for row in comparison.rows
+        for difference in row.differences.values()
+        if difference.significance is not None
+    }
+    few = [(min_worlds(family), family, n) for n, family in tables if n < min_worlds(family)]
+    if not few:
         return ""
+    needed, family, n = max(few)
     who = f"{family} variants from the base" if family > 1 else "a variant from the base"
-    worlds = "1 world" if n_worlds == 1 else f"{n_worlds} worlds"
+    worlds = "1 world" if n == 1 else f"{n} worlds"
     return f"{worlds} cannot separate {who}, even if all speak for one side: that takes {needed}."
 
 
@@ -75,9 +84,15 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     )
     if any(plan.better(metric) == "neither" for metric in shown_metrics(plan, comparison)):
         reading += " Of metrics without an arrow neither is better: in how many worlds it was higher–alike–lower."
-    few = too_few_worlds(len(plan.seeds), comparison.family)
+    few = too_few_worlds(plan, comparison)
     sentences = [reading, *([few] if few else []), INTERVALS, TESTS, UNTESTED]
     sentences.append(counting(plan, shown_metrics(plan, comparison)))
+    if any(row.own_frames.intersection(shown_metrics(plan, comparison)) for row in comparison.rows):
+        sentences.append(
+            f"{OWN_FRAMES.capitalize()}: the variant drives differently from the base and met other frames; what "
+            "depends on these is not compared. Compare detectors on one drive: in a graph that measures them on it, or "
+            "with --decompose."
+        )
     roles = {row.case.role for row in comparison.rows}
     if "baseline" in roles:
         sentences.append("A baseline is what every method has to beat; where it does well, the worlds test nothing.")
@@ -89,7 +104,7 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
 def origin(plan: Plan) -> tuple[tuple[str, str], ...]:
     """Return what makes the table again: name and value."""
     versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
-    facts = [("command", plan.command), ("seeds", seeds_text(plan.seeds)), ("versions", versions)]
+    facts = [("command", plan.command), ("seeds", worlds_of_graphs(plan)), ("versions", versions)]
     return tuple((name, value) for name, value in facts if value)
 
 
@@ -119,7 +134,14 @@ def outcome_counts(outcomes: Mapping[str, int]) -> str:
 
 def worlds_text(row: Row, plan: Plan) -> str:
     """Return the number of runs, and of how many if the study is not finished."""
-    return str(row.runs) if row.runs == len(plan.seeds) else f"{row.runs} of {len(plan.seeds)}"
+    wanted = plan.n_worlds(row.case)
+    return str(row.runs) if row.runs == wanted else f"{row.runs} of {wanted}"
+
+
+def worlds_of_graphs(plan: Plan) -> str:
+    """Return the seeds in short, and which graphs have only the first of them."""
+    fewer = {case.source: plan.n_worlds(case) for case in plan.cases if plan.n_worlds(case) < len(plan.seeds)}
+    return "; ".join([seeds_text(plan.seeds), *(f"{source}: the first {number}" for source, number in fewer.items())])
 
 
 def seeds_text(seeds: Sequence[int]) -> str:

@@ -11,7 +11,14 @@ from rich.table import Table
 from rich.text import Text
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.report.legend import marks, outcome_counts, same_graphs, too_few_worlds, worlds_text
+from graphnav.ablation.report.legend import (
+    OWN_FRAMES,
+    marks,
+    outcome_counts,
+    same_graphs,
+    too_few_worlds,
+    worlds_text,
+)
 from graphnav.ablation.report.markdown import ARROWS
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
@@ -37,7 +44,7 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
             for reason, times in row.failures.items():
                 line = " ".join(f"{row.case.variant}: {times} failed: {reason}".split())
                 console.print(Text(line, style="red"), soft_wrap=True)
-    if comparison.family and (few := too_few_worlds(len(plan.seeds), comparison.family)):
+    if few := too_few_worlds(plan, comparison):
         console.print(Text(few, style="yellow"), soft_wrap=True)
 
 
@@ -123,7 +130,8 @@ def _cells(row: Row, metrics: Sequence[str], plan: Plan) -> list[Text]:
     for metric in metrics:
         found = row.estimates.get(metric)
         cells.append(Text("" if found is None else estimate_text(found, row.runs)))
-        cells.append(difference_cell(row.differences.get(metric), plan.better(metric)))
+        change = difference_cell(row.differences.get(metric), plan.better(metric))
+        cells.append(Text(OWN_FRAMES, style="dim") if metric in row.own_frames else change)
     return cells
 
 

@@ -4,22 +4,30 @@ from graphnav.ablation.results.compare_pairs import AllPairs, Contrast, Pair, al
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
-from graphnav.ablation.results.failures import failure_folder, is_failure, worst_failures
-from graphnav.ablation.results.hypothesis_tests import (
-    ALPHA,
-    EXACT_BELOW,
-    Significance,
-    mcnemar,
-    min_worlds,
-    p_value,
-    sign_flip,
-    t_test,
+from graphnav.ablation.results.decomposed import Losses, Swap, losses
+from graphnav.ablation.results.fail_condition import (
+    FailCondition,
+    FailedCase,
+    check_fail_conditions,
+    failed_cases,
+    parse_fail_conditions,
 )
-from graphnav.ablation.results.intervals import bonett_price, difference_interval, student, wilson
+from graphnav.ablation.results.failures import failed_run_text, failure_folder, is_failure, worst_failures
 from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
 from graphnav.ablation.results.pair_text import parse_pairs
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
 from graphnav.ablation.results.records import Record, in_plan_order, read_record, read_records
+from graphnav.ablation.results.statistics import (
+    ALPHA,
+    EXACT_BELOW,
+    Significance,
+    bonett_price,
+    difference_interval,
+    min_worlds,
+    p_value,
+    student,
+    wilson,
+)
 
 __all__ = [
     "ALPHA",
@@ -30,33 +38,39 @@ __all__ = [
     "Contrast",
     "Difference",
     "Estimate",
+    "FailCondition",
+    "FailedCase",
+    "Losses",
     "Pair",
     "PairedRow",
     "PairedStudies",
     "Record",
     "Row",
     "Significance",
+    "Swap",
     "Values",
     "all_pairs",
     "bonett_price",
+    "check_fail_conditions",
     "compare",
     "contrasts",
     "difference_interval",
+    "failed_cases",
+    "failed_run_text",
     "failure_folder",
     "in_plan_order",
     "is_failure",
-    "mcnemar",
+    "losses",
     "metric_columns",
     "min_worlds",
     "p_value",
     "pair_studies",
+    "parse_fail_conditions",
     "parse_pairs",
     "read_record",
     "read_records",
     "shown_metrics",
-    "sign_flip",
     "student",
-    "t_test",
     "table_metrics",
     "values_of",
     "wilson",

@@ -66,9 +66,11 @@ def _differences(study: StudyValues, graph: str, pairs: Sequence[Pair], metric: 
     """Return the differences of pairs by one metric, with their significance in the family of all of them."""
     if metric is None:
         return {}
-    known = {pair: study.difference((graph, pair[0]), (graph, pair[1]), metric) for pair in pairs}
+    keys = {pair: ((graph, pair[0]), (graph, pair[1])) for pair in pairs}
+    known = {pair: study.difference(*both, metric) for pair, both in keys.items()}
     found = {pair: difference for pair, difference in known.items() if difference is not None}
-    return dict(zip(found, as_family(list(found.values()), len(pairs)), strict=True))
+    family = sum(study.are_comparable(*both, metric) for both in keys.values())
+    return dict(zip(found, as_family(list(found.values()), family), strict=True))
 
 
 def _contrast(study: StudyValues, graph: str, pair: Pair, judged: Difference | None) -> Contrast:

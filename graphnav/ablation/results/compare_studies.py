@@ -12,6 +12,7 @@ from graphnav.ablation.results.metric_values import Values, is_binary, table_met
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies, declaring_plan
 from graphnav.ablation.results.records import Record, in_plan_order
 from graphnav.ablation.results.study_values import difference, estimate
+from graphnav.ablation.study import MetricExpression
 from graphnav.errors import UserError
 
 _Case = tuple[str, str]
@@ -22,8 +23,14 @@ _Side = tuple[_Cases, Mapping[_Case, Mapping[str, Values]]]
 """The records of a study and the values of its columns, by case."""
 
 
-def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, records_b: Iterable[Record]) -> PairedStudies:
-    """Pair the runs of two studies by graph, variant and seed.
+def pair_studies(
+    plan_a: Plan,
+    records_a: Iterable[Record],
+    plan_b: Plan,
+    records_b: Iterable[Record],
+    more: Iterable[MetricExpression] = (),
+) -> PairedStudies:
+    """Pair the runs of two studies by graph, variant and seed; ``more``: metrics besides those of their tables.
 
     Of cases that are the same graph in both studies, the first one is paired.
 
@@ -44,7 +51,7 @@ def pair_studies(plan_a: Plan, records_a: Iterable[Record], plan_b: Plan, record
             "the studies have no run in common: no graph, variant and seed is in both",
             "compare studies of the same graphs, variants and seeds",
         )
-    columns = dict.fromkeys([*table_metrics(plan_a, all_a), *table_metrics(plan_b, all_b)])
+    columns = dict.fromkeys([*table_metrics(plan_a, all_a), *table_metrics(plan_b, all_b), *more])
     plans = {column: declaring_plan(plan_a, plan_b, column.text) for column in columns}
     values_a, values_b = (
         {case: {c.text: values_of(plan, c, runs.values()) for c in columns} for case, runs in cases.items()}

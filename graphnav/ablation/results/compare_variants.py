@@ -18,8 +18,9 @@ def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
     """Return the table of a study: the plan's metrics, or all metrics where it names none.
 
     A world counts for a metric if its run has it, and for a difference if both runs have it: n is how many did. How
-    failed runs count is described at `Record.counted`. A case that shares the base's runs has no differences. All
-    variants of a graph, under one condition, are one family of comparisons with the base by the metric that decides.
+    failed runs count is described at `Record.counted`. A case that shares the base's runs has no differences, and a
+    metric of the frames that a run meets has none where the two drive differently. All variants of a graph that may be
+    compared with the base by the metric that decides, under one condition, are one family of comparisons.
     """
     study = StudyValues.of(plan, records)
     primary = study.primary
@@ -34,7 +35,7 @@ def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
 
 def _judged(rows: Sequence[Row], primary: str, base: Case) -> list[Row]:
     """Return the rows of one graph with the significance of the differences by the metric that decides."""
-    family = {row.case.folder for row in rows} - {base.folder}
+    family = {row.case.folder for row in rows if primary not in row.own_frames} - {base.folder}
     known = {row.case.folder: row.differences[primary] for row in rows if primary in row.differences}
     judged = dict(zip(known, as_family(list(known.values()), len(family)), strict=True))
     return [
@@ -48,6 +49,7 @@ def _judged(rows: Sequence[Row], primary: str, base: Case) -> list[Row]:
 def _row(study: StudyValues, case: Case, base: Case) -> Row:
     key = key_of(case)
     runs = study.runs[key]
+    own_frames = frozenset(name for name in study.metrics if not study.plan.are_comparable(case, base, name))
     estimates = {metric: study.estimate(key, metric) for metric in study.metrics}
     differences = {
         metric: study.difference(key, key_of(base), metric) for metric in study.metrics if case.folder != base.folder
@@ -64,4 +66,5 @@ def _row(study: StudyValues, case: Case, base: Case) -> Row:
         estimates={metric: found for metric, found in estimates.items() if found is not None},
         differences={metric: found for metric, found in differences.items() if found is not None},
         p50_ms={stage: float(np.median(found)) for stage, found in times.items()},
+        own_frames=own_frames,
     )

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan import Case
-from graphnav.ablation.results.hypothesis_tests import Significance, holm, min_worlds
-from graphnav.ablation.results.intervals import bonett_price
+from graphnav.ablation.results.statistics import Significance, bonett_price, holm, min_worlds
 
 MIN_WORLDS = min_worlds(1)
 """Worlds from which on a single difference may be clear."""
@@ -106,6 +105,8 @@ class Row:
     """By metric; empty for the base."""
     p50_ms: Mapping[str, float]
     """By stage: the median over runs of each run's median step."""
+    own_frames: frozenset[str] = frozenset()
+    """Metrics that are not compared with the base: they depend on the frames met, and this one drives differently."""
 
 
 @dataclass(frozen=True)
@@ -115,12 +116,6 @@ class Comparison:
     rows: tuple[Row, ...]
     primary: str | None = None
     """The metric that decides: the first that any run has; None where there is none."""
-
-    @property
-    def family(self) -> int:
-        """How many comparisons with the base the largest table has; 0 without runs."""
-        found = (difference.significance for row in self.rows for difference in row.differences.values())
-        return max((of.family for of in found if of is not None), default=0)
 
     def has_metric(self, metric: str) -> bool:
         """Return whether any run has a metric."""

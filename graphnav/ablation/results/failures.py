@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 
 from graphnav.ablation.plan import RUNS, Case, Job, Plan
 from graphnav.ablation.results.records import Record
+from graphnav.errors import shown_path
+from graphnav.run_folder import LOG
 from graphnav.runner import Outcome
+from graphnav.runner.recording.run_recorded import SUMMARY
 
 FAILURES = "failures"
 _WORST = (Outcome.CONTACT, Outcome.FAILED, Outcome.TIMEOUT)
@@ -18,6 +22,16 @@ _OF_BASELINES = 1
 def failure_folder(case: Case, seed: int) -> str:
     """Return where a failure's pictures are, below the study's folder."""
     return f"{FAILURES}/{case.folder.removeprefix(f'{RUNS}/')}/{seed}"
+
+
+def failed_run_text(record: Record, folder: Path) -> str:
+    """Return the case, the seed and the cause of a run in which a stage failed, and the path of its log.
+
+    A run whose process died has no log; its summary is named.
+    """
+    at = folder / record.folder
+    file = at / LOG if (at / LOG).is_file() else at / SUMMARY
+    return f"failed: {record.graph}, {record.variant}, seed {record.seed}: {record.failure}\n  {shown_path(file)}"
 
 
 def is_failure(plan: Plan, record: Record) -> bool:

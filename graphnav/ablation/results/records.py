@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from graphnav.ablation.plan import Case, Plan
+from graphnav.ablation.results.relative_metrics import relative_metrics
 from graphnav.errors import Problem, UserError, shown_path
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import SUMMARY
@@ -52,7 +53,7 @@ class Record:
         A failure never improves a result: a run in which a stage failed has what the metric declares of failed drives,
         and metrics that declare no value for them, which describe the part before the failure only, do not count.
         """
-        if self.outcome != Outcome.FAILED:
+        if self.outcome != Outcome.FAILED or metric.relative_to:
             return self.metrics.get(name)
         stage = name.partition(".")[0]
         is_defined = name in self.metrics or not any(other.startswith(f"{stage}.") for other in self.metrics)
@@ -63,7 +64,7 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
     """Read the existing runs of a plan, in the plan's order: graph, variant, seed.
 
     A case that shares its runs with another has a record of each under its own name. Runs that were stopped by hand
-    are left out: they are not results.
+    are left out: they are not results. Metrics that are relative to the reference's runs are added.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
     """
     records, problems = [], dict[Path, Problem]()
     for case in plan.cases:
-        for seed in plan.seeds:
+        for seed in plan.seeds_of(case):
             path = folder / case.folder / str(seed) / SUMMARY
             try:
                 record = read_record(case, seed, path)
@@ -86,7 +87,10 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
                 records.append(record)
     if problems:
         raise UserError(problems.values())
-    return tuple(records)
+    return tuple(
+        replace(record, metrics={**record.metrics, **more}) if more else record
+        for record, more in zip(records, relative_metrics(plan, records), strict=True)
+    )
 
 
 def read_record(case: Case, seed: int, path: Path) -> Record:

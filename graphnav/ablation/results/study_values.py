@@ -9,10 +9,9 @@ import numpy as np
 
 from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.results.comparison import Difference, Estimate
-from graphnav.ablation.results.hypothesis_tests import EXACT_BELOW, p_value
-from graphnav.ablation.results.intervals import difference_interval, mean_interval
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.results.statistics import EXACT_BELOW, difference_interval, mean_interval, p_value
 from graphnav.stage import Better
 
 CaseKey = tuple[str, str]
@@ -53,7 +52,12 @@ class StudyValues:
         return estimate(values, is_binary=metric in self.binary) if values else None
 
     def difference(self, key: CaseKey, base: CaseKey, metric: str) -> Difference | None:
-        """Return how a case differs from another one in the worlds that both have; None if they share none."""
+        """Return how a case differs from another one in the worlds that both have.
+
+        None if they share none, or met frames of their own that the metric depends on.
+        """
+        if not self.are_comparable(key, base, metric):
+            return None
         return difference(
             self.values[key][metric],
             self.values[base][metric],
@@ -61,6 +65,10 @@ class StudyValues:
             is_binary=metric in self.binary,
             min_difference=self.plan.min_difference(metric),
         )
+
+    def are_comparable(self, key: CaseKey, base: CaseKey, metric: str) -> bool:
+        """Return whether two cases may be compared by a metric."""
+        return self.plan.are_comparable(self.plan.case(*key), self.plan.case(*base), metric)
 
 
 def key_of(case: Case) -> CaseKey:

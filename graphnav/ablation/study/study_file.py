@@ -12,6 +12,7 @@ from graphnav.ablation.study.seeds import checked_seeds, parse_seeds
 from graphnav.ablation.study.source_text import SourceText
 from graphnav.ablation.study.study import Study
 from graphnav.ablation.study.study_keys import STUDY, StudyKeys
+from graphnav.ablation.study.worlds import unknown_graph
 from graphnav.errors import Place, Problem, UserError, shown_path
 from graphnav.graph import find_graph
 
@@ -55,7 +56,9 @@ def _study(keys: StudyKeys, path: Path, source: SourceText, problems: list[Probl
         metrics=tuple(metrics),
         within=tuple(within),
         one_at_a_time=keys.one_at_a_time,
-        places=graphs | metrics | within,
+        reference=keys.reference,
+        worlds=_worlds(keys, path, graphs, problems),
+        places=graphs | metrics | within | _reference(keys),
     )
 
 
@@ -90,6 +93,23 @@ def _graphs(keys: StudyKeys, path: Path, problems: list[Problem]) -> Texts:
         files.setdefault(file, name)
         shown[called] = place
     return shown
+
+
+def _worlds(keys: StudyKeys, path: Path, graphs: Texts, problems: list[Problem]) -> dict[str, int]:
+    """Return the number of worlds of each graph that has its own, by the graph as it is called."""
+    found: dict[str, int] = {}
+    for name, number in (keys.worlds or {}).items():
+        called = _beside(name, path)
+        if called in graphs:
+            found[called] = number
+        else:
+            problems.append(unknown_graph(name, graphs, keys.key_place("worlds", name)))
+    return found
+
+
+def _reference(keys: StudyKeys) -> Texts:
+    place = keys.place("reference")
+    return {keys.reference: place} if keys.reference and place else {}
 
 
 def _beside(name: str, study: Path) -> str:

@@ -40,6 +40,13 @@ class StudyKeys(Record):
         doc="the worlds: `FIRST:END`, the end not included, or a list; `--seeds` replaces it",
         hint=HINT,
     )
+    worlds: Mapping[str, int] | None = key(
+        None,
+        ge=1,
+        doc="by graph, as `graph` or `graphs` names it: its number of worlds, the first of the seeds; a graph that is "
+        "not named has all; `--worlds` replaces it",
+        hint="write worlds: {suite/laps: 10}",
+    )
     one_at_a_time: bool = key(
         default=False, doc="whether each variant changes one axis of the base; else the axes cross"
     )
@@ -58,6 +65,12 @@ class StudyKeys(Record):
         min_items=1,
         doc="axes that are conditions: variants are compared with the base under the same choices of these",
         hint="write [speed], or leave the key out",
+    )
+    reference: str = key(
+        "",
+        doc="a variant, by its name in tables: metrics that a stage declares as relative compare each run with this "
+        "variant's in the same world",
+        hint="write reference: oracle, or leave the key out",
     )
     metrics: Names = key(
         (),

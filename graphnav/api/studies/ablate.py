@@ -7,13 +7,13 @@ from contextlib import AbstractContextManager, nullcontext
 
 from graphnav.ablation.execution import StudyFolder
 from graphnav.ablation.plan import CheckedStudy, Job
-from graphnav.api.arguments import PathLike, overrides_of, path_of, paths_of, texts_of
+from graphnav.api.arguments import PathLike, overrides_of, paths_of, texts_of
 from graphnav.api.load import add_plugins
 from graphnav.api.notices import tell
 from graphnav.api.parameters import documented
-from graphnav.api.result_folder import KeptFolder, temporary_folder
+from graphnav.api.result_folder import KeptFolder, named_folder, temporary_folder
 from graphnav.api.studies.finished_study import Study
-from graphnav.api.studies.study_arguments import execution_of, names_of, seeds_of, varies_of
+from graphnav.api.studies.study_arguments import execution_of, names_of, reference_of, seeds_of, varies_of, worlds_of
 from graphnav.api.studies.study_request import StudyRequest
 from graphnav.api.studies.study_run import ExecutionOptions, StudyRun, run_study
 from graphnav.catalog import Catalog
@@ -29,24 +29,27 @@ def ablate(
     metrics: Sequence[str] = (),
     within: Sequence[str] = (),
     one_at_a_time: bool = False,
+    reference: str | None = None,
+    worlds: Mapping[str, int] | None = None,
+    decompose: bool = False,
     plugins: Sequence[PathLike] = (),
     folder: PathLike | None = None,
     jobs: int | None = None,
     cluster: str | None = None,
     gallery: int = 2,
     keep_logs: bool = False,
+    fail_fast: bool = False,
 ) -> Study:
     """Swap stages of graphs, repeat over seeds, compare with statistics; return the tables and the report.
 
-    Runs execute in separate processes, one per core. A failed run is a result. With ``folder``, the same call resumes
-    an interrupted study, and more ``seeds`` add runs to the existing ones. There is no confirmation of many runs.
+    A failed run is a result. With ``folder``, the same call resumes a study, and more ``seeds`` add runs to it.
 
     Raises
     ------
     UserError
         All errors of the study and its graphs; nothing has run then.
     GraphnavError
-        The study was interrupted by a full disk or a lost cluster. Every finished run is in ``folder``.
+        A full disk, a lost cluster or, with ``fail_fast``, a failed run; every finished run is in ``folder``.
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
@@ -58,10 +61,13 @@ def ablate(
         metrics=texts_of(metrics, "metrics", "drive.success"),
         within=texts_of(within, "within", "control.max_speed_mps"),
         one_at_a_time=one_at_a_time,
+        decompose=decompose,
         plugins=paths_of(plugins, "plugins", "my_stage.py"),
+        reference=reference_of(reference),
+        worlds=worlds_of(worlds),
     )
-    options = execution_of(jobs, cluster, gallery, keep_logs)
-    kept = None if folder is None else _named(folder)
+    options = execution_of(jobs, cluster, gallery, keep_logs, fail_fast)
+    kept = None if folder is None else named_folder(folder)
     catalog = add_plugins(Catalog(), request.plugins)
     return _made(request.check(catalog), catalog, kept or temporary_folder(), options)
 
@@ -90,10 +96,9 @@ class _Quiet:
         """Return what takes outcomes and shows nothing."""
         return nullcontext(lambda _: None)
 
+    def failed(self, text: str) -> None:
+        """Say nothing: a failed run is a result."""
+
     def tell(self, line: str) -> None:
         """Log a line."""
         tell(line)
-
-
-def _named(folder: PathLike) -> KeptFolder:
-    return KeptFolder(path_of(folder, "folder", "ablations/1").absolute(), is_temporary=False)

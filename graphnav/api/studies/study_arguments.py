@@ -49,6 +49,8 @@ def varies_of(vary: object) -> tuple[Vary, ...]:
         if not isinstance(axis, str) or not axis or "=" in axis:
             raise UserError.of(f"vary: {axis!r} is not a stage, a parameter or a wire", hint)
         name = f"vary[{axis!r}]"
+        if isinstance(values, set | frozenset):
+            raise wrong_type(name, values, "a list of values, the base's first (a set has no order)", hint)
         if isinstance(values, str | Mapping) or not isinstance(values, Iterable):
             raise wrong_type(name, values, "a list of values", hint)
         found.append(vary_of(axis, [yaml_value(value, name) for value in values], Place(name)))
@@ -79,7 +81,42 @@ def seeds_of(seeds: object) -> Sequence[int] | None:
     return [operator.index(seed) for seed in found]
 
 
-def execution_of(jobs: object, cluster: object, gallery: object, keep_logs: object) -> ExecutionOptions:
+def reference_of(reference: object) -> str | None:
+    """Return the name of a variant, None for None.
+
+    Raises
+    ------
+    UserError
+        It is not a string.
+    """
+    if reference is not None and not isinstance(reference, str):
+        raise wrong_type("reference", reference, "the name of a variant", 'write reference="steer.oracle"')
+    return reference
+
+
+def worlds_of(worlds: object) -> Mapping[str, int]:
+    """Return the number of worlds of graphs.
+
+    Raises
+    ------
+    UserError
+        It is not a mapping of graphs to positive integers.
+    """
+    hint = 'write worlds={"laps": 10}'
+    if worlds is None:
+        return {}
+    if not isinstance(worlds, Mapping):
+        raise wrong_type("worlds", worlds, "a mapping of graphs to numbers", hint)
+    for graph, number in worlds.items():
+        if not isinstance(graph, str):
+            raise wrong_type("worlds", graph, "a mapping of graphs to numbers", hint)
+        _count(f"worlds[{graph!r}]", number, 1)
+    return dict(worlds)
+
+
+def execution_of(
+    jobs: object, cluster: object, gallery: object, keep_logs: object, fail_fast: object
+) -> ExecutionOptions:
     """Return how runs are made.
 
     Raises
@@ -90,7 +127,7 @@ def execution_of(jobs: object, cluster: object, gallery: object, keep_logs: obje
     if cluster is not None and not isinstance(cluster, str):
         raise wrong_type("cluster", cluster, "a string or None", 'write cluster="tcp://host:8786"')
     at_once, each = _count("jobs", jobs, 1), _count("gallery", gallery, 0)
-    return ExecutionOptions(at_once, cluster, each or 0, keep_logs=bool(keep_logs))
+    return ExecutionOptions(at_once, cluster, each or 0, keep_logs=bool(keep_logs), fail_fast=bool(fail_fast))
 
 
 def _count(name: str, value: object, minimum: int) -> int | None:

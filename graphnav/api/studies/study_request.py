@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from graphnav.ablation.decompose import decomposed_study
 from graphnav.ablation.plan import CheckedStudy, check_study, with_versions
 from graphnav.ablation.study import Vary, study_of_command
 from graphnav.catalog import Catalog
@@ -27,6 +28,11 @@ class StudyRequest:
     within: Sequence[str]
     one_at_a_time: bool
     plugins: Sequence[Path]
+    reference: str | None = None
+    """None: that of the study."""
+    worlds: Mapping[str, int] = field(default_factory=dict)
+    decompose: bool = False
+    """Whether the stages of the drive are swapped for their oracles (`decomposed_study`)."""
     problems: Sequence[Problem] = ()
     """Problems of options that were parsed before."""
 
@@ -46,8 +52,13 @@ class StudyRequest:
             within=self.within,
             seeds=self.seeds,
             one_at_a_time=self.one_at_a_time,
+            reference=self.reference,
+            worlds=self.worlds,
+            may_vary_nothing=self.decompose,
             problems=self.problems,
         )
+        if self.decompose:
+            study = decomposed_study(study, catalog)
         checked = check_study(study, catalog, command or self.command, self.plugins)
         return replace(checked, plan=with_versions(checked.plan))
 
@@ -60,10 +71,13 @@ class StudyRequest:
             ("--metrics", self.metrics),
             ("--within", self.within),
             ("--plugin", self.plugins),
+            ("--reference", [] if self.reference is None else [self.reference]),
+            ("--worlds", [f"{graph}={number}" for graph, number in self.worlds.items()]),
             ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),
         )
         words = [word for option, values in options for value in values for word in (option, str(value))]
-        return shlex.join(["graphnav", "ablate", *self.names, *words, *["--one-at-a-time"] * self.one_at_a_time])
+        words += ["--one-at-a-time"] * self.one_at_a_time + ["--decompose"] * self.decompose
+        return shlex.join(["graphnav", "ablate", *self.names, *words])
 
 
 def _seeds_words(seeds: str | Sequence[int]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from graphnav.ablation.execution import (
@@ -19,9 +20,11 @@ from graphnav.ablation.execution import (
     pending_jobs,
 )
 from graphnav.ablation.plan import CheckedStudy, Job
-from graphnav.ablation.results import read_records, worst_failures
+from graphnav.ablation.results import Record, failed_run_text, read_records, worst_failures
 from graphnav.api.studies.study_files import StudyFiles, write_study_files
 from graphnav.catalog import Catalog
+from graphnav.errors import GraphnavError
+from graphnav.runner import Outcome
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,12 @@ class ExecutionOptions:
     gallery: int
     """How many failures of each variant are run again and drawn."""
     keep_logs: bool
+    fail_fast: bool = False
+    """Whether the first run in which a stage fails or whose process dies ends the study."""
+
+
+class FailFastError(GraphnavError):
+    """The failed run that ended a study."""
 
 
 class StudyRun:
@@ -48,9 +57,36 @@ class StudyRun:
         """Return the runs that do not exist yet."""
         return pending_jobs(self.plan, self._folder)
 
-    def make(self, jobs: Sequence[Job], on_made: Callable[[str], None] = lambda _: None) -> None:
-        """Make runs; ``on_made`` gets the outcome of each."""
-        execute(jobs, self._tasks, self._folder, self.workers, on_made)
+    def make(
+        self,
+        jobs: Sequence[Job],
+        on_made: Callable[[str], None] = lambda _: None,
+        on_failed: Callable[[str], None] = lambda _: None,
+        *,
+        fail_fast: bool = False,
+    ) -> None:
+        """Make runs; ``on_made`` gets the outcome of each, ``on_failed`` the text of those in which a stage failed.
+
+        Raises
+        ------
+        FailFastError
+            With ``fail_fast``, at the first run that fails, and at once where an existing one did.
+        """
+
+        def failed(record: Record) -> None:
+            text = failed_run_text(record, self._folder.path)
+            if fail_fast:
+                raise FailFastError(text)
+            on_failed(text)
+
+        def died(job: Job) -> None:
+            if fail_fast:
+                raise FailFastError(f"failed: {job.case.graph}, {job.case.variant}, seed {job.seed}: its process died")
+
+        for record in read_records(self.plan, self._folder.path) if fail_fast else ():
+            if record.outcome == Outcome.FAILED:
+                failed(record)
+        execute(jobs, self._tasks, self._folder, self.workers, on_made, failed, on_died=died)
 
     def seconds_a_run(self) -> float:
         """Return the mean wall time of the existing runs, of which there is at least one."""
@@ -76,6 +112,9 @@ class StudyObserver(Protocol):
     def progress(self, title: str, done: int, total: int) -> AbstractContextManager[Callable[[str], None]]:
         """Return what takes the outcome of each run that is made."""
 
+    def failed(self, text: str) -> None:
+        """Tell of a run in which a stage failed, as soon as it is made."""
+
     def tell(self, line: str) -> None:
         """Tell of a failure that did not happen again, or could not be drawn."""
 
@@ -89,23 +128,33 @@ def run_study(
     ------
     UserError
         The folder holds another study, or no workers can be had.
+    FailFastError
+        The first failed run, where the options ask to stop at it.
     GraphnavError
         What ends a study: a full disk, a cluster that is gone. Every finished run is in the folder.
     """
     plan = study.plan
     folder.begin(plan)
-    make_workers = (
-        cluster_workers(options.cluster) if options.cluster else local_workers(options.jobs or _cores(), folder.scratch)
-    )
-    with make_workers as workers:
+    with workers_of(options.jobs, options.cluster, folder.scratch) as workers:
         run = StudyRun(study, folder, workers)
         jobs = observer.accept(run)
         if jobs is None:
             return None
         with observer.progress(plan.name, plan.n_jobs - len(jobs), plan.n_jobs) as on_made:
-            run.make(jobs, on_made)
+            run.make(jobs, on_made, observer.failed, fail_fast=options.fail_fast)
         run.draw(options, observer)
     return write_study_files(plan, folder.path, catalog, study.graphs)
+
+
+def workers_of(jobs: int | None, cluster: str | None, scratch: Path) -> AbstractContextManager[Workers]:
+    """Return what makes runs: a Dask cluster, or processes of this machine that work in ``scratch``.
+
+    Raises
+    ------
+    UserError
+        Dask is not installed, or no scheduler answers.
+    """
+    return cluster_workers(cluster) if cluster else local_workers(jobs or _cores(), scratch)
 
 
 def _cores() -> int:

@@ -17,7 +17,8 @@ class Rewiring:
     """Rewires stages of one graph.
 
     An open plain input is wired to the only channel of its type and name, else to the only one of its type; channels
-    that depend on the reader do not count. What cannot be wired is added to ``problems``, what was done to ``notices``.
+    that depend on the reader and those of scores do not count. What cannot be wired is added to ``problems``, what was
+    done to ``notices``. A sampled input of true data is wired alike, and stays open where that is not clear.
     ``given``: (stage, input port) of wires that are given with the change and stay as they are.
     """
 
@@ -37,7 +38,12 @@ class Rewiring:
         """Rewire the readers of outputs that swaps took away, then the open inputs of swapped and added stages."""
         self._added = added
         channels = input_messages(self._spec, self._catalog)
-        channels |= {f"{s}.{p.name}": p.message for s, cls in self.classes().items() for p in ports_of(cls).outputs}
+        channels |= {
+            f"{stage}.{port.name}": port.message
+            for stage, cls in self.classes().items()
+            for port in ports_of(cls).outputs
+            if cls.role != "score"
+        }
         self._close_broken(swapped, channels)
         for stage in (*swapped, *added):
             if stage in self.classes():
@@ -105,7 +111,9 @@ class Rewiring:
 
     def _wire_new(self, stage: StageSpec, channels: Mapping[str, type[Message]]) -> None:
         for port in ports_of(self._catalog.stage(stage.use)).inputs:
-            if not port.may_be_open and port.name not in stage.wires and (stage.name, port.name) not in self._given:
+            if port.name in stage.wires or (stage.name, port.name) in self._given:
+                continue
+            if not port.may_be_open or port.message.is_truth:
                 self._wire_to_only(stage, port, channels)
 
     def _wire_to_only(
@@ -123,7 +131,7 @@ class Rewiring:
             self._wire(stage, port, named[0], f"the only {kind} called '{port.name}'")
         elif len(candidates) == 1:
             self._wire(stage, port, candidates[0], f"the only {kind}")
-        else:
+        elif not port.may_be_open:
             self._cannot_wire(stage, port, candidates, gone)
 
     def _cannot_wire(self, stage: StageSpec, port: Port, candidates: list[str], gone: str) -> None:

@@ -37,7 +37,10 @@ def outputs_of(
             continue
         if found := _output(ref, given, channels[ref], catalog, problems):
             outputs[ref] = found
-        if given.motor and not classes[stage].is_guard:
+        if given.motor and classes[stage].role == "score":
+            what = f"the motor output '{ref}' comes from a score, which only measures"
+            problems.append(Problem(given.place, what, "send the command of a guard that is not a score"))
+        elif given.motor and not classes[stage].is_guard:
             what = f"the motor output '{ref}' does not come from a guard: nothing stops it when its inputs are lost"
             hint = f"put control.guard behind '{stage}' and write outputs: {{guard.twist: ...}}"
             problems.append(Problem(given.place, what, hint))

@@ -33,6 +33,7 @@ def type_read(name: str, catalog: Catalog) -> WireType:
     """
     adapters = catalog.adapters()
     if name in adapters.readers:
+        _check_truth(name, adapters.readers[name])
         return _adapted(name, adapters.readers[name])
     if name in adapters.writers and name not in message_types():
         raise CatalogError(f"the adapter of '{name}' only writes it", "give it from_lcm")
@@ -75,6 +76,16 @@ def type_written(name: str | None, message: type[Message], catalog: Catalog) -> 
         f"a {message.__name__} cannot leave as '{name}'{what}",
         f"write type: {' or '.join(fitting)}, or an Adapter from {message.__name__} to '{name}'",
     )
+
+
+def _check_truth(name: str, adapter: Adapter) -> None:
+    """Raise CatalogError for an adapter that would turn true data into what every stage may read."""
+    own = message_class_of(adapter.lcm_class)
+    if own is not None and own.is_truth and not adapter.message.is_truth:
+        raise CatalogError(
+            f"the adapter of '{name}' makes {adapter.message.__name__}, which every stage may read, of true data",
+            f"give it a message whose is_truth is True, as {own.__name__} has",
+        )
 
 
 def _adapted(name: str, adapter: Adapter) -> WireType:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from graphnav.errors import Hint, Place, Problem, did_you_mean
 from graphnav.graph.node import Channel, Input
+from graphnav.graph.wiring.roles import is_of_score, refusal
 from graphnav.spec import Spec, StageSpec
 from graphnav.stage import Port, Stage, ports_of
 
@@ -59,6 +60,9 @@ class Wires:
             candidates = self._of_type(port, stage.name) or ["another stage"]
             hint = f"wire it to {' or '.join(candidates)}{self._no_writer(port)}"
             self._problems.append(Problem(entry.value.place, what, hint))
+            return None
+        if found := refusal(stage, port.name, channel, self._writer(channel), self._classes):
+            self._problems.append(Problem(entry.value.place, *found))
             return None
         return Input(port, channel, stage.wire_notes.get(port.name, ""))
 
@@ -130,4 +134,9 @@ class Wires:
         return f"; no stage here writes {port.message.__name__}" if missing else ""
 
     def _of_type(self, port: Port, reader: str) -> list[str]:
-        return [c.ref for c in self._channels.values() if c.message is port.message and c.stage != reader]
+        """Return the channels that an input could read."""
+        return [
+            c.ref
+            for c in self._channels.values()
+            if c.message is port.message and c.stage != reader and not is_of_score(c, self._classes)
+        ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -48,17 +48,33 @@ def draw_flow(axes: Axes, frame: Frame) -> str:
     """Draw the flow in colour with arrows on it; return its caption."""
     flow = frame.flow
     assert flow is not None
-    full = flow_scale_px(flow.uv_px, flow.valid)
+    full = show_vectors(axes, frame, Field(flow.uv_px, flow.valid, flow.step_px))
+    per_s = full / (flow.interval_us / 1e6) if flow.interval_us else 0.0
+    speed = f" = {per_s:.0f} px/s" if per_s else ""
+    return f"displacement since the last frame; colour: direction,\nsaturation: length, full at {full:.1f} px{speed}"
+
+
+class Field(NamedTuple):
+    """Vectors (rows, cols, 2), right and down, which of them count, (rows, cols), and the pixels of a cell."""
+
+    uv: npt.NDArray[Any]
+    valid: npt.NDArray[Any]
+    step_px: int
+
+
+def show_vectors(axes: Axes, frame: Frame, field: Field) -> float:
+    """Draw a field in colour with arrows on it; return the length in full colour."""
+    full = flow_scale_px(field.uv, field.valid)
     axes.imshow(
-        flow_rgb(flow.uv_px, flow.valid, full),
-        extent=extent_px(flow.valid.shape, flow.step_px),
+        flow_rgb(field.uv, field.valid, full),
+        extent=extent_px(field.valid.shape, field.step_px),
         interpolation="nearest",
         aspect="auto",
     )
     over_picture(axes, frame)
-    every = max(1, round(flow.valid.shape[1] / _ARROWS_ACROSS))
-    x, y, picked = _lattice(flow.valid.shape, flow.step_px, every)
-    uv, there = flow.uv_px[picked], flow.valid[picked] != 0
+    every = max(1, round(field.valid.shape[1] / _ARROWS_ACROSS))
+    x, y, picked = _lattice(field.valid.shape, field.step_px, every)
+    uv, there = field.uv[picked], field.valid[picked] != 0
     axes.quiver(
         x[there],
         y[there],
@@ -66,16 +82,14 @@ def draw_flow(axes: Axes, frame: Frame) -> str:
         uv[there][:, 1],
         angles="xy",
         scale_units="xy",
-        scale=full / (every * flow.step_px * 1.1),
+        scale=full / (every * field.step_px * 1.1),
         width=0.006,
         color="black",
         headwidth=3.6,
         headlength=4.2,
     )
     _wheel(axes)
-    per_s = full / (flow.interval_us / 1e6) if flow.interval_us else 0.0
-    speed = f" = {per_s:.0f} px/s" if per_s else ""
-    return f"displacement since the last frame; colour: direction,\nsaturation: length, full at {full:.1f} px{speed}"
+    return full
 
 
 def draw_plane(axes: Axes, frame: Frame) -> str:

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
 
 from graphnav.arrays import Doubles, Floats, Ints
+from graphnav_world.geometry.movers import Course, Mover
 from graphnav_world.geometry.outlines import Strip, convex_parts
-from graphnav_world.geometry.patrol import Patrol
 from graphnav_world.geometry.prims import Prims, slices_of
 
 SUN_W = np.array([0.42, 0.27, 0.87])
@@ -33,7 +33,7 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True)
 class Body:
-    """An upright prism. A moving one is given in its own frame, whose origin moves along its patrol.
+    """An upright prism. A moving one is given in its own frame, whose origin moves along its course.
 
     ``parts``: convex outlines that tile it. ``sides``: the vertical faces as (from, to) pairs, (n, 2, 2), running
     counterclockwise around the body.
@@ -45,14 +45,14 @@ class Body:
     sides: Doubles
     height_m: float
     texture: str
-    patrol: Patrol | None = None
+    course: Course | None = None
 
     @classmethod
-    def prism(cls, outline: Doubles, height_m: float, texture: str, patrol: Patrol | None = None) -> Body:
+    def prism(cls, outline: Doubles, height_m: float, texture: str, course: Course | None = None) -> Body:
         """Return an obstacle on a simple counterclockwise outline (in its own frame if it moves)."""
         sides = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
-        kind = Kind.OBSTACLE if patrol is None else Kind.MOVING
-        return cls(kind, outline, convex_parts(outline), sides, height_m, texture, patrol)
+        kind = Kind.OBSTACLE if course is None else Kind.MOVING
+        return cls(kind, outline, convex_parts(outline), sides, height_m, texture, course)
 
     @classmethod
     def wall(cls, strip: Strip, height_m: float, texture: str) -> Body:
@@ -74,7 +74,7 @@ class Faces:
     own frame). ``face_of_prim``: int32 (prims,). ``normal``: float64 (faces, 3), outward. ``offset``: (faces,), the
     plane is normal . x = offset. ``u``, ``v``: float64 (faces, 4), texture coordinates in metres as affine functions
     of the point. ``texture``: int32 (faces,) and ``textures``, the names it points to. ``body``: int32 (faces,).
-    ``shade``: float32 (faces,). ``moving``: bodies that move, and ``patrols``, in the same order.
+    ``shade``: float32 (faces,). ``moving``: bodies that move, and ``movers``, in the same order.
     """
 
     quads: Doubles
@@ -88,7 +88,7 @@ class Faces:
     body: Ints
     shade: Floats
     moving: tuple[int, ...] = ()
-    patrols: tuple[Patrol, ...] = ()
+    movers: tuple[Mover, ...] = ()
 
     @cached_property
     def prims(self) -> Prims:
@@ -99,6 +99,11 @@ class Faces:
     def of_moving(self) -> tuple[slice, ...]:
         """The faces of each moving body."""
         return slices_of(self.body, self.moving)
+
+    def moved_by(self, movers: tuple[Mover, ...]) -> Faces:
+        """Return the same faces, whose moving bodies are where these movers are."""
+        is_same = all(one is other for one, other in zip(movers, self.movers, strict=True))
+        return self if is_same else replace(self, movers=movers)
 
 
 def shade(normal: Doubles) -> float:
@@ -136,7 +141,7 @@ def faces_of(bodies: Sequence[Body], rng: np.random.Generator) -> Faces:
         start = rng.uniform(0.0, 20.0, 2)
         _add_sides(found, index, body, start)
         _add_top(found, index, body, start)
-    moving = tuple(i for i, body in enumerate(bodies) if body.patrol is not None)
+    moving = tuple(i for i, body in enumerate(bodies) if body.course is not None)
     names = tuple(dict.fromkeys(found.texture))
     normal = np.array(found.normal).reshape(-1, 3)
     return Faces(
@@ -151,7 +156,7 @@ def faces_of(bodies: Sequence[Body], rng: np.random.Generator) -> Faces:
         body=np.array(found.body, np.int32),
         shade=np.array([shade(n) for n in normal], np.float32),
         moving=moving,
-        patrols=tuple(p for body in bodies if (p := body.patrol) is not None),
+        movers=tuple(course for body in bodies if (course := body.course) is not None),
     )
 
 

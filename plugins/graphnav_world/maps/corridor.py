@@ -10,7 +10,7 @@ import numpy as np
 from graphnav.arrays import Doubles
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
-from graphnav_world.maps.body_keys import CorridorKeys
+from graphnav_world.maps.corridor_keys import CorridorKeys, RingKeys, Walled, ZigzagKeys
 from graphnav_world.maps.draws import Draws
 
 BEHIND_START_M = 0.6
@@ -20,7 +20,7 @@ GOAL_M = 0.5
 
 @dataclass(frozen=True)
 class Corridor:
-    """Parts of a map. ``start``: x_m, y_m, yaw_rad. ``goal_m``: an outline across the corridor."""
+    """Parts of a map. ``start``: x_m, y_m, yaw_rad. ``goal_m``: an outline across the corridor, empty without one."""
 
     walls: list[Body]
     start: tuple[float, float, float]
@@ -33,7 +33,7 @@ def draw_corridor(draws: Draws, keys: CorridorKeys) -> Corridor | None:
     if half + thickness >= radius:
         draws.wrong(keys.place("half_width_m"), "the corridor is wider than its bend", "give a smaller half_width_m")
         return None
-    side, bend = 1.0 if keys.turn == "left" else -1.0, math.radians(draws.number(keys.bend_deg))
+    side, bend = turn_sign(draws, keys), math.radians(draws.number(keys.bend_deg))
     run_in, run_out = draws.number(keys.run_in_m), draws.number(keys.run_out_m)
     reach = half + thickness / 2
     turn = outlines.arc((0.0, 0.0), radius, -side * math.pi / 2, side * (bend - math.pi / 2)) / radius
@@ -48,9 +48,29 @@ def draw_corridor(draws: Draws, keys: CorridorKeys) -> Corridor | None:
 
     loop = np.concatenate([rim(-reach), rim(reach)[::-1]])
     last = rim(0.0)[-2]
-    left = np.array([-out[1], out[0]])
-    near, far = last + run_out * out, last + (run_out + GOAL_M) * out
-    goal = np.array([near - half * left, far - half * left, far + half * left, near + half * left])
-    start = (0.0, draws.number(keys.start_offset_m), math.radians(draws.number(keys.start_heading_deg)))
-    wall = Body.wall(outlines.strip(loop, thickness, closed=True), draws.number(keys.height_m), keys.texture)
-    return Corridor([wall], start, goal)
+    goal = across(last + run_out * out, out, half)
+    return Corridor([wall(draws, keys, loop)], start(draws, keys), goal)
+
+
+def turn_sign(draws: Draws, keys: CorridorKeys | ZigzagKeys | RingKeys) -> float:
+    """Return 1.0 for a turn to the left, -1.0 for one to the right, drawn where either may be."""
+    if keys.turn == "either":
+        return 1.0 if draws.rng(*keys.written.path, "turn").random() < 0.5 else -1.0
+    return 1.0 if keys.turn == "left" else -1.0
+
+
+def start(draws: Draws, keys: Walled) -> tuple[float, float, float]:
+    """Return where the robot begins: x_m, y_m, yaw_rad."""
+    return 0.0, draws.number(keys.start_offset_m), math.radians(draws.number(keys.start_heading_deg))
+
+
+def wall(draws: Draws, keys: Walled, loop: Doubles) -> Body:
+    """Return a closed wall along the points of a loop, (n, 2)."""
+    strip = outlines.strip(loop, draws.number(keys.thickness_m), closed=True)
+    return Body.wall(strip, draws.number(keys.height_m), keys.texture)
+
+
+def across(near: Doubles, along: Doubles, half: float) -> Doubles:
+    """Return the goal from a point on, (4, 2): across the corridor, along a unit vector."""
+    left, far = np.array([-along[1], along[0]]), near + GOAL_M * along
+    return np.array([near - half * left, far - half * left, far + half * left, near + half * left])

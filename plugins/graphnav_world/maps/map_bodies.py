@@ -4,30 +4,43 @@ from __future__ import annotations
 
 import numpy as np
 
+from graphnav.arrays import Doubles
 from graphnav_world.geometry import outlines
+from graphnav_world.geometry.crossing import Crossing
+from graphnav_world.geometry.movers import Course
 from graphnav_world.geometry.patrol import Patrol
 from graphnav_world.geometry.scene import Body
-from graphnav_world.maps.body_keys import Moves, Obstacle, Wall
+from graphnav_world.maps.body_keys import Obstacle, Wall
 from graphnav_world.maps.draws import Draws
-from graphnav_world.maps.map_shapes import Shape, draw_line, draw_shape
+from graphnav_world.maps.map_shapes import draw_line, draw_shape
+from graphnav_world.maps.mover_keys import Crosses, Moves
+from graphnav_world.maps.wall_doors import cut
 
 
-def draw_wall(draws: Draws, wall: Wall) -> Body | None:
-    """Return a wall, None if its line cannot be one."""
+def draw_wall(draws: Draws, wall: Wall) -> list[Body]:
+    """Return a wall, in parts where it has doors; none if its line cannot be one."""
     points, height_m = draw_line(draws, wall.along), draws.number(wall.height_m)
     thickness_m, min_points = draws.number(wall.thickness_m), 3 if wall.closed else 2
     if len(points) < min_points:
         what = f"a {'closed ' if wall.closed else ''}wall needs at least {min_points} points, not {len(points)}"
         draws.wrong(wall.place("along"), what, "add points [x, y] or an arc")
-        return None
+        return []
     if wall.closed and np.linalg.norm(points[-1] - points[0]) < 1e-9:
         points = points[:-1]
-    strip = outlines.strip(points, thickness_m, closed=wall.closed)
-    if strip.is_folded:
+    strips = [outlines.strip(points, thickness_m, closed=wall.closed)]
+    if wall.doors:
+        line = np.concatenate([points, points[:1]]) if wall.closed else points
+        strips = [outlines.strip(part, thickness_m, closed=False) for part in cut(line, _gaps(draws, wall))]
+    if any(strip.is_folded for strip in strips):
         what = f"a wall {thickness_m:g} m thick cannot bend as sharply as this line"
         draws.wrong(wall.place("along"), what, "give a smaller thickness_m, or a wider bend")
-        return None
-    return Body.wall(strip, height_m, wall.texture)
+        return []
+    return [Body.wall(strip, height_m, wall.texture) for strip in strips]
+
+
+def _gaps(draws: Draws, wall: Wall) -> list[tuple[float, float]]:
+    middles = ((draws.number(door.at_m), draws.number(door.width_m) / 2) for door in wall.doors)
+    return [(at_m - half_m, at_m + half_m) for at_m, half_m in middles]
 
 
 def draw_obstacle(draws: Draws, obstacle: Obstacle) -> Body | None:
@@ -35,11 +48,31 @@ def draw_obstacle(draws: Draws, obstacle: Obstacle) -> Body | None:
     shape, height_m = draw_shape(draws, obstacle.shape), draws.number(obstacle.height_m)
     if shape is None:
         return None
-    patrol = _patrol(draws, obstacle.moves, shape) if obstacle.moves else None
-    outline = shape.outline - shape.center if patrol else shape.outline
-    return Body.prism(outline, height_m, obstacle.texture, patrol)
+    if obstacle.moves and obstacle.crosses:
+        draws.wrong(obstacle.place("crosses"), "an obstacle either moves or crosses", "remove 'moves' or 'crosses'")
+        return None
+    course = _course(draws, obstacle, shape.center)
+    outline = shape.outline - shape.center if course else shape.outline
+    return Body.prism(outline, height_m, obstacle.texture, course)
 
 
-def _patrol(draws: Draws, moves: Moves, shape: Shape) -> Patrol:
-    through_m = np.array([shape.center, *(draws.pair(point) for point in moves.through_m)])
+def _course(draws: Draws, obstacle: Obstacle, center: Doubles) -> Course | None:
+    if obstacle.crosses:
+        return _crossing(draws, obstacle.crosses, center)
+    return _patrol(draws, obstacle.moves, center) if obstacle.moves else None
+
+
+def _patrol(draws: Draws, moves: Moves, center: Doubles) -> Patrol:
+    through_m = np.array([center, *(draws.pair(point) for point in moves.through_m)])
     return Patrol(through_m, draws.number(moves.speed_mps), moves.around, draws.number(moves.ahead_m))
+
+
+def _crossing(draws: Draws, crosses: Crosses, center: Doubles) -> Crossing:
+    through_m = np.array([center, *(draws.pair(point) for point in crosses.through_m)])
+    return Crossing(
+        through_m,
+        draws.number(crosses.speed_mps),
+        within_m=draws.number(crosses.within_m) if crosses.within_m else None,
+        within_s=draws.number(crosses.within_s) if crosses.within_s else None,
+        returns=crosses.returns,
+    )

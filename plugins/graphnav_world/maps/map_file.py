@@ -11,13 +11,16 @@ import numpy as np
 from graphnav import Place, did_you_mean
 from graphnav.arrays import Doubles
 from graphnav_world.geometry.scene import Body
-from graphnav_world.maps.body_keys import CorridorKeys, Obstacle, Pillars, Wall
+from graphnav_world.maps.body_keys import Obstacle, Pillars, Wall
 from graphnav_world.maps.corridor import Corridor, draw_corridor
+from graphnav_world.maps.corridor_keys import Walled
 from graphnav_world.maps.draws import Draws
 from graphnav_world.maps.map_bodies import draw_obstacle, draw_wall
 from graphnav_world.maps.map_keys import MapKeys, PassageKeys, TextureKeys, View
 from graphnav_world.maps.map_shapes import draw_shape
 from graphnav_world.maps.pillars import draw_pillars
+from graphnav_world.maps.ring import draw_ring
+from graphnav_world.maps.zigzag import draw_zigzag
 from graphnav_world.rendering.textures import Texture
 
 TEXTURES = {
@@ -27,6 +30,8 @@ TEXTURES = {
 }
 Pose = tuple[float, float, float]
 
+CORRIDORS = ("corridor", "zigzag", "ring")
+"""Keys of a map that bring walls and the start; a map has one of them at most."""
 START_HINT = "add start: {at_m: [x, y], heading_deg: 0}"
 
 
@@ -54,20 +59,21 @@ class MapDraw:
 def draw_map(draws: Draws, keys: MapKeys) -> MapDraw | None:
     """Return the world that a seed draws; None if it lacks a start. What is wrong is added to ``draws``."""
     textures = TEXTURES | {name: _texture(draws, name, one) for name, one in (keys.textures or {}).items()}
-    corridor = draw_corridor(draws, keys.corridor) if keys.corridor else None
+    corridor = _corridor(draws, keys)
     bodies = _bodies(draws, keys, corridor)
     _check_textures(draws, keys, textures)
     goal = draw_shape(draws, keys.goal.shape) if keys.goal else None
     start = _start(draws, keys, corridor)
     if start is None:
         return None
+    given = next((name for name in CORRIDORS if getattr(keys, name)), "start")
     view, passage = keys.view or View(), keys.passage or PassageKeys()
     return MapDraw(
         bodies=bodies,
         start=start,
-        start_place=keys.place("start" if keys.start else "corridor"),
+        start_place=keys.place("start" if keys.start else given),
         goal_m=goal.outline if goal else corridor.goal_m if corridor else np.zeros((0, 2)),
-        goal_place=keys.place("goal" if keys.goal else "corridor"),
+        goal_place=keys.place("goal" if keys.goal else given),
         textures=textures,
         light_ratio=draws.number(view.light_ratio),
         noise_ratio=draws.number(view.noise_ratio),
@@ -78,14 +84,25 @@ def draw_map(draws: Draws, keys: MapKeys) -> MapDraw | None:
 
 def extent_m(draw: MapDraw) -> tuple[float, float]:
     """Return how far a draw reaches along x and y, moving obstacles' paths included."""
-    paths = [body.patrol.through_m for body in draw.bodies if body.patrol]
+    paths = [body.course.through_m for body in draw.bodies if body.course]
     points = np.concatenate([[draw.start[:2]], draw.goal_m, *(body.outline for body in draw.bodies), *paths])
     width, height = points.max(axis=0) - points.min(axis=0)
     return float(width), float(height)
 
 
+def _corridor(draws: Draws, keys: MapKeys) -> Corridor | None:
+    given = [name for name in CORRIDORS if getattr(keys, name)]
+    if len(given) > 1:
+        draws.wrong(keys.place(given[1]), f"a map has {' and '.join(map(repr, given))}", "keep one of them")
+    if keys.corridor:
+        return draw_corridor(draws, keys.corridor)
+    if keys.zigzag:
+        return draw_zigzag(draws, keys.zigzag)
+    return draw_ring(draws, keys.ring) if keys.ring else None
+
+
 def _bodies(draws: Draws, keys: MapKeys, corridor: Corridor | None) -> list[Body]:
-    walls = [draw_wall(draws, wall) for wall in keys.walls]
+    walls = [body for wall in keys.walls for body in draw_wall(draws, wall)]
     obstacles = [draw_obstacle(draws, obstacle) for obstacle in keys.obstacles]
     standing = [body for body in (*(corridor.walls if corridor else ()), *walls, *obstacles) if body]
     return standing + (draw_pillars(draws, keys.pillars) if keys.pillars else [])
@@ -98,8 +115,8 @@ def _texture(draws: Draws, name: str, keys: TextureKeys) -> Texture:
 
 
 def _check_textures(draws: Draws, keys: MapKeys, known: Collection[str]) -> None:
-    textured: list[Wall | Obstacle | Pillars | CorridorKeys | None] = [
-        *(keys.corridor, keys.pillars), *keys.walls, *keys.obstacles,
+    textured: list[Wall | Obstacle | Pillars | Walled | None] = [
+        *(keys.corridor, keys.zigzag, keys.ring, keys.pillars), *keys.walls, *keys.obstacles,
     ]  # fmt: skip
     for one in textured:
         if one and one.texture not in known and not keys.written.has("textures", one.texture):
@@ -110,6 +127,6 @@ def _check_textures(draws: Draws, keys: MapKeys, known: Collection[str]) -> None
 def _start(draws: Draws, keys: MapKeys, corridor: Corridor | None) -> Pose | None:
     if keys.start:
         return (*draws.pair(keys.start.at_m), math.radians(draws.number(keys.start.heading_deg)))
-    if not keys.written.has("start") and not keys.written.has("corridor"):
+    if not any(keys.written.has(name) for name in ("start", *CORRIDORS)):
         draws.wrong(keys.place(), "a map needs 'start'", START_HINT)
     return corridor.start if corridor else None

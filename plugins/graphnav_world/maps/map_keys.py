@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from graphnav import Range, Record, key
-from graphnav_world.maps.body_keys import CorridorKeys, Obstacle, Pillars, Region, Wall
+from graphnav_world.maps.body_keys import Obstacle, Pillars, Region, Wall
+from graphnav_world.maps.corridor_keys import CorridorKeys, RingKeys, ZigzagKeys
 from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Point
 
 
@@ -69,7 +70,10 @@ class PassageKeys(Record):
 
 
 class MapKeys(Record):
-    """Every key may be left out but `start`, and that too where there is a `corridor`."""
+    """Every key may be left out but `start`, and that too where there is a `corridor`, a `zigzag` or a `ring`.
+
+    A map has one of these three at most.
+    """
 
     noun = "a map"
 
@@ -77,6 +81,8 @@ class MapKeys(Record):
     textures: Mapping[str, TextureKeys] | None = key(None, doc="how surfaces look, by name")
     view: View | None = key(None, doc="light and noise")
     corridor: CorridorKeys | None = key(None, doc="a bent corridor with its start and its goal")
+    zigzag: ZigzagKeys | None = key(None, doc="a corridor with sharp corners, with its start and its goal")
+    ring: RingKeys | None = key(None, doc="a corridor without an end, with its start")
     walls: tuple[Wall, ...] = key((), doc="walls")
     obstacles: tuple[Obstacle, ...] = key((), doc="obstacles that stand or move")
     pillars: Pillars | None = key(None, doc="a field of round obstacles")

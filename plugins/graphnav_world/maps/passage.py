@@ -48,7 +48,7 @@ class Passage:
         """Return the first body that a robot of this radius touches at the start."""
         x, y, _ = self._start
         for body in (*self._standing, *self._moving):
-            at = body.patrol.at(0.0) if body.patrol else np.zeros(2)
+            at = body.course.at(0.0) if body.course else np.zeros(2)
             if any(outlines.distance(part + at, x, y) < radius_m for part in body.parts):
                 return body
         return None

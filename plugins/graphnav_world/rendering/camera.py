@@ -18,7 +18,8 @@ class Camera:
     """Mounting and projection of the camera.
 
     C has x right, y down, z along the optical axis. The centre of pixel (r, c) has coordinates x = c, y = r; the
-    optical axis meets the middle of the picture. ``tilt_deg`` is measured from the horizontal, down.
+    optical axis meets the middle of the picture. ``tilt_deg`` is measured from the horizontal, down; ``roll_deg`` turns
+    the tilted camera about the robot's forward axis, to the right if positive.
     """
 
     height_m: float = 1.0
@@ -26,6 +27,7 @@ class Camera:
     fov_deg: float = 70.0
     cols: int = 160
     rows: int = 120
+    roll_deg: float = 0.0
 
     @property
     def focal_px(self) -> float:
@@ -41,7 +43,12 @@ class Camera:
     def R_RC(self) -> Doubles:  # noqa: N802  # the robotics notation for a rotation from C to R
         """Return the rotation from C to R; its columns are the camera's axes in the robot's frame."""
         c, s = self._tilt
-        return np.array([[0.0, -s, c], [-1.0, 0.0, 0.0], [0.0, -c, -s]])
+        tilted = np.array([[0.0, -s, c], [-1.0, 0.0, 0.0], [0.0, -c, -s]])
+        if not self.roll_deg:
+            return tilted
+        c, s = math.cos(math.radians(self.roll_deg)), math.sin(math.radians(self.roll_deg))
+        rolled: Doubles = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]) @ tilted
+        return rolled
 
     @cached_property
     def _tilt(self) -> tuple[float, float]:
@@ -57,9 +64,12 @@ class Camera:
     def pose(self, x_m: float, y_m: float, yaw_rad: float) -> tuple[Doubles, Doubles]:
         """Return (R_WC, position in W) of the camera of a robot at this pose."""
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+        position = np.array([x_m, y_m, self.height_m])
+        if self.roll_deg:
+            return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ self.R_RC, position
         c_tilt, s_tilt = self._tilt
         R_WC = np.array([[s, -c * s_tilt, c * c_tilt], [-c, -s * s_tilt, s * c_tilt], [0.0, -c_tilt, -s_tilt]])
-        return R_WC, np.array([x_m, y_m, self.height_m])
+        return R_WC, position
 
     def project(self, points_C: Doubles) -> Doubles:
         """Return the pixel coordinates (x, y), float64 (..., 2), of points in front of the camera, (..., 3)."""

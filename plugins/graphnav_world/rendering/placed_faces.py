@@ -18,11 +18,12 @@ from graphnav_world.rendering.camera import Camera
 class Placed:
     """The camera in W, and the world's faces.
 
-    ``heading``: cosine and sine of the robot's yaw. ``moving``: body and its position (x, y, z) in W, for the moving
-    ones.
+    ``camera``: its mounting at this time. ``heading``: cosine and sine of the robot's yaw. ``moving``: body and its
+    position (x, y, z) in W, for the moving ones.
     """
 
     faces: Faces
+    camera: Camera
     eye_W: Doubles  # noqa: N815  # the frame's letter
     R_WC: Doubles
     heading: tuple[float, float]
@@ -33,10 +34,9 @@ class Placed:
         """Return the faces relative to the camera of a robot at this pose and time."""
         R_WC, eye = camera.pose(x_m, y_m, yaw_rad)
         moving = tuple(
-            (body, np.array([*patrol.at(time_s), 0.0]))
-            for body, patrol in zip(faces.moving, faces.patrols, strict=True)
+            (body, np.array([*mover.at(time_s), 0.0])) for body, mover in zip(faces.moving, faces.movers, strict=True)
         )
-        return cls(faces, eye, R_WC, (math.cos(yaw_rad), math.sin(yaw_rad)), moving)
+        return cls(faces, camera, eye, R_WC, (math.cos(yaw_rad), math.sin(yaw_rad)), moving)
 
     @cached_property
     def face_distance_m(self) -> Doubles:

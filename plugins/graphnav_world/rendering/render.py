@@ -15,6 +15,7 @@ from graphnav_world.rendering.atlas import Atlas
 from graphnav_world.rendering.body_texture import BodyTexture
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.floor import Floor
+from graphnav_world.rendering.lighting import Lighting
 from graphnav_world.rendering.noise import normal_noise
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.true_flow import TrueFlow
@@ -39,9 +40,7 @@ class Frame:
     @cached_property
     def inverse_depth(self) -> Floats:
         """Inverse of the depth along the optical axis, float32 (rows, cols), 1/m, 0 above the horizon."""
-        inverse = self.floor_inverse_depth.copy()
-        inverse.reshape(-1)[self.seen.pixel] = self.seen.inverse_depth
-        return inverse
+        return _inverse_depth(self.floor_inverse_depth, self.seen)
 
     @property
     def depth_m(self) -> Floats:
@@ -72,15 +71,18 @@ class Frame:
 class Renderer:
     """Renders one world.
 
-    ``floor_origin_m``: the world point where the floor's texture begins. Everything is computed from the same
-    exact hits of pixel rays and planes: texture coordinates, depth and flow.
+    ``floor_origin_m``: the world point where the floor's texture begins. ``lighting``: None for uniform light.
+    Everything is computed from the same exact hits of pixel rays and planes: texture coordinates, depth and flow.
     """
 
-    def __init__(self, camera: Camera, faces: Faces, atlas: Atlas, floor_origin_m: Doubles) -> None:
+    def __init__(
+        self, camera: Camera, faces: Faces, atlas: Atlas, floor_origin_m: Doubles, lighting: Lighting | None = None
+    ) -> None:
         self._zbuffer = ZBuffer(camera)
         self._floor = Floor(camera, atlas, floor_origin_m)
         self._texture = BodyTexture(camera, faces, atlas)
         self._flow = TrueFlow(camera, faces)
+        self._lighting = lighting
 
     def render(
         self,
@@ -106,11 +108,19 @@ class Renderer:
             noise, sigma = normal_noise(gray.shape, rng), noise_sigma_gray
         pixels = cv2.addWeighted(gray, light / (1 + len(meanwhile)), noise, sigma, 0.0, dtype=cv2.CV_8U)
         flow = None if before is None else partial(self._flow.between, now, before, seen)
-        return Frame(pixels, seen, self._floor.inverse_depth, flow)
+        return Frame(pixels, seen, self._floor.inverse_depth(now), flow)
 
     def _gray(self, placed: Placed, seen: Visible) -> Floats:
-        """Return the gray values before light and noise, float32 (rows, cols)."""
+        """Return the gray values before brightness and noise, float32 (rows, cols)."""
         gray = self._floor.gray(placed)
         if len(seen.pixel):
             gray.reshape(-1)[seen.pixel] = self._texture.gray(placed, seen)
+        if self._lighting is not None:
+            self._lighting.apply(gray, placed, seen, _inverse_depth(self._floor.inverse_depth(placed), seen))
         return gray
+
+
+def _inverse_depth(of_floor: Floats, seen: Visible) -> Floats:
+    inverse = of_floor.copy()
+    inverse.reshape(-1)[seen.pixel] = seen.inverse_depth
+    return inverse

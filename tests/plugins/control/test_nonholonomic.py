@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from graphnav_control.nonholonomic import Nonholonomic
 
-from graphnav import Stamp, Steering, Twist
+from graphnav import ParamError, Stamp, Steering, Twist
 
 T_M, R_M = 0.4, 1.0
 
@@ -18,7 +19,7 @@ def asked(theta_rad: float) -> Steering:
     return Steering(repulsive=np.zeros(2), guiding=force, control=force, theta_rad=theta_rad, eigenvalues=np.zeros(2))
 
 
-def command(theta_rad: float, **parameters: float) -> Twist:
+def command(theta_rad: float, **parameters: Any) -> Twist:
     stage = Nonholonomic(max_speed_mps=T_M, max_turn_radps=R_M, **parameters)
     stage.reset(seed=0)
     return stage.step(asked(theta_rad), Stamp(0))
@@ -42,6 +43,18 @@ def test_beyond_a_right_angle_the_robot_turns_on_the_spot(theta_rad: float) -> N
         twist = command(side * theta_rad)
         assert twist.v_mps == 0.0
         assert twist.omega_radps == side * R_M
+
+
+@pytest.mark.parametrize("theta_rad", np.linspace(-math.pi, math.pi, 17))
+def test_law_of_the_paper_at_every_angle(theta_rad: float) -> None:
+    twist = command(theta_rad, reversing=True)
+    assert twist.v_mps == pytest.approx(T_M * math.cos(theta_rad), abs=1e-12)
+    assert twist.omega_radps == pytest.approx(R_M * math.sin(theta_rad), abs=1e-12)
+
+
+def test_a_robot_that_reverses_has_no_minimum_speed() -> None:
+    with pytest.raises(ParamError, match="no minimum speed"):
+        Nonholonomic(reversing=True, floor_ratio=0.3).check()
 
 
 def test_floor_keeps_the_robot_moving() -> None:

@@ -11,13 +11,14 @@ import pytest
 from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
+from graphnav_flow.plain_lucas_kanade import PlainLucasKanade
 
 from graphnav import Image, Stage, Stamp
 
 if TYPE_CHECKING:
     from tests.plugins.flow.conftest import Pair
 
-ESTIMATORS = [LucasKanade, Farneback, Dis]
+ESTIMATORS = [LucasKanade, PlainLucasKanade, Farneback, Dis]
 
 
 def started(estimator: Callable[..., Any], **parameters: Any) -> Any:

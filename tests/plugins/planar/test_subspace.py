@@ -154,3 +154,13 @@ def test_after_a_gap_the_last_frame_tells_nothing(floor: Floor, model: PlanarMod
     expected = alone.step(now, Stamp(0)).planar_uv_px
     assert np.array_equal(breaks.step(now, Stamp(FRAME_US * 6)).planar_uv_px, expected)
     assert not np.array_equal(follows.step(now, Stamp(FRAME_US * 3)).planar_uv_px, expected)
+
+
+@pytest.mark.parametrize(("forward_m", "turn_rad"), MOTIONS)
+def test_without_the_turn_it_is_the_flow_of_the_translation(
+    floor: Floor, model: PlanarModel, save: Save, forward_m: float, turn_rad: float
+) -> None:
+    stage = Subspace(model=save(model), with_turn=False)
+    stage.reset(0)
+    seen = stage.step(floor.flow(floor.uv_px(forward_m, turn_rad)), Stamp(0))
+    assert seen.planar_uv_px == pytest.approx(floor.uv_px(forward_m, 0.0), abs=0.1)

@@ -11,15 +11,17 @@ from graphnav_plane.affine import Affine
 from graphnav_plane.detector import Detector
 from graphnav_plane.homography import Homography
 from graphnav_plane.ica import Ica
+from graphnav_plane.one_gain import OneGain
 from graphnav_plane.residual import Residual
+from graphnav_plane.row_line import RowLine
 
 from graphnav import Flow, Plane, Stamp
 
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scene, Scenes
 
-DETECTORS = [Ica, Affine, Homography, Residual]
-COMPARING = [Ica, Residual]
+DETECTORS = [Ica, Affine, Homography, Residual, OneGain, RowLine]
+COMPARING = [Ica, Residual, OneGain]
 MOTIONS = [(3.0, 0.0), (3.0, 0.05), (1.0, -0.1), (0.0, 0.1), (0.0, 0.0)]
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -27,9 +29,11 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 def seen(detector: Detector, scene: Scene) -> Plane:
     detector.reset(0)
-    if isinstance(detector, Affine | Homography):
+    if isinstance(detector, Affine | Homography | RowLine):
         return detector.step(scene.flow, Stamp(0))
-    assert isinstance(detector, Ica | Residual)
+    if isinstance(detector, Ica):
+        return detector.step(scene.flow, scene.planar, Stamp(0)).plane
+    assert isinstance(detector, Residual | OneGain)
     return detector.step(scene.flow, scene.planar, Stamp(0))
 
 

@@ -29,6 +29,8 @@ def seen(detector: Detector, scene: Scene, stamp: Stamp) -> Plane:
     if isinstance(detector, Affine | Homography):
         return detector.step(scene.flow, stamp)
     assert isinstance(detector, Ica | Residual)
+    if isinstance(detector, Ica):
+        return detector.step(scene.flow, scene.planar, stamp).plane
     return detector.step(scene.flow, scene.planar, stamp)
 
 

@@ -86,7 +86,7 @@ def test_both_solvers_see_the_same_obstacle(scenes: Scenes, nonlinearity: Nonlin
         stage = Ica(solver=solver, nonlinearity=nonlinearity)
         stage.reset(1)
         for _ in range(2):
-            plane = stage.step(scene.flow, scene.planar, scenes.stamp())
+            plane = stage.step(scene.flow, scene.planar, scenes.stamp()).plane
         planes.append(plane)
     assert (planes[0].obstacle == planes[1].obstacle).mean() > 0.98
 
@@ -139,7 +139,7 @@ def test_the_score_is_the_parallax_in_pixels(scenes: Scenes) -> None:
     scene = scenes.scene(0.25, noise_px=0.0)
     stage = Ica()
     stage.reset(0)
-    plane = stage.step(scene.flow, scene.planar, scenes.stamp())
+    plane = stage.step(scene.flow, scene.planar, scenes.stamp()).plane
     parallax_px = np.linalg.norm(scene.flow.uv_px - scene.planar.planar_uv_px, axis=-1)
     assert plane.score == pytest.approx(parallax_px, abs=0.15)
 
@@ -149,7 +149,7 @@ def test_a_planar_flow_of_another_speed_is_no_obstacle(scenes: Scenes, gain: flo
     scene = scenes.scene(0.25, gain=gain)
     stage = Ica()
     stage.reset(0)
-    plane = stage.step(scene.flow, scene.planar, scenes.stamp())
+    plane = stage.step(scene.flow, scene.planar, scenes.stamp()).plane
     assert plane.obstacle[~scene.obstacle].mean() < 0.02
     assert plane.obstacle[scene.obstacle].mean() > 0.8
 
@@ -160,7 +160,7 @@ def test_the_component_of_low_variance_is_blind_to_it(scenes: Scenes) -> None:
     for component in ("high_variance", "low_variance"):
         stage = Ica(component=component)
         stage.reset(0)
-        score = stage.step(scene.flow, scene.planar, scenes.stamp()).score
+        score = stage.step(scene.flow, scene.planar, scenes.stamp()).plane.score
         contrasts[component] = score[scene.obstacle].mean() / score[~scene.obstacle].mean()
     assert contrasts["high_variance"] > 5
     assert contrasts["low_variance"] < 2

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from graphnav_score.navigation import MeanJerk, Navigation, barn, spl
+from graphnav_score.navigation import MeanJerk, Navigation, spl
 
 from graphnav import Latest, Map, Stamp, State
 
@@ -37,8 +37,10 @@ def map_of(shortest_m: float, *, goal: bool = True) -> Map:
     )
 
 
-def drive(states: Sequence[At], world: Map | None, period_s: float = 1.0) -> Mapping[str, float]:
-    stage = Navigation(optimal_speed_mps=0.5)
+def drive(
+    states: Sequence[At], world: Map | None, period_s: float = 1.0, speed_mps: float | None = 0.5
+) -> Mapping[str, float]:
+    stage = Navigation(optimal_speed_mps=speed_mps)
     stage.reset(seed=0)
     for k, at in enumerate(states):
         state = State(
@@ -66,27 +68,25 @@ def test_success() -> None:
     assert metrics["path_length_m"] == pytest.approx(8.0)
     assert metrics["duration_s"] == pytest.approx(30.0)
     assert metrics["spl"] == pytest.approx(6 / 8)
-    # Optimal 6 m at 0.5 m/s, 12 s; 30 s lies between 2 and 8 times that.
-    assert metrics["barn"] == pytest.approx(12 / 30)
+    assert metrics["sct"] == pytest.approx(12 / 30), "6 m at 0.5 m/s take 12 s"
     assert metrics["mean_jerk_mps3"] == 0.0
 
 
 @pytest.mark.parametrize(
-    ("legs_m", "shortest_m", "seconds", "spl_", "barn_"),
+    ("legs_m", "shortest_m", "seconds", "spl_", "sct_"),
     [
         # Around three sides of a square of 2 m where the shortest way is the fourth.
         ([2.0, 2.0, 2.0], 2.0, 10.0, 2 / 6, 4 / 10),
-        # A robot that is faster than twice the optimal time (4 s) gains nothing more, nor does the slowest lose more.
-        ([2.0], 2.0, 5.0, 1.0, 0.5),
+        # The optimal time of 2 m at 0.5 m/s is 4 s.
+        ([2.0], 2.0, 3.0, 1.0, 1.0),
         ([2.0], 2.0, 8.0, 1.0, 0.5),
-        ([2.0], 2.0, 32.0, 1.0, 1 / 8),
-        ([2.0], 2.0, 100.0, 1.0, 1 / 8),
+        ([2.0], 2.0, 100.0, 1.0, 1 / 25),
         # The goal is a region: a way may be shorter than the one that was planned to it.
         ([1.9], 2.0, 16.0, 1.0, 1 / 4),
     ],
 )
 def test_scores_of_complete_drives(
-    legs_m: list[float], shortest_m: float, seconds: float, spl_: float, barn_: float
+    legs_m: list[float], shortest_m: float, seconds: float, spl_: float, sct_: float
 ) -> None:
     corners, directions = [At(0.0, 0.0)], [(1, 0), (0, 1), (-1, 0)]
     for length_m, (x, y) in zip(legs_m, directions, strict=False):
@@ -94,16 +94,16 @@ def test_scores_of_complete_drives(
     corners[-1] = corners[-1]._replace(at_goal=True)
     metrics = drive(corners, map_of(shortest_m), period_s=seconds / len(legs_m))
     assert metrics["spl"] == pytest.approx(spl_)
-    assert metrics["barn"] == pytest.approx(barn_)
+    assert metrics["sct"] == pytest.approx(sct_)
     touched = [*corners[:-1], corners[-1]._replace(contact=True)]
     metrics = drive(touched, map_of(shortest_m), period_s=seconds / len(legs_m))
-    assert metrics["spl"] == metrics["barn"] == 0.0
+    assert metrics["spl"] == metrics["sct"] == 0.0
 
 
 def test_contact_is_no_success_and_no_timeout() -> None:
     metrics = drive([At(0), At(1, contact=True, clearance_m=0.0)], map_of(6.0))
     assert (metrics["success"], metrics["collision"], metrics["timeout"]) == (0.0, 1.0, 0.0)
-    assert metrics["spl"] == metrics["barn"] == metrics["min_clearance_m"] == 0.0
+    assert metrics["spl"] == metrics["sct"] == metrics["min_clearance_m"] == 0.0
 
 
 def test_neither_goal_nor_contact_is_a_timeout() -> None:
@@ -114,13 +114,13 @@ def test_neither_goal_nor_contact_is_a_timeout() -> None:
 def test_without_a_goal_there_is_no_success() -> None:
     metrics = drive([At(0), At(1)], map_of(0.0, goal=False))
     assert metrics["collision"] == 0.0
-    assert not {"success", "timeout", "spl", "barn"} & metrics.keys()
+    assert not {"success", "timeout", "spl", "sct"} & metrics.keys()
 
 
 def test_without_the_map_there_is_no_shortest_path() -> None:
     metrics = drive([At(0), At(1, at_goal=True)], None)
     assert metrics["success"] == 1.0
-    assert not {"spl", "barn"} & metrics.keys()
+    assert not {"spl", "sct"} & metrics.keys()
 
 
 def test_before_the_first_state_there_are_no_metrics() -> None:
@@ -140,19 +140,12 @@ def test_spl(shortest_m: float, path_m: float, expected: float) -> None:
     assert spl(shortest_m, path_m) == pytest.approx(expected)
 
 
-@pytest.mark.parametrize(
-    ("optimal_s", "duration_s", "expected"),
-    [
-        (10.0, 5.0, 0.5),
-        (10.0, 20.0, 0.5),
-        (10.0, 40.0, 0.25),
-        (10.0, 80.0, 0.125),
-        (10.0, 999.0, 0.125),
-        (0.0, 1.0, 0.5),
-    ],
-)
-def test_barn(optimal_s: float, duration_s: float, expected: float) -> None:
-    assert barn(optimal_s, duration_s) == pytest.approx(expected)
+@pytest.mark.parametrize(("speed_mps", "expected"), [(None, 4.0 / 10.0), (0.5, 8.0 / 10.0), (2.0, 2.0 / 10.0)])
+def test_the_optimal_time_is_that_of_the_robots_own_speed_unless_one_is_given(
+    speed_mps: float | None, expected: float
+) -> None:
+    states = [At(0), At(2), At(4, at_goal=True)]  # the states' speed is 1 m/s
+    assert drive(states, map_of(4.0), period_s=5.0, speed_mps=speed_mps)["sct"] == pytest.approx(expected)
 
 
 def test_jerk_of_a_velocity_that_grows_quadratically_is_constant() -> None:

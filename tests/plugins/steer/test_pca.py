@@ -28,6 +28,7 @@ PARAMETERS: list[dict[str, Any]] = [
     {"about": "zero"},
     {"about": "zero", "strength": "gradient", "gain": 16.0},
     {"strength": "gradient", "gain": 16.0},
+    {"strength": "unit", "gain": 1.0, "isotropic_ratio": 1.0},
     {"border": "nearest"},
     {"sigma_ratio": 0.1},
     {"about": "zero", "bell_ratio": 1 / 3, "near_weight": 0.0, "backward": False, "gain": 32.0},
@@ -230,3 +231,12 @@ def test_ramp_forgets_the_lowest_row(make_plane: MakePlane) -> None:
     lowest = make_plane(drawn(slice(ROWS - 1, ROWS), slice(0, COLS // 2)))
     assert steer(lowest).repulsive.any()
     assert not steer(lowest, near_weight=0.0).repulsive.any()
+
+
+def test_a_push_of_one_length_is_as_long_for_a_speck_as_for_a_wall(make_plane: MakePlane) -> None:
+    speck, wall = drawn(slice(10, 11), slice(30, 31)), drawn(slice(0, 30), slice(30, 40))
+    for d in (speck, wall):
+        force = steer(make_plane(d), strength="unit", gain=0.8).repulsive
+        assert np.hypot(*force) == pytest.approx(0.8)
+        assert force[0] < 0
+    assert not steer(make_plane(GROUND), strength="unit").repulsive.any()

@@ -75,7 +75,7 @@ def test_the_pose_is_known_at_any_time_of_the_last_step() -> None:
     for end_us in (10_000, 13_001, 52_777, 500_000, 501_000):
         drive.advance(end_us)
         for time_us in (begin_us, begin_us + 1, (begin_us + end_us) // 2, end_us):
-            pose, angle = drive.pose_at(time_us), 0.8 * time_us / 1e6
+            pose, angle = drive.wheels_at(time_us), 0.8 * time_us / 1e6
             expected = radius_m * math.sin(angle), radius_m * (1 - math.cos(angle))
             assert (pose.x_m, pose.y_m) == pytest.approx(expected, abs=2e-5)
             assert pose.yaw_rad == pytest.approx(angle, abs=1e-9)
@@ -86,8 +86,8 @@ def test_yaw_is_interpolated_across_half_a_turn() -> None:
     drive = Drive(Vehicle([], (0.0, 0.0, math.pi - 0.004), 0.2, QUICK), 1.0)
     drive.hear(Latest(Twist(v_mps=0.0, omega_radps=1.0), 0.0), 0)
     drive.advance(10_000)
-    assert drive.pose_at(3_000).yaw_rad == pytest.approx(math.pi - 0.001, abs=1e-9)
-    assert drive.pose_at(5_000).yaw_rad == pytest.approx(-math.pi + 0.001, abs=1e-9)
+    assert drive.wheels_at(3_000).yaw_rad == pytest.approx(math.pi - 0.001, abs=1e-9)
+    assert drive.wheels_at(5_000).yaw_rad == pytest.approx(-math.pi + 0.001, abs=1e-9)
 
 
 def test_a_contact_stops_it_for_good() -> None:

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import yaml
 from graphnav_world.geometry import outlines
+from graphnav_world.geometry.patrol import Patrol
 from graphnav_world.geometry.scene import Kind
 from graphnav_world.maps.passage import Passage
 from graphnav_world.maps.world_map import WorldMap, load_map
@@ -136,17 +137,17 @@ def test_pillars_stand_apart_block_the_straight_way_and_leave_one(seed: int, map
 @pytest.mark.parametrize("seed", range(4))
 def test_movers_cross_the_way_and_keep_clear_of_everything_else(seed: int, maps: Path) -> None:
     bodies = load_map(maps / "movers.yaml", seed, RADIUS_M).draw.bodies
-    moving = [(body, body.patrol) for body in bodies if body.patrol is not None]
-    standing = [part for body in bodies if body.patrol is None for part in body.parts]
+    moving = [(body, body.course) for body in bodies if body.course is not None]
+    standing = [part for body in bodies if body.course is None for part in body.parts]
     assert len(moving) == 8
     for time_s in np.arange(0.0, 60.0, 1.5):
-        places = [np.array(patrol.at(time_s)) for _, patrol in moving]
+        places = [np.array(course.at(time_s)) for _, course in moving]
         radii = [np.linalg.norm(body.outline, axis=1).max() for body, _ in moving]
         for (at, radius), (other, its) in itertools.combinations(zip(places, radii, strict=True), 2):
             assert np.linalg.norm(at - other) > radius + its
         for at, radius in zip(places, radii, strict=True):
             assert min(outlines.distance(part, *at) for part in standing) > radius
-    assert all(np.ptp(patrol.through_m[:, 1]) > 1.0 for _, patrol in moving)
+    assert all(np.ptp(course.through_m[:, 1]) > 1.0 for _, course in moving)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -180,7 +181,7 @@ def test_a_concave_polygon_is_tiled_by_convex_parts() -> None:
 def _digest(world: WorldMap) -> bytes:
     draw = world.draw
     arrays = [np.array(draw.start), draw.goal_m, *(body.outline for body in draw.bodies)]
-    speeds = [body.patrol.ahead_m for body in draw.bodies if body.patrol]
+    speeds = [body.course.ahead_m for body in draw.bodies if isinstance(body.course, Patrol)]
     return b"".join(array.tobytes() for array in arrays) + repr((draw.textures, draw.light_ratio, speeds)).encode()
 
 

@@ -22,10 +22,10 @@ def test_without_errors_the_pose_is_exact_in_the_frame_of_the_start() -> None:
     rng = np.random.default_rng(4)
     start = pose(3.0, -2.0, 2.5)
     reckoning = DeadReckoning(start, errors(0.0, 0.0))
-    for _ in range(50):
+    for k in range(50):
         x_m, y_m, yaw_rad = rng.uniform([-4.0, -4.0, -3.0], [4.0, 4.0, 3.0])
         now = pose(x_m, y_m, yaw_rad, 0.4, -0.7)
-        read = reckoning.read(now)
+        read = reckoning.read(now, 0.02 * k)
         x, y = now.x_m - start.x_m, now.y_m - start.y_m
         c, s = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
         assert (read.x_m, read.y_m) == pytest.approx((c * x + s * y, c * y - s * x), abs=1e-9)
@@ -35,7 +35,7 @@ def test_without_errors_the_pose_is_exact_in_the_frame_of_the_start() -> None:
 
 
 def test_where_it_begins_is_zero() -> None:
-    read = DeadReckoning(pose(1.0, 2.0, 3.0), errors(0.02, 0.01)).read(pose(1.0, 2.0, 3.0))
+    read = DeadReckoning(pose(1.0, 2.0, 3.0), errors(0.02, 0.01)).read(pose(1.0, 2.0, 3.0), 0.0)
     assert (read.x_m, read.y_m, read.yaw_rad) == (0.0, 0.0, 0.0)
 
 
@@ -44,7 +44,7 @@ def test_scale_errors_add_up_and_show_in_the_speeds() -> None:
     for seed in range(8):
         reckoning = DeadReckoning(pose(0.0, 0.0, 0.0), errors(0.02, 0.0, seed))
         for k in range(1, 101):
-            read = reckoning.read(pose(0.05 * k, 0.0, 0.0, v_mps=0.5))
+            read = reckoning.read(pose(0.05 * k, 0.0, 0.0, v_mps=0.5), 0.1 * k)
         assert read.x_m / 5.0 == pytest.approx(read.v_mps / 0.5)
         assert (read.y_m, read.yaw_rad) == (0.0, 0.0)
         ratios.add(round(read.x_m / 5.0, 6))
@@ -56,7 +56,7 @@ def test_noise_accumulates_as_a_random_walk() -> None:
     for seed in range(200):
         reckoning = DeadReckoning(pose(0.0, 0.0, 0.0), errors(0.0, 0.1, seed))
         for k in range(1, 101):
-            read = reckoning.read(pose(0.01 * k, 0.0, 0.0))
+            read = reckoning.read(pose(0.01 * k, 0.0, 0.0), 0.02 * k)
         ends.append(read.x_m)
     # 100 readings, each with a deviation of 1 mm; the estimate from 200 of them is good to 5 %.
     assert np.std(ends) == pytest.approx(0.01, rel=0.2)

@@ -124,7 +124,7 @@ def test_a_moving_obstacle_brings_its_own_motion_and_its_texture_along(
     world: Make, random_bodies: Callable[[int], list[Body]]
 ) -> None:
     faces, renderer = world(CAMERA, random_bodies(1)[-1:])
-    path = faces.patrols[0]
+    path = faces.movers[0]
     x, y = path.at(0.0)
     pose = (x - 0.35, y, 0.0)
     then, now = (Placed.at(CAMERA, faces, *pose, time_s=t) for t in (0.0, 0.1))

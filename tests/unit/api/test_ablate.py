@@ -122,6 +122,12 @@ VARIES = 'write vary={"plane": ["plane.ica", "plane.affine"]}'
 NAMES = 'write "corridor_ccw", or ["corridor_ccw", "pillars"]'
 
 
+ORDER = "the base's first (a set has no order)"
+ITSELF = "one that contains itself"
+ENDLESS: list[object] = [1]
+ENDLESS.append(ENDLESS)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -132,6 +138,20 @@ NAMES = 'write "corridor_ccw", or ["corridor_ccw", "pillars"]'
             {"vary": {"plane": "plane.ica"}},
             f"vary['plane'] must be a list of values, not 'plane.ica' (str)\n  {VARIES}",
         ),
+        (
+            {"vary": {"plane": {"plane.ica"}}},
+            f"vary['plane'] must be a list of values, {ORDER}, not {{'plane.ica'}} (set)\n  {VARIES}",
+        ),
+        (
+            {"set": {"robot.times": ENDLESS}},
+            f"set['robot.times'] has lists in more than 20 others, or {ITSELF}\n  write a list of values",
+        ),
+        ({"reference": 3}, 'reference must be the name of a variant, not 3 (int)\n  write reference="steer.oracle"'),
+        (
+            {"worlds": {"toy": 0}},
+            "worlds['toy'] must be an integer of at least 1, not 0 (int)\n  write worlds['toy']=2",
+        ),
+        ({"worlds": 3}, 'worlds must be a mapping of graphs to numbers, not 3 (int)\n  write worlds={"laps": 10}'),
         ({"vary": {1: []}}, f"vary: 1 is not a stage, a parameter or a wire\n  {VARIES}"),
         ({"seeds": 10}, f"seeds must be a range or a list of integers, not 10 (int)\n  {SEEDS}"),
         ({"seeds": "0:10"}, f"seeds must be a range or a list of integers, not '0:10' (str)\n  {SEEDS}"),

@@ -98,6 +98,15 @@ def test_a_metric_that_is_not_declared_is_refused() -> None:
         ((Metric("x", better="higher", help="X.", is_outcome=True),), "an outcome is 0 of a failed drive"),
         ((Metric("x", better="higher", help="X.", min_difference=-0.1),), "min_difference is -0.1: use a number of 0"),
         ((Metric("x", better="higher", help="X.", min_difference=math.inf),), "min_difference is inf"),
+        ((Metric("x", better="higher", help="X.", bounds=(1, 0)),), r"bounds are \(1, 0\): write the lowest"),
+        ((Metric("x", better="higher", help="X.", relative_to="y"),), "relative_to is 'y': name a metric that the"),
+        (
+            (
+                Metric("x", better="higher", help="X.", relative_to="y"),
+                Metric("y", better="higher", help="Y."),
+            ),
+            "relative_to is 'y': of the other lower has to be better",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_declaration_is_said(metrics: Any, said: str) -> None:

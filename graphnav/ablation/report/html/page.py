@@ -13,6 +13,7 @@ from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections import (
+    decomposition,
     drawings,
     gallery,
     maps,
@@ -61,6 +62,7 @@ def write_report(
 def page_of(study: StudyResults) -> Markup:
     """Return the page."""
     sections = [
+        _Section("decomposition", "Where it is lost", decomposition(study)),
         _Section("graph", "What was swapped", drawings(study)),
         _Section("tables", "Results", tables(study)),
         _Section("pairs", "All pairs", pair_matrices(study)),

@@ -25,11 +25,13 @@ WORDS: dict[Verdict, str] = {
 def verdict_of(row: Row, metric: str, better: Better) -> Verdict:
     """Return the verdict of the paired difference: better or worse where it is clear, different where neither is.
 
-    "untested" of a metric that does not decide; "small" where the difference is significant and does not matter;
+    "untested" of a metric that does not decide, or that depends on the frames that a drive meets; "small" where the difference is significant and does not matter;
     "unknown" where it has no interval, or so few worlds that none of the table's variants could be told apart.
     """
     if row.case.is_base:
         return "base"
+    if metric in row.own_frames:
+        return "untested"
     difference = row.differences.get(metric)
     if difference is None or not (math.isfinite(difference.low) and math.isfinite(difference.high)):
         return "unknown"

@@ -20,8 +20,8 @@ from graphnav.ablation.report.number_format import difference_text, estimate_tex
 from graphnav.ablation.report.terminal import print_comparison
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import Difference, Estimate
-from graphnav.ablation.results.hypothesis_tests import Significance
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.statistics.hypothesis_tests import Significance
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -11,8 +11,8 @@ import pytest
 
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.results.compare_variants import compare
-from graphnav.ablation.results.intervals import bonett_price, student, wilson
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.statistics.intervals import bonett_price, student, wilson
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from graphnav.ablation.results.hypothesis_tests import (
+from graphnav.ablation.results.statistics.hypothesis_tests import (
     EXACT_BELOW,
     holm,
     mcnemar,

@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from graphnav.ablation.results.intervals import bonett_price, difference_interval, mean_interval, student, wilson
+from graphnav.ablation.results.statistics.intervals import (
+    bonett_price,
+    difference_interval,
+    mean_interval,
+    student,
+    wilson,
+)
 
 DRAW: dict[str, Callable[[np.random.Generator, int], np.ndarray]] = {
     "normal": lambda rng, n: rng.normal(3.0, 2.0, n),

@@ -1,5 +1,6 @@
 """The sections of the report."""
 
+from graphnav.ablation.report.html.sections.decomposition import decomposition
 from graphnav.ablation.report.html.sections.failure_gallery import gallery
 from graphnav.ablation.report.html.sections.first_screen import overview
 from graphnav.ablation.report.html.sections.graph_drawings import drawings
@@ -11,6 +12,7 @@ from graphnav.ablation.report.html.sections.result_tables import tables
 from graphnav.ablation.report.html.sections.step_times import timing
 
 __all__ = [
+    "decomposition",
     "drawings",
     "gallery",
     "maps",

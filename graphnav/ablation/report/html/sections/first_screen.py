@@ -11,7 +11,7 @@ from graphnav.ablation.report.html.sections.headline import headline, verdicts
 from graphnav.ablation.report.html.sections.plots import deciding_sweeps
 from graphnav.ablation.report.html.sections.variant_lists import reference_values, variants_by_verdict
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.legend import seeds_text, too_few_worlds
+from graphnav.ablation.report.legend import too_few_worlds, worlds_of_graphs
 
 
 def overview(study: StudyResults) -> Markup:
@@ -37,7 +37,7 @@ def overview(study: StudyResults) -> Markup:
         verdicts=verdicts_drawn,
         references=references,
         setup=_setup(study),
-        too_few=too_few_worlds(study.n_seeds, study.comparison.family) if n else "",
+        too_few=too_few_worlds(study.plan, study.comparison),
         charts=charts,
     )
 
@@ -47,7 +47,7 @@ def _setup(study: StudyResults) -> list[tuple[str, str]]:
     shared = sum(bool(case.same_as) for case in plan.cases)
     same = f"; {shared} of {len(plan.cases)} cases are the same graph as another" if shared else ""
     return [
-        ("worlds", f"seeds {seeds_text(plan.seeds)}, the same for all variants"),
+        ("worlds", f"seeds {worlds_of_graphs(plan)}, the same for all variants"),
         ("graphs", ", ".join(plan.sources)),
         *([("compared under the same", ", ".join(plan.within))] if plan.within else []),
         ("variants", f"{len(plan.variants)}{same}"),

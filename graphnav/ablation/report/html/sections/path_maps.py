@@ -72,7 +72,7 @@ def _variants(study: StudyResults) -> Sequence[str]:
 
 def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequence[int]:
     """Return the seeds of the worlds to draw, the first ones first."""
-    seeds = study.plan.seeds
+    seeds = study.plan.seeds_of(study.own_rows(graph)[0].case)
     first, disputed = (_FIRST, _DISPUTED) if len(study.plan.graphs) <= _MANY_GRAPHS else (1, 2)
     outcomes: dict[int, list[str]] = {}
     for variant in variants:

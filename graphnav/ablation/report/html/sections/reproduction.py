@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.legend import INTERVALS, TESTS, counting, deciding, seeds_text
+from graphnav.ablation.report.legend import INTERVALS, TESTS, counting, deciding, worlds_of_graphs
 
 _MEANING = """\
 A world is a seed: map, start, textures and noise are drawn from it, and every variant meets the same ones.
@@ -30,7 +30,7 @@ def reproduce(study: StudyResults) -> Markup:
         "reproduction.html",
         command=plan.command,
         origin=[
-            ("seeds", seeds_text(plan.seeds)),
+            ("seeds", worlds_of_graphs(plan)),
             ("versions", versions or "not recorded"),
             ("plugins", ", ".join(plan.plugins) or "none but those that ship"),
         ],

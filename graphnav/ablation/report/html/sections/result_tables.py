@@ -12,6 +12,7 @@ from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import OUTCOMES, badge_of
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
+from graphnav.ablation.report.legend import OWN_FRAMES
 from graphnav.ablation.report.number_format import TOO_SMALL, p_text
 from graphnav.ablation.results import Difference, Row
 from graphnav.stage import Better
@@ -60,7 +61,8 @@ def tables(study: StudyResults) -> Markup:
 
 def _row(study: StudyResults, row: Row) -> _TableRow:
     case = row.case
-    missing = "" if row.runs >= study.n_seeds else f" of {study.n_seeds}"
+    wanted = study.plan.n_worlds(row.case)
+    missing = "" if row.runs >= wanted else f" of {wanted}"
     return _TableRow(
         case.variant,
         badge_of(case),
@@ -80,7 +82,7 @@ def _cell(study: StudyResults, row: Row, metric: str) -> _Cell:
     value, _, interval = estimate_text(estimate).partition(" ")
     n = None if estimate.n >= row.runs else estimate.n
     if difference is None:
-        return _Cell(value, interval, n)
+        return _Cell(value, interval, n, OWN_FRAMES if metric in row.own_frames else "")
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
     better = study.plan.better(metric)
     return _Cell(value, interval, n, change, verdict_of(row, metric, better), list(_details(difference, better)))

@@ -14,7 +14,7 @@ from graphnav.ablation.report.html.number_text import MINUS, estimated, means_te
 from graphnav.ablation.report.html.sections.plots.parameter_sweeps import axis_numbers
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results.comparison import Difference, Row
-from graphnav.ablation.results.hypothesis_tests import Significance
+from graphnav.ablation.results.statistics.hypothesis_tests import Significance
 from graphnav.stage import Better, Role
 
 from .example_study import Page, plan_of, record_of, records_of, report

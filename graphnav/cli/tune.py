@@ -1,0 +1,168 @@
+"""``graphnav tune``: give every rival the same budget to find its parameters."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of, count
+from graphnav.cli.status import INTERRUPTED, OK
+from graphnav.errors import Problem, UserError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from graphnav.tuning import Tuning, TuningRequest, TuningRun
+
+_ABOUT = """\
+Every rival gets the same number of trials in the same worlds; its first trial is the rival as it is. Seeds from 1000 on
+are refused: they are for reporting. The folder keeps every run: the same command resumes a tuning that was interrupted.
+"""
+_MANY_RUNS = 1000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.epilog = _ABOUT
+    parser.add_argument(
+        "names", nargs="+", metavar="GRAPH", help="graphs, or a study with one axis: files or names of shipped ones"
+    )
+    parser.add_argument(
+        "--vary",
+        dest="varies",
+        action="append",
+        default=[],
+        metavar="AXIS=A,B,...",
+        help="the rivals, as of graphnav ablate (plane=plane.ica,plane.affine)",
+    )
+    parser.add_argument("--trials", type=count, default=100, metavar="N", help="trials of each rival (default 100)")
+    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, below 1000, END excluded, or 1,2,5")
+    parser.add_argument(
+        "--metrics",
+        action="append",
+        default=[],
+        metavar="STAGE.METRIC,...",
+        help="what is tuned for; equal trials are told apart by the next one",
+    )
+    parser.add_argument(
+        "--search",
+        dest="searches",
+        action="append",
+        default=[],
+        metavar="KEY=LOW:HIGH[:log]",
+        help="the range of a parameter, or its choices (plane.rule=mad,otsu), in place of the default: a quarter to "
+        "four times its value, within its bounds",
+    )
+    add_set_option(parser)
+    add_plugin_option(parser)
+    parser.add_argument(
+        "--sampler-seed", type=int, default=0, metavar="N", help="seed of the proposals (default 0); worlds ignore it"
+    )
+    parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="the folder (default: tunings/GRAPH)")
+    parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one per core)")
+    parser.add_argument(
+        "--cluster", metavar="URL", help="run on the Dask cluster whose scheduler is at tcp://host:8786"
+    )
+    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation before more than 1000 runs")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console
+
+    from graphnav.api.studies.tune import tune_into
+    from graphnav.cli.study_progress import study_bar
+    from graphnav.cli.study_run import interrupted_by_sigterm
+    from graphnav.tuning import check_tuning, named_after
+
+    console = Console(highlight=False, soft_wrap=True)
+    tuning = check_tuning(_request(args), catalog_of(args), shlex.join(["graphnav", *args.words]))
+    folder = args.folder or Path("tunings") / named_after(args.names)
+    _print_search(tuning, console)
+    if tuning.n_runs > _MANY_RUNS and not args.yes and not _confirmed(tuning.n_runs, console):
+        return OK
+    try:
+        with interrupted_by_sigterm(), study_bar(Console(stderr=True), "tune", 0, tuning.n_runs) as show:
+
+            def on_made(n_runs: int) -> None:
+                for _ in range(n_runs):
+                    show("made")
+
+            run = tune_into(tuning, folder, args.jobs, args.cluster, on_made)
+    except KeyboardInterrupt:
+        print("stopped: every finished run is kept; resume with the same command", file=sys.stderr)
+        return INTERRUPTED
+    _print_result(run, folder, console)
+    return OK
+
+
+def _request(args: argparse.Namespace) -> TuningRequest:
+    """Return the tuning that the command line asks for."""
+    from graphnav.ablation.study import parse_varies
+    from graphnav.graph import parse_overrides
+    from graphnav.tuning import TuningRequest, parse_searches
+
+    problems: list[Problem] = []
+    return TuningRequest(
+        names=args.names,
+        varies=parse_varies(args.varies, problems),
+        overrides=parse_overrides(args.sets, problems),
+        seeds=args.seeds,
+        metrics=args.metrics,
+        searches=parse_searches(args.searches, problems),
+        trials=args.trials,
+        sampler_seed=args.sampler_seed,
+        plugins=args.plugins,
+        problems=problems,
+    )
+
+
+def _print_search(tuning: Tuning, console: Console) -> None:
+    """Print what is searched of each rival, before anything runs."""
+    for rival in tuning.rivals:
+        found = [searched.text for searched in rival.space]
+        console.print(
+            f"{rival.label}: {tuning.n_trials(rival)} trials of {', '.join(found) or 'nothing'}", markup=False
+        )
+        if rival.left:
+            left = ", ".join(rival.left)
+            console.print(f"  not searched, because nothing says what they could be: {left}", markup=False)
+    worlds = f"{len(tuning.study.seeds)} worlds of {', '.join(tuning.study.graphs)}"
+    console.print(f"{tuning.n_runs} runs, each trial in {worlds}", markup=False)
+
+
+def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
+    from rich.table import Table
+
+    from graphnav.tuning import OPTIMISTIC, STUDY, TABLE, TRIALS, conclusion, header, rows
+
+    table = Table(*header(run)[:-1], box=None, pad_edge=False)
+    for *cells, _ in rows(run):
+        table.add_row(*cells)
+    console.print(table)
+    for label, *_, params in rows(run):
+        console.print(f"{label}: {params}", markup=False)
+    console.print(conclusion(run), markup=False)
+    console.print(OPTIMISTIC, markup=False)
+    console.print(f"{folder}: {TABLE}, {TRIALS}, {STUDY}", markup=False)
+    console.print(f"graphnav ablate {folder / STUDY} --seeds 1000:1020", markup=False)
+
+
+def _confirmed(n_runs: int, console: Console) -> bool:
+    """Ask for confirmation of many runs.
+
+    Raises
+    ------
+    UserError
+        This is not a terminal to ask at.
+    """
+    if not (sys.stdin.isatty() and console.is_terminal):
+        what = f"{n_runs} runs are pending, and cannot ask for confirmation: not a terminal"
+        raise UserError.of(what, "add --yes, or use fewer trials or seeds")
+    try:
+        return console.input("Continue? [y/N] ", markup=False).strip().lower() in {"y", "yes"}
+    except EOFError:
+        return False

@@ -1,0 +1,33 @@
+"""Tune the parameters of rivals with the same budget: the same number of trials, in the same worlds."""
+
+from graphnav.tuning.request import TuningRequest
+from graphnav.tuning.rivals import Rival
+from graphnav.tuning.search_range import SearchRange, parse_search, parse_searches
+from graphnav.tuning.trial import Trial
+from graphnav.tuning.tuned_files import STUDY, TABLE, TRIALS, check_folder, write_tuning
+from graphnav.tuning.tuned_table import OPTIMISTIC, conclusion, header, rows
+from graphnav.tuning.tuning import Tuning, check_tuning, named_after
+from graphnav.tuning.tuning_run import TuningRun, run_tuning
+
+__all__ = [
+    "OPTIMISTIC",
+    "STUDY",
+    "TABLE",
+    "TRIALS",
+    "Rival",
+    "SearchRange",
+    "Trial",
+    "Tuning",
+    "TuningRequest",
+    "TuningRun",
+    "check_folder",
+    "check_tuning",
+    "conclusion",
+    "header",
+    "named_after",
+    "parse_search",
+    "parse_searches",
+    "rows",
+    "run_tuning",
+    "write_tuning",
+]

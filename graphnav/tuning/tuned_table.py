@@ -1,0 +1,81 @@
+"""The result of a tuning in Markdown, and as rows for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from graphnav.spec import write_value
+from graphnav.tuning.rivals import Rival
+from graphnav.tuning.trial import Trial
+from graphnav.tuning.tuning_run import TuningRun
+
+OPTIMISTIC = (
+    "These are the worlds that the parameters were chosen in, so the tuned values are too good: judge them in worlds "
+    "that nothing was tuned in."
+)
+
+
+def header(run: TuningRun) -> list[str]:
+    """Return the columns of the table."""
+    metrics = [column for metric in run.tuning.metrics for column in (metric, "tuned")]
+    return ["rival", "trials", *metrics, "best trial", "parameters"]
+
+
+def rows(run: TuningRun) -> Iterator[list[str]]:
+    """Yield the rivals, the best one after tuning first."""
+    for rival in run.ranking(tuned=True):
+        default, best = run.default(rival), run.best(rival)
+        values = [text for metric in run.tuning.metrics for text in (_mean(default, metric), _mean(best, metric))]
+        yield [rival.label, str(len(run.of(rival))), *values, str(best.number), _params(best)]
+
+
+def conclusion(run: TuningRun) -> str:
+    """Return whether tuning moves the ranking."""
+    before, after = ([rival.label for rival in run.ranking(tuned=tuned)] for tuned in (False, True))
+    if before == after:
+        return f"Tuning moves no rank: {_listed(after)}."
+    return f"Tuning moves the ranking: as they are {_listed(before)}; tuned {_listed(after)}."
+
+
+def table_markdown(run: TuningRun) -> str:
+    """Return the table, what it says, and what was searched."""
+    request, study = run.tuning.request, run.tuning.study
+    names = header(run)
+    lines = [_line(names), _line(["---"] * len(names)), *map(_line, rows(run))]
+    seeds = f"{len(study.seeds)} worlds, seeds {', '.join(map(str, study.seeds))}"
+    parts = [
+        f"# {study.name}",
+        f"{request.trials} trials of each rival on {', '.join(study.graphs)}; {seeds}.",
+        "\n".join(lines),
+        conclusion(run),
+        OPTIMISTIC,
+        "## What was searched",
+        "\n".join(line for rival in run.tuning.rivals for line in _searched(rival)),
+        f"Repeat it: `{run.tuning.command}`",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _searched(rival: Rival) -> Iterator[str]:
+    found = ", ".join(f"`{one.text}`" for one in rival.space) or "nothing"
+    yield f"- {rival.label}: {found}"
+    if rival.left:
+        yield f"  Not searched, because nothing says what they could be: {', '.join(rival.left)}."
+
+
+def _params(trial: Trial) -> str:
+    return ", ".join(f"{name}={write_value(value)}" for name, value in trial.params.items()) or "as it is"
+
+
+def _mean(trial: Trial, metric: str) -> str:
+    mean = trial.mean(metric)
+    return "undefined" if mean is None else f"{mean:.4g}"
+
+
+def _line(cells: Sequence[str]) -> str:
+    escaped = (cell.replace("|", "\\|").replace("*", "\\*") for cell in cells)
+    return f"| {' | '.join(escaped)} |"
+
+
+def _listed(labels: Sequence[str]) -> str:
+    return ", then ".join(labels)

@@ -1,0 +1,64 @@
+"""Dominant plane by the planar flow times one gain, fitted to the frame: the baseline of the separation."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from graphnav import Flow, Planar, Plane, Role, Stamp, param
+from graphnav.arrays import Doubles
+from graphnav_plane.agreement import median
+from graphnav_plane.detector import MIN_VECTORS, Detector, compared
+
+_ITERATIONS = 10
+_MIN_PX2 = 1e-12
+
+
+class OneGain(Detector):
+    """Obstacle is where the flow differs from a multiple of the planar flow: ``|u - a û|``.
+
+    The baseline of `plane.ica`, whose obstacle component is such a difference too: it shows how much of the result is
+    due to the one number a, and how much to the separation. The gain a is the same for the entire frame; it starts from
+    the median over the cells (of how much of û each holds), then least squares are reweighted so that obstacles do not
+    count (Geman and McClure's estimator). A robot at rest has no planar flow; its gain is 0.
+    """
+
+    role: ClassVar[Role] = "baseline"
+
+    noise_px: float = param(
+        0.1,
+        gt=0.0,
+        doc="flow noise: a vector that differs by this from the ground has a weight of a quarter, one of ten times as "
+        "much none",
+    )
+
+    def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> Plane:
+        """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.
+
+        Raises
+        ------
+        ValueError
+            Flow and planar flow are of different image sizes or cover different times.
+        """
+        self._begin(stamp)
+        cells, valid = compared(flow, planar)
+        if np.count_nonzero(valid) < MIN_VECTORS:
+            return self._unjudged(cells)
+        gain = robust_gain(cells.uv_px[valid].astype(float), planar.planar_uv_px[valid].astype(float), self.noise_px)
+        left_px = cells.uv_px - np.float32(gain) * planar.planar_uv_px
+        return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
+
+
+def robust_gain(flow_px: Doubles, planar_px: Doubles, noise_px: float) -> float:
+    """Return the multiple of ``planar_px`` (n, 2) with which most of ``flow_px`` (n, 2) agrees; 0 if all are zero."""
+    flows, products, squares = (
+        np.einsum("ij,ij->i", one, other)
+        for one, other in ((flow_px, flow_px), (planar_px, flow_px), (planar_px, planar_px))
+    )
+    gain = float(median(products / np.maximum(squares, _MIN_PX2)))
+    for _ in range(_ITERATIONS):
+        left_px2 = flows - 2 * gain * products + gain * gain * squares
+        weight = (1 + left_px2 / noise_px**2) ** -2
+        gain = float(weight @ products) / max(float(weight @ squares), _MIN_PX2)
+    return gain

@@ -1,0 +1,109 @@
+"""The first contact of a drive: with what, and who ran into whom."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from graphnav import Map, Metric, State
+from graphnav.arrays import Doubles
+
+MOVING = 2
+"""The kind of a body that moves, in `Map`."""
+
+CONTACT_METRICS = (
+    Metric(
+        "hit_mover",
+        better="lower",
+        min_difference=0.05,
+        help="1 if what it touched first moves, else 0; left out where the map has nothing that moves.",
+    ),
+    Metric(
+        "hit_by_mover",
+        better="lower",
+        min_difference=0.05,
+        help="1 if what it touched first moves and brought the larger share of the speed at which the two closed, "
+        "along the line of contact, else 0; left out where the map has nothing that moves.",
+    ),
+)
+
+
+class FirstContact:
+    """Judges the first state with a contact, against the state before it.
+
+    What was touched is the body nearest to the robot's centre there. A mover goes on between the contact and the stamp
+    of that state: of its way since the state before, the place nearest to the robot counts. The speeds that close are
+    along the line from the mover's nearest point to the robot's centre: the robot's as in the state before, because
+    the contact ends its motion, the mover's as the mean since then.
+    """
+
+    def __init__(self) -> None:
+        self._before: tuple[State, float] | None = None
+        self._has_touched = self._hit_mover = self._hit_by_mover = False
+
+    def add(self, state: State, world: Map | None, time_s: float) -> None:
+        """Look at the next state."""
+        if state.contact and not self._has_touched and world is not None and _agree(world, state):
+            self._judge(state, world, time_s)
+        self._has_touched |= state.contact
+        self._before = state, time_s
+
+    def metrics(self, world: Map | None) -> Mapping[str, float]:
+        """Return the metrics of the drive so far, none where nothing moves."""
+        if world is None or MOVING not in world.kind:
+            return {}
+        return {"hit_mover": float(self._hit_mover), "hit_by_mover": float(self._hit_by_mover)}
+
+    def _judge(self, state: State, world: Map, time_s: float) -> None:
+        before, before_s = self._before or (state, time_s)
+        body, to_robot_m = _touched(world, state, before)
+        if world.kind[body] != MOVING:
+            return
+        self._hit_mover = True
+        distance_m, interval_s = math.hypot(*to_robot_m), time_s - before_s
+        if not distance_m or not interval_s:
+            return
+        mover = int((world.kind[:body] == MOVING).sum())
+        towards = to_robot_m / distance_m
+        mover_mps = (state.moving[mover, :2] - before.moving[mover, :2]) @ towards / interval_s
+        heading = np.array([math.cos(before.yaw_rad), math.sin(before.yaw_rad)])
+        robot_mps = -before.v_mps * heading @ towards
+        self._hit_by_mover = bool(mover_mps > robot_mps)
+
+
+def _agree(world: Map, state: State) -> bool:
+    """Return whether a map has bodies, and as many that move as a state has poses of."""
+    return len(world.kind) > 0 and int((world.kind == MOVING).sum()) == len(state.moving)
+
+
+def _touched(world: Map, state: State, before: State) -> tuple[int, Doubles]:
+    """Return the body nearest to the robot's centre, and the way from its nearest point to there, (x, y) in W."""
+    robot_m = np.array([state.x_m, state.y_m])
+    ways: list[Doubles] = []
+    movers = iter(zip(before.moving[:, :2], state.moving[:, :2], strict=True))
+    for body, kind in enumerate(world.kind):
+        outline = world.vertices_m[world.body == body]
+        places = [np.zeros(2)]
+        if kind == MOVING:
+            then, now = next(movers)
+            places = [then + share * (now - then) for share in np.linspace(0.0, 1.0, 11)]
+        found = [_way_from(outline + place, robot_m) for place in places]
+        ways.append(min(found, key=_length_m))
+    nearest = int(np.argmin([_length_m(way) for way in ways]))
+    return nearest, ways[nearest]
+
+
+def _way_from(outline: Doubles, point: Doubles) -> Doubles:
+    """Return the shortest way from an outline to a point, (x, y)."""
+    along = np.roll(outline, -1, axis=0) - outline
+    length2 = np.maximum((along**2).sum(axis=1), 1e-18)
+    share = np.clip(((point - outline) * along).sum(axis=1) / length2, 0.0, 1.0)
+    ways: Doubles = point - (outline + share[:, None] * along)
+    shortest: Doubles = ways[int(np.argmin((ways**2).sum(axis=1)))]
+    return shortest
+
+
+def _length_m(way: Doubles) -> float:
+    return math.hypot(*way)

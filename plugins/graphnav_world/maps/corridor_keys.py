@@ -1,0 +1,93 @@
+"""Declared keys of a map: corridors, which bring their walls and the robot's start."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from graphnav import Range, Record, key
+from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M
+
+MAX_CORNERS = 20
+MAX_CORNER_DEG = 135.0
+
+
+class Walled(Record):
+    """Keys that all corridors have: walls, and the robot's start, at the origin along x."""
+
+    half_width_m: Range[float] = key(gt=0.0, le=MAX_M, doc="from the middle line to either wall")
+    start_offset_m: Range[float] = key(ge=-MAX_M, le=MAX_M, doc="of the robot from the middle line, to the left")
+    start_heading_deg: Range[float] = key(ge=-MAX_DEG, le=MAX_DEG, doc="of the robot, from x counterclockwise")
+    height_m: Range[float] = key(Range(0.35, 0.35), gt=0.0, le=MAX_M, doc="of the walls above the floor")
+    thickness_m: Range[float] = key(Range(0.1, 0.1), gt=0.0, le=MAX_M, doc="of the walls")
+    texture: str = key("wall", doc="of the walls: one of `textures`, or floor, wall or obstacle")
+
+
+class CorridorKeys(Walled):
+    """A corridor with one bend, closed at both ends: it brings its walls, the start, and a goal across its far end.
+
+    It begins at the origin and leads along x; the robot starts there.
+    """
+
+    noun = "a corridor"
+    example = """
+    corridor: {turn: left, radius_m: [2.5, 5], half_width_m: 0.7, bend_deg: [90, 180], run_in_m: 1.5, run_out_m: 0.5,
+               start_offset_m: [-0.1, 0.1], start_heading_deg: 0}
+    """
+
+    turn: Literal["left", "right", "either"] = key(
+        doc="the side to which it bends: left is counterclockwise, either is drawn"
+    )
+    radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of the bend's middle line")
+    bend_deg: Range[float] = key(gt=0.0, le=MAX_DEG, doc="how far it bends")
+    run_in_m: Range[float] = key(gt=0.0, le=MAX_M, doc="the straight part before the bend")
+    run_out_m: Range[float] = key(
+        gt=0.0, le=MAX_M, doc="the straight part between the bend and the goal, which is 0.5 m deep"
+    )
+
+
+class ZigzagKeys(Walled):
+    """A corridor with sharp corners to alternate sides: one is an L, two are an S or a Z.
+
+    It is closed at both ends, and brings its walls, the start, and a goal across its far end. It begins at the origin
+    and leads along x; the robot starts there. At a T junction it also goes straight on past a corner, into a dead end.
+    """
+
+    noun = "a zigzag"
+    example = """
+    zigzag: {turn: either, corners: [1, 3], corner_deg: [60, 90], straight_m: [2.5, 3.5], half_width_m: 0.7,
+             dead_ends: [0, 1], dead_end_m: 0.5, start_offset_m: 0, start_heading_deg: 0}
+    """
+
+    turn: Literal["left", "right", "either"] = key(doc="the side of the first corner; either is drawn")
+    corners: Range[int] = key(ge=1, le=MAX_CORNERS, doc="how many")
+    corner_deg: Range[float] = key(gt=0.0, le=MAX_CORNER_DEG, doc="how far each turns, drawn for each")
+    straight_m: Range[float] = key(
+        gt=0.0, le=MAX_M, doc="middle line from corner to corner, and from the last one to the goal; drawn for each"
+    )
+    run_in_m: Range[float] = key(Range(1.5, 1.5), gt=0.0, le=MAX_M, doc="middle line before the first corner")
+    dead_ends: Range[int] = key(
+        Range(0, 0), ge=0, le=MAX_CORNERS, doc="how many of the corners are T junctions; which ones is drawn"
+    )
+    dead_end_m: Range[float] = key(
+        Range(0.5, 0.5), gt=0.0, le=MAX_M, doc="length of each dead end, beyond the corridor that branches off"
+    )
+
+
+class RingKeys(Walled):
+    """A corridor around a rectangle with round corners, back into itself: it has no end and no goal.
+
+    It passes through the origin along x, in the middle of a side; the robot starts there.
+    """
+
+    noun = "a ring"
+    example = """
+    ring: {turn: left, length_m: [6, 9], width_m: [5, 7], radius_m: [1.5, 2.5], half_width_m: 0.7, start_offset_m: 0,
+           start_heading_deg: 0}
+    """
+
+    turn: Literal["left", "right", "either"] = key(
+        doc="the side to which it bends: left is counterclockwise, either is drawn"
+    )
+    length_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of the rectangle of its middle line, along x")
+    width_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of the rectangle of its middle line, across")
+    radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of its middle line in the corners")

@@ -1,0 +1,96 @@
+"""Base of the simulated robots: how they drive, and what they are told of it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from graphnav import Goal, param
+from graphnav_world.beacon import BeaconErrors
+from graphnav_world.odometry import OdometryErrors
+from graphnav_world.signs import drawn_sign
+from graphnav_world.simulation import Simulation
+from graphnav_world.slip import Slip
+from graphnav_world.vehicle import Limits, Pose, Vehicle
+
+ODOMETRY, SLIP, DRIFT, BEACON, BEARING, DISTANCE = 2, 20, 21, 22, 23, 24
+"""Parts of the seeds: each drawing has a generator of its own."""
+
+
+class MobileRobot(Simulation):
+    """A round robot that drives in a simulated world, with odometry and a beacon at the goal."""
+
+    max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="maximum speed of the drive, forwards and backwards")
+    max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="maximum turning rate of the drive, to either side")
+    speed_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum speed; more is more sluggish")
+    turn_up_s: float = param(0.25, gt=0.0, le=60.0, doc="time from rest to the maximum turning rate")
+    command_latency_s: float = param(
+        0.0, ge=0.0, le=10.0, doc="time by which every command acts later; until the first one acts the robot stands"
+    )
+    slip_ratio: float = param(
+        0.0,
+        ge=0.0,
+        le=0.5,
+        doc="mean share of the wheels' speed, and another one of their turning rate, that is lost on the floor: each "
+        "varies by itself, uniformly distributed from 0 to twice this; odometry measures the wheels",
+    )
+    slip_correlation_s: float = param(
+        1.0, gt=0.0, le=1000.0, doc="correlation time of the slip; more lets it vary more slowly"
+    )
+    odometry_scale_ratio: float = param(
+        0.02, ge=0.0, lt=1.0, doc="constant relative error of odometry in a run; the seed draws the signs"
+    )
+    odometry_noise_ratio: float = param(
+        0.01, ge=0.0, lt=1.0, doc="standard deviation of odometry's random error, as a share of each displacement"
+    )
+    odometry_drift_degps: float = param(
+        0.0, ge=0.0, le=360.0, doc="constant error of the measured turning rate in a run; the seed draws the sign"
+    )
+    odometry_delay_frames: int = param(
+        0,
+        ge=0,
+        le=10,
+        doc="number of image periods by which odometry is late: with the stamp of now it tells of the motion then, "
+        "standstill before the start",
+    )
+    goal_bearing_sigma_deg: float = param(
+        0.0, ge=0.0, le=180.0, doc="standard deviation of the beacon's bearing, independent in every reading"
+    )
+    goal_bearing_bias_deg: float = param(
+        0.0, ge=0.0, le=180.0, doc="constant error of the beacon's bearing in a run; the seed draws the sign"
+    )
+    goal_distance_ratio: float = param(
+        0.0, ge=0.0, lt=1.0, doc="constant relative error of the beacon's distance in a run; the seed draws the sign"
+    )
+
+    def reset(self, seed: int) -> None:
+        """Draw the map, its textures and all errors, and put the robot at the start."""
+        super().reset(seed)
+        draw = self._draw
+        limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
+        slip = None
+        if self.slip_ratio:
+            rng = np.random.default_rng([seed, SLIP])
+            slip = Slip(rng, self.slip_ratio, self.slip_correlation_s, draw.start)
+        self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits, slip)
+        self._faces = self._faces.moved_by(self._vehicle.movers)
+        self._errors = OdometryErrors(
+            np.random.default_rng([seed, ODOMETRY]),
+            self.odometry_scale_ratio,
+            self.odometry_noise_ratio,
+            drawn_sign((seed, DRIFT)) * math.radians(self.odometry_drift_degps),
+        )
+        self._beacon_errors = BeaconErrors(
+            np.random.default_rng([seed, BEACON]),
+            math.radians(self.goal_bearing_sigma_deg),
+            drawn_sign((seed, BEARING)) * math.radians(self.goal_bearing_bias_deg),
+            1 + drawn_sign((seed, DISTANCE)) * self.goal_distance_ratio,
+        )
+
+    def _beacon(self, pose: Pose) -> Goal | None:
+        if not len(self._draw.goal_m):
+            return None
+        x, y = self._goal_center_m[0] - pose.x_m, self._goal_center_m[1] - pose.y_m
+        bearing = math.remainder(math.atan2(y, x) - pose.yaw_rad, 2 * math.pi)
+        return self._beacon_errors.read(bearing, math.hypot(x, y))

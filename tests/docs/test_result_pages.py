@@ -1,0 +1,133 @@
+"""The checks of the sentences in docs/results, tried on results whose values are known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from gen_results import problems
+from result_pages.claims import claims, unchecked
+from result_pages.expression import evaluate
+from result_pages.shipped_results import ShippedResults
+from result_pages.tables import with_tables
+
+HEADER = "graph,variant,method,condition,seed,outcome,failure,frames,sim_s,drive.success,sight.auroc"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Results of two methods: one arrives in 8 of 10 worlds, the other in none."""
+    lines = [HEADER]
+    for seed in range(10):
+        arrives = seed < 8
+        lines.append(f"bend,ica,ica,dim,{seed},{'goal' if arrives else 'contact'},,9,1.0,{float(arrives)},0.9")
+        lines.append(f"bend,blind,blind,dim,{seed},contact,,9,1.0,0.0,")
+    lines.append("bend,broken,broken,dim,0,failed,raised,9,1.0,,")
+    (tmp_path / "small").mkdir()
+    (tmp_path / "small" / "results.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def results(folder: Path) -> ShippedResults:
+    """Return the results of the study ``small``."""
+    return ShippedResults.read("small", folder)
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        'arrive("bend", "ica") == 8',
+        'worlds("bend", "ica") == 10',
+        'outcomes("bend", "blind", "contact") == 10',
+        'arrive("bend", "broken") == 0',
+        'round(mean("bend", "ica", "sight.auroc"), 2) == 0.9',
+        'difference("bend", "ica", "blind", "drive.success") == 0.8',
+        'clear("bend", "ica", "blind")',
+        'not clear("bend", "ica", "ica")',
+        'arrive("bend", "blind") < arrive("bend", "ica") <= 8',
+        'arrive("bend", "ica", at="dim") - 3 == 5 and n_graphs() == 1 and n_runs() == 21',
+        'low("bend", "ica", "drive.success") > 0.4 and high("bend", "ica", "drive.success") < 1',
+        'graphs_where_clear("ica", "blind") == 1',
+    ],
+)
+def test_an_expression_that_the_results_bear_out_is_true(results: ShippedResults, expression: str) -> None:
+    assert evaluate(expression, results) is True
+
+
+@pytest.mark.parametrize(
+    ("expression", "message"),
+    [
+        ('arrive("bend", "icb") == 8', "variants: ica, blind, broken"),
+        ('mean("bend", "ica", "sight.au") > 0', "have no metric 'sight.au'"),
+        ("__import__('os')", "is not allowed"),
+        ('arrive("bend"', "cannot be read"),
+        ('arrive("bend", "ica", at="bright") == 8', "have no run of"),
+        ('"ica" < 3', "is not a number"),
+    ],
+)
+def test_an_expression_that_cannot_be_evaluated_says_why(
+    results: ShippedResults, expression: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message.replace("(", r"\(")):
+        evaluate(expression, results)
+
+
+def test_several_runs_a_world_need_a_condition(results: ShippedResults) -> None:
+    more = [{**row, "condition": "bright"} for row in results.rows]
+    both = ShippedResults("small", (*results.rows, *more))
+    assert evaluate('arrive("bend", "ica", at="bright") == 8', both) is True
+    with pytest.raises(ValueError, match="name the condition"):
+        evaluate('arrive("bend", "ica") == 8', both)
+
+
+PAGE = """# Page
+
+Words that state nothing.
+
+- ICA arrives in 8 of 10 worlds,
+  at `--seeds 0:10` and 0.5 degrees.
+  <!-- check small: arrive("bend", "ica") == 8;
+       worlds("bend", "ica") == 10; given 0.5 -->
+- The blind one fails.
+
+```
+better than 5
+```
+
+| table | 7 |
+"""
+
+
+def test_a_statement_that_compares_needs_a_check() -> None:
+    assert list(unchecked(PAGE)) == ["line 9: no check: - The blind one fails."]
+
+
+def test_a_claim_that_holds_has_no_problems(results: ShippedResults) -> None:
+    [claim] = claims(PAGE)
+    assert claim.study == "small"
+    assert claim.line == 5
+    assert len(claim.expressions) == 2
+    assert not list(claim.problems(results))
+
+
+def test_a_claim_that_does_not_hold_is_named_with_its_value(results: ShippedResults) -> None:
+    [claim] = claims(PAGE.replace("== 8", "== 9").replace("ICA arrives in 8", "ICA arrives in 9"))
+    [problem] = claim.problems(results)
+    assert problem == 'line 5: not true: arrive("bend", "ica") == 9 (left side: 8)'
+
+
+def test_a_number_that_nothing_checks_is_named(results: ShippedResults) -> None:
+    [claim] = claims(PAGE.replace("0.5 degrees", "0.6 degrees"))
+    assert list(claim.problems(results)) == ["line 5: the number 0.6 is not in the check"]
+
+
+def test_a_table_is_made_from_the_results_and_noticed_when_it_is_not_fresh(folder: Path) -> None:
+    page = folder / "README.md"
+    text = "<!-- table small: arrive(graph, variant) -->\nold\n<!-- end of table -->\n"
+    page.write_text(text, encoding="utf-8")
+    assert list(problems(page, folder)) == ["the tables are not fresh; run python tools/gen_results.py"]
+    made = with_tables(text, lambda name: ShippedResults.read(name, folder))
+    assert "|  | bend |\n| --- | --- |\n| ica | 8 |\n| blind | 0 |\n| broken | 0 |" in made
+    page.write_text(made, encoding="utf-8")
+    assert not list(problems(page, folder))

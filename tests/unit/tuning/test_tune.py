@@ -1,0 +1,178 @@
+"""``graphnav tune``: the same budget for all, the best is found, nothing is run twice."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import graphnav
+from graphnav import UserError
+from graphnav.cli import main
+
+from .conftest import WORDS
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / "trials.csv").open(newline="", encoding="utf-8") as lines:
+        return list(csv.DictReader(lines))
+
+
+def test_it_finds_what_is_better_and_moves_the_ranking(aim: dict[str, Any]) -> None:
+    tuned = graphnav.tune(**aim | {"trials": 40})
+    near, default = tuned.run.best(tuned.run.tuning.rivals[0]), tuned.run.default(tuned.run.tuning.rivals[0])
+    assert (before := default.mean("score.miss_m")) is not None
+    assert (after := near.mean("score.miss_m")) is not None
+    assert 2.0 <= before <= 2.1
+    assert after < 0.3
+    assert abs(tuned.best["aim.near"]["aim.gain"] - 3.0) < 0.3
+    assert [rival.label for rival in tuned.run.ranking(tuned=False)] == ["aim.fixed", "aim.near"]
+    assert tuned.ranking == ("aim.near", "aim.fixed")
+    assert "Tuning moves the ranking: as they are aim.fixed, then aim.near" in (tuned.folder / "tuned.md").read_text()
+
+
+def test_every_rival_gets_the_same_trials_in_the_same_worlds(aim: dict[str, Any]) -> None:
+    Path("rivals.yaml").write_text(
+        "graph: aim\nseeds: 0:3\nvary:\n  aimer:\n    coarse: {aim.mode: coarse}\n    fine: {aim.mode: fine}\n"
+        "metrics: [score.miss_m]\n"
+    )
+    tuned = graphnav.tune("rivals.yaml", trials=7, plugins=aim["plugins"], jobs=1)
+    found = [(row["rival"], int(row["trial"]), int(row["seed"])) for row in rows(tuned.folder)]
+    assert found == [(rival, trial, seed) for rival in ("coarse", "fine") for trial in range(7) for seed in range(3)]
+    assert {one.target for rival in tuned.run.tuning.rivals for one in rival.space} == {"aim.gain", "aim.steps"}
+
+
+def test_the_first_trial_changes_nothing_and_is_kept_unless_one_is_better(aim: dict[str, Any]) -> None:
+    tuned = graphnav.tune(**aim | {"trials": 6}, search=["aim.gain=90:100", "aim.steps=1:3", "aim.mode=coarse"])
+    assert tuned.best == {"aim.near": {}, "aim.fixed": {}}
+    assert "as it is" in (text := tuned.study.read_text())
+    assert "aim.near tuned" not in text
+
+
+def test_parameters_that_a_stage_refuses_are_a_result(aim: dict[str, Any]) -> None:
+    tuned = graphnav.tune(**aim | {"trials": 12}, search=["aim.gain=2:4"])
+    refused = [trial for trial in tuned.trials if trial.refused]
+    assert refused
+    assert all("too much of it" in trial.refused for trial in refused)
+    assert all(trial.mean("score.miss_m") is None for trial in refused)
+    assert not tuned.run.best(tuned.run.tuning.rivals[0]).refused
+
+
+def test_processes_do_not_change_what_is_found(aim: dict[str, Any], tmp_path: Path) -> None:
+    for jobs, folder in ((1, "one"), (3, "three")):
+        graphnav.tune(**aim | {"jobs": jobs}, folder=folder)
+    for name in ("trials.csv", "tuned.yaml"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "three" / name).read_bytes()
+
+
+def test_a_tuning_is_resumed_as_it_would_have_gone_on(aim: dict[str, Any], tmp_path: Path) -> None:
+    graphnav.tune(**aim | {"trials": 14}, folder="whole")
+    graphnav.tune(**aim | {"trials": 3}, folder="parts")
+    graphnav.tune(**aim | {"trials": 7}, folder="parts")
+    made = {path: path.stat().st_mtime_ns for path in (tmp_path / "parts").rglob("summary.json")}
+    graphnav.tune(**aim | {"trials": 14}, folder="parts")
+    assert {path: path.stat().st_mtime_ns for path in made} == made
+    assert (tmp_path / "whole" / "trials.csv").read_bytes() == (tmp_path / "parts" / "trials.csv").read_bytes()
+
+
+def test_the_tuned_rivals_are_a_study(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*WORDS, "--trials", "25", "-o", "tuned", "-j", "2"]) == 0
+    out = capsys.readouterr().out
+    assert "aim.near: 25 trials of aim.gain=0.25:4:log, aim.mode=coarse,fine, aim.steps=1:8" in out
+    assert "not searched, because nothing says what they could be: aim.free" in out
+    assert "aim.fixed: 1 trials of nothing" in out
+    words = ["ablate", "tuned/tuned.yaml", "--plugin", "my_aims.py", "--seeds", "100:104", "-o", "judged", "-j", "1"]
+    assert main(words) == 0
+    with Path("judged/results.csv").open(newline="", encoding="utf-8") as lines:
+        misses = {row["variant"]: float(row["score.miss_m"]) for row in csv.DictReader(lines)}
+    assert set(misses) == {"aim.near as it is", "aim.near tuned", "aim.fixed as it is"}
+    assert misses["aim.near tuned"] < misses["aim.fixed as it is"] < misses["aim.near as it is"]
+
+
+def test_logs_of_trials_are_not_kept(aim: dict[str, Any]) -> None:
+    tuned = graphnav.tune(**aim | {"trials": 2})
+    assert list(tuned.folder.rglob("summary.json"))
+    assert not list(tuned.folder.rglob("*.lcmlog"))
+    assert not (tuned.folder / ".scratch").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ["--seeds", "999:1001"],
+            "--seeds: seed 1000 is for reporting: what is tuned in a world cannot be judged in it",
+        ),
+        (["--metrics", "score.his"], "'score.his': stage 'score' has no metric 'his'"),
+        (["--search", "aim.gian=1:2"], "no rival has the parameter 'aim.gian'\n  did you mean 'aim.gain'?"),
+        (["--search", "aim.gain=2:1"], "the range ends at 1, where it begins or before"),
+        (["--search", "aim.gain=0:1:log"], "a logarithmic range must begin above 0, not at 0"),
+        (["--search", "aim.gain=a:b"], "'a' is not a number"),
+        (["--search", "aim=1:2"], "this does not name a parameter and its values"),
+        (["--search", "aim.gain=1:2", "--search", "aim.gain=1:3"], "'aim.gain' is searched twice"),
+        (["--vary", "aim=aim.fixed"], "the rivals have no parameter that could be searched"),
+        (["--vary", "aim.steps=1,2"], "the study varies 2 axes: aim, aim.steps"),
+        (["--vary", "aim=aim.nera"], "family 'aim' has no stage 'nera'\n  did you mean 'near'?"),
+    ],
+)
+def test_errors_say_where_what_and_what_to_do(
+    aim: dict[str, Any], capsys: pytest.CaptureFixture[str], words: list[str], message: str
+) -> None:
+    replaces_rivals = words[0] == "--vary" and words[1].startswith("aim=")
+    base = [*WORDS[:2], *WORDS[4:]] if replaces_rivals else WORDS
+    assert main([*base, "--trials", "2", *words]) == 2
+    assert message in capsys.readouterr().err
+    assert not Path("tunings").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"metrics": []}, "no metric to tune for is named"),
+        ({"seeds": None}, "no worlds to tune in are named"),
+        ({"trials": 0}, "trials is 0, but must be at least 1"),
+        ({"trials": "many"}, "trials"),
+        ({"search": "aim.gain=1:2"}, "search"),
+    ],
+)
+def test_python_gets_the_same_errors(aim: dict[str, Any], change: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        graphnav.tune(**aim | change)
+
+
+def test_a_folder_of_another_tuning_is_refused(aim: dict[str, Any], tmp_path: Path) -> None:
+    graphnav.tune(**aim | {"trials": 2}, folder="out")
+    with pytest.raises(UserError, match="out holds another tuning: its 'seeds' differs"):
+        graphnav.tune(**aim | {"trials": 2, "seeds": range(4)}, folder="out")
+    settings = json.loads((tmp_path / "out" / "tuning.json").read_text())
+    assert settings["seeds"] == [0, 1, 2]
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "mine.txt").touch()
+    with pytest.raises(UserError, match=r"full holds mine.txt, but no tuning \(tuning.json\)"):
+        graphnav.tune(**aim | {"trials": 2}, folder="full")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_cannot_be_written_is_an_error(aim: dict[str, Any], tmp_path: Path) -> None:
+    (tmp_path / "locked").mkdir(mode=0o500)
+    with pytest.raises(UserError, match="cannot work in"):
+        graphnav.tune(**aim | {"trials": 2}, folder="locked")
+
+
+def test_many_runs_need_a_confirmation(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*WORDS, "--trials", "400"]) == 2
+    assert "1203 runs are pending, and cannot ask for confirmation: not a terminal" in capsys.readouterr().err
+
+
+def test_without_optuna_it_says_what_to_install(
+    aim: dict[str, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from graphnav.tuning import tuning
+
+    monkeypatch.setattr(tuning, "_SAMPLER", "no-such-package-as-this")
+    assert main([*WORDS, "--trials", "2"]) == 2
+    assert "graphnav tune needs Optuna\n  pip install 'optuna>=4.0'" in capsys.readouterr().err

@@ -1,0 +1,59 @@
+"""Take over the results of finished studies into docs/results, and make the tables of its page again.
+
+python tools/gen_results.py study/suite study/paper    take over results.csv, metrics.csv and table.md of studies
+python tools/gen_results.py                            make the tables again
+python tools/gen_results.py --check                    say what the page claims and the results do not bear out
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from result_pages.claims import claims, unchecked
+from result_pages.shipped_results import RESULTS, ShippedResults
+from result_pages.tables import with_tables
+
+PAGE = RESULTS / "README.md"
+FILES = ("results.csv", "metrics.csv", "table.md")
+"""Files of a study's folder that ship."""
+
+
+def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
+    """Yield what a page claims and the results do not bear out, what nothing checks, and tables that are not fresh."""
+
+    def read(study: str) -> ShippedResults:
+        return ShippedResults.read(study, folder)
+
+    text = page.read_text(encoding="utf-8")
+    yield from unchecked(text)
+    for claim in claims(text):
+        yield from claim.problems(read(claim.study))
+    if with_tables(text, read) != text:
+        yield "the tables are not fresh; run python tools/gen_results.py"
+
+
+def main() -> int:
+    """Take over, generate, or check; return 1 if something is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("study", nargs="*", type=Path, help="folder of a finished study")
+    parser.add_argument("--check", action="store_true", help="change nothing, return 1 if something is wrong")
+    args = parser.parse_args()
+    if args.check:
+        found = list(problems())
+        print("\n".join(found or ["every claim is borne out"]))
+        return 1 if found else 0
+    for study in args.study:
+        target = RESULTS / study.resolve().name
+        target.mkdir(exist_ok=True)
+        for name in FILES:
+            shutil.copyfile(study / name, target / name)
+    PAGE.write_text(with_tables(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,124 @@
+"""The results of a study that ship, read from its ``results.csv`` alone."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from graphnav.arrays import Doubles
+from graphnav.errors import UserError
+
+RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results"
+"""Each study has a folder of its own here."""
+FILE = "results.csv"
+FAILED = "failed"
+"""The outcome of a run in which a stage failed: it does not count as a success."""
+_BEFORE_AXES, _AFTER_AXES = "variant", "seed"
+"""The columns that enclose those of the axes."""
+
+Row = Mapping[str, str]
+
+
+class Cell(NamedTuple):
+    """Whose runs are meant; ``at``: the choice of an axis within which variants are compared, empty without one."""
+
+    graph: str
+    variant: str
+    at: str = ""
+
+
+@dataclass(frozen=True)
+class ShippedResults:
+    """The runs of a study."""
+
+    name: str
+    rows: tuple[Row, ...]
+
+    @classmethod
+    def read(cls, name: str, folder: Path = RESULTS) -> ShippedResults:
+        """Read ``results.csv`` of a study.
+
+        Raises
+        ------
+        UserError
+            No results of that study ship.
+        """
+        path = folder / name / FILE
+        if not path.is_file():
+            known = ", ".join(sorted(one.parent.name for one in folder.glob(f"*/{FILE}"))) or "none"
+            raise UserError.of(f"no results of a study '{name}' ship", f"studies with results: {known}")
+        with path.open(newline="", encoding="utf-8") as lines:
+            return cls(name, tuple(csv.DictReader(lines)))
+
+    @property
+    def graphs(self) -> tuple[str, ...]:
+        """The graphs, in the file's order."""
+        return tuple(dict.fromkeys(row["graph"] for row in self.rows))
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """The variants, in the file's order."""
+        return tuple(dict.fromkeys(row["variant"] for row in self.rows))
+
+    def runs(self, cell: Cell) -> tuple[Row, ...]:
+        """Return the runs of a cell, one a world.
+
+        Raises
+        ------
+        UserError
+            There is none, or there are several of a world: the condition has to be named.
+        """
+        found = tuple(
+            row for row in self._by_case.get(cell[:2], ()) if not cell.at or cell.at in self._conditions_of(row)
+        )
+        if not found:
+            raise UserError.of(
+                f"the results of '{self.name}' have no run of {cell}",
+                f"graphs: {', '.join(self.graphs)}; variants: {', '.join(self.variants)}",
+            )
+        if len({row["seed"] for row in found}) < len(found):
+            raise UserError.of(
+                f"the results of '{self.name}' have several runs a world of {cell}", "name the condition, at=..."
+            )
+        return found
+
+    def values(self, cell: Cell, metric: str) -> Mapping[int, float]:
+        """Return a metric by seed, where it is known; a run in which a stage failed is not a success.
+
+        Raises
+        ------
+        UserError
+            There is no such cell or no such metric.
+        """
+        return {int(row["seed"]): value for row in self.runs(cell) for value in self._value(row, metric)}
+
+    def paired(self, first: Cell, second: Cell, metric: str) -> tuple[Doubles, Doubles]:
+        """Return a metric of two cells in the worlds that both have, by seed."""
+        these, those = self.values(first, metric), self.values(second, metric)
+        seeds = sorted(these.keys() & those.keys())
+        return np.array([these[seed] for seed in seeds]), np.array([those[seed] for seed in seeds])
+
+    def _value(self, row: Row, metric: str) -> Iterator[float]:
+        if metric not in row:
+            raise UserError.of(f"the results of '{self.name}' have no metric '{metric}'", "see the file's first line")
+        text = "0.0" if row["outcome"] == FAILED and metric.endswith(".success") else row[metric]
+        if text and math.isfinite(float(text)):
+            yield float(text)
+
+    def _conditions_of(self, row: Row) -> Iterable[str]:
+        columns = list(row)
+        return [row[axis] for axis in columns[columns.index(_BEFORE_AXES) + 1 : columns.index(_AFTER_AXES)]]
+
+    @cached_property
+    def _by_case(self) -> Mapping[tuple[str, str], list[Row]]:
+        found: dict[tuple[str, str], list[Row]] = {}
+        for row in self.rows:
+            found.setdefault((row["graph"], row["variant"]), []).append(row)
+        return found
