@@ -52,6 +52,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
     )
     parser.add_argument(
+        "--contrast",
+        dest="contrasts",
+        action="append",
+        default=[],
+        metavar="A,B",
+        help="compare two variants of the study, or with --report of an existing one, in every metric",
+    )
+    parser.add_argument(
         "--fail-if",
         action="append",
         default=[],
@@ -165,6 +173,7 @@ def main(args: argparse.Namespace) -> int:
     from rich.console import Console
 
     from graphnav.ablation.execution import read_plan
+    from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.mlflow_export import export_to_mlflow
     from graphnav.api.studies.study_files import write_study_files
     from graphnav.cli.study_output import print_outputs, write_pairing
@@ -176,8 +185,9 @@ def main(args: argparse.Namespace) -> int:
         return write_pairing(first, second, args.folder, args.fail_if, console)
     if args.report:
         plan = read_plan(args.report)
+        pairs = parse_pairs(args.contrasts, plan.variants)
         files = write_study_files(plan, args.report, _catalog_of_usable_plugins(plan))
-        print_outputs(plan, args.report, files, console)
+        print_outputs(plan, args.report, files, console, pairs)
         if args.export:
             console.print(f"mlflow: {export_to_mlflow(plan, files, args.report)}", markup=False)
         return OK
@@ -198,6 +208,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
     if not chosen:
         return
     given = [*args.names, *(option for option, name in _OF_RUNS if getattr(args, name)), *chosen[1:]]
+    given += ["--contrast"] if args.compare and args.contrasts else []
     if args.report and args.folder:
         given.append("-o")
     if given:
@@ -232,18 +243,19 @@ def _request(args: argparse.Namespace) -> StudyRequest:
 def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
     """Make the pending runs of a study, draw its failures, write its report."""
     from graphnav.ablation.execution import StudyFolder, pending_jobs
+    from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_run import ExecutionOptions, FailFastError, run_study
     from graphnav.cli.study_output import all_failed, print_outputs
     from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
 
-    plan = study.plan
+    plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
     options = ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs, fail_fast=args.fail_fast)
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
             with interrupted_by_sigterm():
                 files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
-                print_outputs(plan, folder.path, files, console)
+                print_outputs(plan, folder.path, files, console, pairs)
                 if all_failed(files):
                     print("a stage failed in every run", file=sys.stderr)
                     return FAILED

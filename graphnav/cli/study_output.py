@@ -18,12 +18,15 @@ from graphnav.ablation.report import (
     difference_text,
     paired_studies_markdown,
     print_comparison,
+    print_contrasts,
     print_paired_studies,
     sentences,
 )
 from graphnav.ablation.results import (
     FailedCase,
+    Pair,
     check_fail_conditions,
+    contrasts,
     failed_cases,
     pair_studies,
     parse_fail_conditions,
@@ -35,10 +38,11 @@ from graphnav.errors import UserError
 from graphnav.runner import Outcome
 
 
-def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console) -> None:
-    """Print the table of a study in short, and the files that were written."""
+def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console, pairs: Sequence[Pair] = ()) -> None:
+    """Print the table of a study in short, pairs of its variants, and the files that were written."""
     comparison = files.comparison
     print_comparison(console, comparison, plan)
+    print_contrasts(console, contrasts(plan, files.records, pairs), plan)
     for metric in plan.metrics if files.records else ():
         if not comparison.has_metric(metric):
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)

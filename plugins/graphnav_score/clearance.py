@@ -15,6 +15,7 @@ METRICS = (
         "min_clearance_ahead_m",
         unit="m",
         better="higher",
+        min_difference=0.02,
         help="From the robot's rim to the nearest body within 45 degrees of straight ahead, minimum over the states "
         "after the first metre driven; moving bodies included; left out without the map, or if nothing ever was there.",
     ),
@@ -22,6 +23,7 @@ METRICS = (
         "min_clearance_side_m",
         unit="m",
         better="higher",
+        min_difference=0.02,
         help="The same to the left and to the right, 45 to 135 degrees from straight ahead.",
     ),
 )

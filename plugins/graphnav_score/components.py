@@ -29,9 +29,15 @@ class Components(Stage):
         Metric(
             "alpha_auroc",
             better="higher",
+            min_difference=0.01,
             help="Area under the receiver operating characteristic of the component whose length varies less.",
         ),
-        Metric("beta_auroc", better="higher", help="The same of the component whose length varies more."),
+        Metric(
+            "beta_auroc",
+            better="higher",
+            min_difference=0.01,
+            help="The same of the component whose length varies more.",
+        ),
         Metric(
             "median_variance_ratio",
             unit="ratio",

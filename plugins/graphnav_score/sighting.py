@@ -38,24 +38,28 @@ class Sighting(Stage):
             "never_sighted_ratio",
             unit="ratio",
             better="lower",
+            min_difference=0.02,
             help="Share of them that was never sighted; left out without any.",
         ),
         Metric(
             "mean_first_sighting_m",
             unit="m",
             better="higher",
+            min_difference=0.05,
             help="Distance at which an obstacle was sighted first, mean over those that were.",
         ),
         Metric(
             "min_first_sighting_m",
             unit="m",
             better="higher",
+            min_difference=0.05,
             help="Distance at which an obstacle was sighted first, minimum over those that were.",
         ),
         Metric(
             "mean_sighting_delay_m",
             unit="m",
             better="lower",
+            min_difference=0.05,
             help="Distance at which an obstacle was visible first minus that at which it was sighted first, mean over "
             "those that were sighted.",
         ),
@@ -63,6 +67,7 @@ class Sighting(Stage):
             "mean_time_to_react_s",
             unit="s",
             better="lower",
+            min_difference=0.1,
             help="Time from the first sighting of an obstacle ahead to the reaction to it, mean over those with one.",
         ),
         Metric(

@@ -144,6 +144,14 @@ class Plan:
         """Return which values of a column are better; a difference or a ratio is better where its first metric is."""
         return self.metric(MetricExpression.parse(column).operands[0]).better
 
+    def min_difference(self, column: str) -> float:
+        """Return the smallest difference of a column that matters: of its metric, or of the first of a difference.
+
+        Any difference of a ratio matters: what is declared is in the unit of the metric.
+        """
+        read = MetricExpression.parse(column)
+        return 0.0 if read.operator == "/" else self.metric(read.operands[0]).min_difference
+
     def are_comparable(self, one: Case, other: Case, column: str) -> bool:
         """Return whether two cases of a graph may be compared by a column.
 

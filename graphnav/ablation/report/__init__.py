@@ -8,7 +8,7 @@ from graphnav.ablation.report.html import write_report
 from graphnav.ablation.report.markdown import TABLE, table_markdown
 from graphnav.ablation.report.number_format import difference_text
 from graphnav.ablation.report.paired_markdown import paired_studies_markdown
-from graphnav.ablation.report.terminal import print_comparison, print_paired_studies
+from graphnav.ablation.report.terminal import print_comparison, print_contrasts, print_paired_studies
 
 __all__ = [
     "METRICS",
@@ -20,6 +20,7 @@ __all__ = [
     "difference_text",
     "paired_studies_markdown",
     "print_comparison",
+    "print_contrasts",
     "print_paired_studies",
     "sentences",
     "table_markdown",

@@ -48,11 +48,14 @@ def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
 
 
 def write_metrics(plan: Plan, records: Iterable[Record], path: Path) -> None:
-    """Write what is declared of each metric in ``results.csv``, a line a column: unit, direction, help."""
+    """Write what is declared of each metric in ``results.csv``, a line a column: unit, direction, what counts, help."""
     names = metric_columns(plan, in_plan_order(plan, records))
     declared = {name: plan.metric(name) for name in names}
-    header = ["metric", "unit", "better", "if_failed", "outcome", "help"]
-    rows = ([name, m.unit, m.better, m.if_failed, m.is_outcome, m.help] for name, m in declared.items())
+    header = ["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"]
+    rows = (
+        [name, m.unit, m.better, m.if_failed, m.is_outcome, repr(m.min_difference), m.help]
+        for name, m in declared.items()
+    )
     _write(path, header, rows)
 
 

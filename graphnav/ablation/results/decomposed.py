@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from graphnav.ablation.plan import Case, Plan
-from graphnav.ablation.results.compare_variants import difference, estimate
 from graphnav.ablation.results.comparison import Difference, Estimate
 from graphnav.ablation.results.metric_values import Values, is_binary, values_of
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.study_values import difference, estimate
 from graphnav.ablation.study import MetricExpression
 from graphnav.ablation.study.study import BASE, COMMON, CONDITION
 

@@ -37,8 +37,8 @@ class StudyResults:
 
     @property
     def deciding(self) -> str | None:
-        """The metric that decides: the first; None where there is none at all."""
-        return self.metrics[0] if self.metrics else None
+        """The metric that decides: the first that any run has; None where there is none at all."""
+        return self.comparison.primary or (self.metrics[0] if self.metrics else None)
 
     @property
     def n_seeds(self) -> int:

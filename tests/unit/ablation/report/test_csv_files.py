@@ -113,6 +113,6 @@ def test_every_column_of_the_results_is_described(make_plan: MakePlan, make_reco
     write_metrics(plan, records, tmp_path / "metrics.csv")
     write_results(plan, records, tmp_path / "results.csv")
     described = lines(tmp_path / "metrics.csv")
-    assert described[1] == ["drive.path_length_m", "m", "lower", "undefined", "False", "Path."]
-    assert described[2] == ["drive.success", "", "higher", "0.0", "True", "Arrived."]
+    assert described[1] == ["drive.path_length_m", "m", "lower", "undefined", "False", "0.0", "Path."]
+    assert described[2] == ["drive.success", "", "higher", "0.0", "True", "0.05", "Arrived."]
     assert [name for name, *_ in described[1:]] == lines(tmp_path / "results.csv")[0][10:]

@@ -11,8 +11,8 @@ import pytest
 
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.results.compare_variants import compare
-from graphnav.ablation.results.intervals import bonett_price, bootstrap, wilson
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.statistics.intervals import bonett_price, student, wilson
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
@@ -36,7 +36,7 @@ def test_means_and_differences_over_the_same_worlds(make_plan: MakePlan, make_re
 
     time = affine.differences["drive.time_s"]
     assert (time.mean, time.n, time.won, time.lost) == pytest.approx(((2 - 2 + 6) / 3, 3, 1, 2))
-    assert (time.low, time.high) == bootstrap(np.array([2.0, -2.0, 6.0]))
+    assert (time.low, time.high) == student(np.array([2.0, -2.0, 6.0]))
     won = affine.differences["drive.success"]
     assert (won.mean, won.n, won.won, won.lost) == pytest.approx((-1 / 3, 3, 0, 1))
     assert (won.low, won.high) == bonett_price(0, 1, 3)

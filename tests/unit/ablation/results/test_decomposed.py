@@ -69,7 +69,7 @@ def test_swaps_that_nothing_reads_are_told(plan: Plan, found: Losses) -> None:
 def test_the_sentence_names_the_largest_step(plan: Plan, found: Losses) -> None:
     text = " ".join(sentences(plan, found))
     assert text.startswith("drive.spl on corridor is 0.6")
-    assert "The largest step is that of plane, +0.167" in text
+    assert "The largest step is that of plane, +0.17 [+0.02, +0.31]" in text
     assert [cells[0] for cells in rows(found)] == ["nothing", "flow", "plane"]
 
 
