@@ -58,3 +58,8 @@ def test_every_graph_that_ships_loads(name: str) -> None:
     graph = load_graph(name, Catalog())
     assert graph.about
     assert graph.sources or graph.inputs
+
+
+def test_a_graph_in_a_folder_that_ships_is_named_by_both() -> None:
+    assert find_graph("suite/doors") == shipped_graphs()["suite/doors"]
+    assert not any(name.startswith(("maps/", "studies/")) for name in shipped_graphs())

@@ -1,0 +1,73 @@
+"""Laps of drives whose places are given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from graphnav_score.laps import Laps
+
+from graphnav import Latest, Map, Stamp, State
+
+SQUARE = np.array([[-4.0, -2.0], [6.0, -2.0], [6.0, 4.0], [-4.0, 4.0]])
+MIDDLE = (1.0, 1.0)
+WORLD = Map(
+    kind=np.zeros(1, np.uint8),
+    height_m=np.ones(1),
+    vertices_m=SQUARE,
+    body=np.zeros(4, np.int32),
+    start=np.zeros(3),
+    goal_m=np.zeros((0, 2)),
+    robot_radius_m=0.2,
+    shortest_m=0.0,
+    footprint_m=np.zeros((0, 2)),
+)
+
+
+def around(laps: float, seconds: int = 60, *, contact: bool = False, min_laps: float = 1.0) -> Mapping[str, float]:
+    """Return the metrics of a drive around the middle, counterclockwise, a state a second."""
+    stage = Laps(duration_s=60, min_laps=min_laps)
+    stage.reset(seed=0)
+    for k in range(seconds + 1):
+        angle = 2 * math.pi * laps * k / seconds
+        state = State(
+            x_m=MIDDLE[0] + 3 * math.cos(angle),
+            y_m=MIDDLE[1] + 3 * math.sin(angle),
+            yaw_rad=0.0,
+            v_mps=0.3,
+            omega_radps=0.0,
+            clearance_m=0.4,
+            contact=contact and k == seconds,
+            at_goal=False,
+            moving=np.zeros((0, 3)),
+        )
+        stage.step(state, Latest(WORLD, 0.0), Stamp(k * 1_000_000))
+    return stage.summary()
+
+
+@pytest.mark.parametrize("laps", [0.25, 2.5, -1.75])
+def test_laps_are_turns_about_the_middle_to_either_side(laps: float) -> None:
+    assert around(laps)["laps"] == pytest.approx(abs(laps))
+
+
+def test_a_success_lasts_goes_round_and_touches_nothing() -> None:
+    assert around(1.5)["success"] == 1.0
+    assert around(1.5, seconds=59)["success"] == 0.0
+    assert around(0.9)["success"] == 0.0
+    assert around(1.5, min_laps=2)["success"] == 0.0
+    assert around(1.5, contact=True)["success"] == 0.0
+
+
+def test_what_a_drive_to_a_goal_has_is_left_out() -> None:
+    values = around(1.5)
+    assert values.keys() <= {metric.name for metric in Laps.metrics}
+    assert {"min_clearance_m", "path_length_m", "collision"} <= values.keys()
+    assert not {"spl", "timeout"} & values.keys()
+
+
+def test_nothing_is_reported_before_the_first_state() -> None:
+    stage = Laps()
+    stage.reset(seed=0)
+    assert stage.summary() == {}
