@@ -97,7 +97,7 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     if "baseline" in roles:
         sentences.append("A baseline is what every method has to beat; where it does well, the worlds test nothing.")
     if "oracle" in roles:
-        sentences.append("An oracle sees the truth: it bounds what the methods can reach.")
+        sentences.append("An oracle sees the truth: it shows what its part leaves to gain, and is not a bound.")
     return tuple(sentences)
 
 

@@ -18,7 +18,8 @@ All comparisons of a graph with the base by what decides are one family, under e
 nothing differs, at most one in twenty calls any variant better or worse.
 
 A baseline lacks what a method claims to need: where a method does not beat it, that is not needed there, or the worlds
-test nothing. An oracle sees the truth: it bounds what methods can reach."""
+test nothing. An oracle sees the truth: it shows what its part
+leaves to gain. It is not a bound: what it is part of may fail where another method arrives."""
 
 
 def reproduce(study: StudyResults) -> Markup:
