@@ -9,9 +9,10 @@ from statistics import NormalDist
 import numpy as np
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison
+from graphnav.ablation.results.comparison import Comparison, Difference
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.results.statistics import min_worlds
 from graphnav.arrays import Doubles
 
 LEVEL = 0.05
@@ -46,7 +47,7 @@ def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -
         worlds = (spread / mean) ** 2
     else:
         worlds = ((level + power) * float(differences.std(ddof=1)) / mean) ** 2 + level**2 / 2
-    return max(math.ceil(worlds), MIN_WORLDS) if worlds <= MAX_WORLDS else None
+    return max(math.ceil(worlds), min_worlds(comparisons)) if worlds <= MAX_WORLDS else None
 
 
 def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Record]) -> Iterator[str]:
@@ -70,12 +71,14 @@ def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Reco
             differences = _paired(values[graph, row.case.variant], values[graph, base])
             needed = worlds_needed(differences, binary=binary, comparisons=len(rows))
             state = f"{graph}, {row.case.variant}: {column.text} is not clear after {found.n} worlds"
-            yield f"{state}; {_needs(needed, found.mean)}"
+            yield f"{state}; {_needs(needed, found)}"
 
 
-def _needs(worlds: int | None, mean: float) -> str:
-    if mean == 0:
+def _needs(worlds: int | None, found: Difference) -> str:
+    if found.mean == 0:
         return "they show no difference"
+    if not found.matters:
+        return f"the difference is smaller than {found.min_difference:g}, the smallest that matters"
     if worlds is None:
         return f"a difference this small needs more than {MAX_WORLDS}"
     return f"a difference of this size would be clear in 4 of 5 studies of about {worlds}"

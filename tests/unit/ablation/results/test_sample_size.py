@@ -85,3 +85,14 @@ def test_where_nothing_differs_no_number_is_given(make_plan: MakePlan, make_reco
     records = [make_record(variant, seed, {"drive.success": 1.0}) for variant in plan.variants for seed in range(3)]
     (text,) = sample_size_texts(plan, compare(plan, records), records)
     assert text == "corridor, affine: drive.success is not clear after 3 worlds; they show no difference"
+
+
+def test_a_difference_that_does_not_matter_needs_no_worlds(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(seeds=range(40), metrics={"drive.success": "higher"})
+    records = [
+        make_record(variant, seed, {"drive.success": float(seed > 0 or variant == "ica")})
+        for variant in plan.variants
+        for seed in range(40)
+    ]
+    (text,) = sample_size_texts(plan, compare(plan, records), records)
+    assert text.endswith("after 40 worlds; the difference is smaller than 0.05, the smallest that matters")
