@@ -41,7 +41,7 @@ def notes(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
     """Yield how to read it: what was swapped, on which drive, and which swaps do not reach it."""
     assert plan.decomposition is not None
     swaps = ", ".join(f"{stage} for {use}" for stage, use in plan.decomposition.oracles.items())
-    yield f"Swapped are {swaps}; differences are of the same worlds, with the worlds that were better–worse."
+    yield f"Swapped are {swaps}; differences are of the same worlds: in how many it was better–alike–worse."
     if any(of.is_common for of in found):
         yield (
             "What depends on the frames that a run meets is measured for all variants on one drive, that of the last "
