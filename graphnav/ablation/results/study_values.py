@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,9 +47,13 @@ class StudyValues:
         return next((name for name in self.metrics if any(found[name] for found in self.values.values())), None)
 
     def estimate(self, key: CaseKey, metric: str) -> Estimate | None:
-        """Return the mean of a case, None where no run has the metric."""
+        """Return the mean of a case, None where no run has the metric; its interval ends at the metric's bounds."""
         values = self.values[key][metric]
-        return estimate(values, is_binary=metric in self.binary) if values else None
+        found = estimate(values, is_binary=metric in self.binary) if values else None
+        span = self.plan.metric(metric).span
+        if found is None or span is None:
+            return found
+        return replace(found, low=float(np.clip(found.low, *span)), high=float(np.clip(found.high, *span)))
 
     def difference(self, key: CaseKey, base: CaseKey, metric: str) -> Difference | None:
         """Return how a case differs from another one in the worlds that both have.

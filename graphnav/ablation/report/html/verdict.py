@@ -26,7 +26,8 @@ def verdict_of(row: Row, metric: str, better: Better) -> Verdict:
     """Return the verdict of the paired difference: better or worse where it is clear, different where neither is.
 
     "untested" of a metric that does not decide, or that depends on the frames that a drive meets; "small" where the
-    difference is significant and does not matter; "unknown" where it has no interval, or so few worlds that none of the table's variants could be told apart.
+    difference is significant and does not matter; "unknown" where it has no interval, or so few worlds that none of the
+    table's variants could be told apart.
     """
     if row.case.is_base:
         return "base"

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from graphnav.ablation.report.html.number_text import estimate_text, estimated
+from graphnav.ablation.report.html.number_text import counted, estimate_text, estimated
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections.forest_plot import shown_variants
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.number_format import TOO_SMALL, p_text
-from graphnav.ablation.results import AllPairs, Difference, all_pairs
+from graphnav.ablation.results import AllPairs, Difference, all_pairs, min_worlds
 from graphnav.stage import Better
 
 _MIN_VARIANTS = 3
@@ -39,6 +39,8 @@ class _Matrix:
     variants: Sequence[str]
     rows: Sequence[tuple[str, Sequence[_Cell]]]
     n_pairs: int
+    too_few: str
+    """How many worlds it takes to tell any pair apart, where there are fewer."""
     n_left_out: int
     is_open: bool
 
@@ -68,8 +70,10 @@ def _matrix(pairs: AllPairs, shown: Sequence[str], better: Better) -> _Matrix:
         for y, row in enumerate(variants)
     ]
     n_pairs = len(pairs.variants) * (len(pairs.variants) - 1) // 2
+    n, needed = max((found.n for found in pairs.differences.values()), default=0), min_worlds(n_pairs)
+    too_few = f"{counted(n, 'world')} cannot separate {n_pairs} pairs: that takes {needed}." if n < needed else ""
     return _Matrix(
-        pairs.graph, variants, rows, n_pairs, len(pairs.variants) - len(variants), len(variants) <= _MAX_OPEN
+        pairs.graph, variants, rows, n_pairs, too_few, len(pairs.variants) - len(variants), len(variants) <= _MAX_OPEN
     )
 
 

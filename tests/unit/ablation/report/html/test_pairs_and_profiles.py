@@ -40,6 +40,12 @@ def test_all_pairs_are_in_a_matrix_with_both_sides(tmp_path: Path) -> None:
     assert re.search(r'class="change unclear"><b>\+0\.05</b>', text)
 
 
+def test_too_few_worlds_for_the_pairs_are_said_to_be_too_few(tmp_path: Path) -> None:
+    plan = plan_of(methods("ica", "affine", "bad"), seeds=range(6))
+    shown = Page(report(plan, records_of(plan, {"ica": 1.0, "affine": 0.5, "bad": 0.1}), tmp_path)).text
+    assert "6 worlds cannot separate 3 pairs: that takes 7." in shown
+
+
 def test_a_pair_needs_no_matrix(tmp_path: Path) -> None:
     plan = plan_of(methods("ica", "affine"))
     assert "All pairs" not in report(plan, records_of(plan, {"ica": 1.0, "affine": 0.5}), tmp_path)
