@@ -111,7 +111,9 @@ def test_doors_cut_a_line_where_they_are() -> None:
 
 def test_a_room_may_have_a_door(tmp_path: Path) -> None:
     room = {"along": [[0, 0], [4, 0], [4, 3], [0, 3]], "closed": True, "doors": [{"at_m": 12.5, "width_m": 0.8}]}
-    world = drawn(tmp_path, walls=[room], start={"at_m": [2, 1]}, goal={"circle": {"center_m": [-1, 1.5], "radius_m": 0.3}})
+    world = drawn(
+        tmp_path, walls=[room], start={"at_m": [2, 1]}, goal={"circle": {"center_m": [-1, 1.5], "radius_m": 0.3}}
+    )
     assert clearance_m(world, 0.0, 1.5) == pytest.approx(0.4)
     assert world.shortest_m == pytest.approx(3.0, abs=0.4)
 
