@@ -18,7 +18,21 @@ from graphnav.catalog import Catalog
 from graphnav.graph import load_graph, shipped_graphs
 
 GRAPHS = sorted(name for name in shipped_graphs() if name.startswith("suite/"))
-WORLDS = "shake odometry speed corners tight doors low crowd crossers tilt light neutral laps".split()
+WORLDS = [
+    "shake",
+    "odometry",
+    "speed",
+    "corners",
+    "tight",
+    "doors",
+    "low",
+    "crowd",
+    "crossers",
+    "tilt",
+    "light",
+    "neutral",
+    "laps",
+]
 SWEEPS = sorted(name for name in shipped_studies() if name.startswith("suite_"))
 METHODS = ["ica", "homography", "residual subspace", "truth", "oracle"]
 RADIUS_M = 0.2
