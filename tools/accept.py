@@ -6,6 +6,7 @@ import argparse
 import sys
 
 from acceptance.comparing import controls_item, targets_item
+from acceptance.coverage import coverage_item
 from acceptance.damaging import damage_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.exchange import exchange_item
@@ -63,6 +64,7 @@ ITEMS = {
     "exchange": exchange_item,
     "exports": exports_item,
     "notebook": notebook_item,
+    "coverage": coverage_item,
 }
 
 

@@ -45,8 +45,12 @@ PARAMETERS = {
     "reference": "The variant, by its name in tables, whose runs relative metrics compare with; None: that of the "
     "study.",
     "worlds": 'Graphs that have only the first so many seeds: ``{"laps": 10}``; None: those of the study.',
+    "until_clear": "Use the seeds, in their order, only until the metric that decides tells every variant from "
+    "the base.",
     "fail_fast": "Raise `GraphnavError` at the first run in which a stage fails or whose process dies.",
     "one_at_a_time": "Change one axis of the base at a time, in place of crossing them.",
+    "decompose": "Swap the stages of a graph's drive for their oracles, one at a time and cumulatively, and show where "
+    "is lost what these reach; in place of ``vary``.",
     "jobs": "Runs at once; None: one a core.",
     "cluster": 'The scheduler of a Dask cluster, ``"tcp://host:8786"``, that makes the runs.',
     "gallery": "How many failures of each variant are run again and drawn for the report.",

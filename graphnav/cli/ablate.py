@@ -28,8 +28,9 @@ resumes a study that was interrupted, and a longer range of seeds adds runs to t
 
 _OF_RUNS = (
     ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
-    ("--reference", "reference"), ("--worlds", "worlds"),
-    ("--one-at-a-time", "one_at_a_time"), ("--plugin", "plugins"), ("--cluster", "cluster"),
+    ("--reference", "reference"), ("--worlds", "worlds"), ("--until-clear", "until_clear"),
+    ("--one-at-a-time", "one_at_a_time"), ("--decompose", "decompose"), ("--plugin", "plugins"),
+    ("--cluster", "cluster"),
 )  # fmt: skip
 """Options that apply only to a study that runs, with the names of their arguments."""
 
@@ -39,10 +40,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _ABOUT
     parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files or names of shipped ones")
     _add_study_options(parser)
+    _add_world_options(parser)
     _add_execution_options(parser)
     parser.add_argument("--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder")
     parser.add_argument(
+        "--export",
+        choices=["mlflow"],
+        help="with --report: also write an MLflow run for each case (extra: mlflow) on MLFLOW_TRACKING_URI",
+    )
+    parser.add_argument(
         "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
+    )
+    parser.add_argument(
+        "--contrast",
+        dest="contrasts",
+        action="append",
+        default=[],
+        metavar="A,B",
+        help="compare two variants of the study, or with --report of an existing one, in every metric",
     )
     parser.add_argument(
         "--fail-if",
@@ -72,9 +87,14 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="override in all runs: a stage, a parameter or a wire",
     )
-    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
     parser.add_argument(
         "--one-at-a-time", action="store_true", help="change one axis of the base at a time instead of crossing"
+    )
+    parser.add_argument(
+        "--decompose",
+        action="store_true",
+        help="swap the stages of a graph's drive for their oracles, one at a time and cumulatively, and show where is "
+        "lost what these reach",
     )
     parser.add_argument(
         "--within",
@@ -82,6 +102,16 @@ def _add_study_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="AXIS,...",
         help="axes that are conditions: variants are compared with the base under the same one",
+    )
+
+
+def _add_world_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the worlds of a study, and how its variants are compared there."""
+    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
+    parser.add_argument(
+        "--until-clear",
+        action="store_true",
+        help="add seeds, in their order, only until the metric that decides tells every variant from the base",
     )
     parser.add_argument(
         "--worlds",
@@ -143,6 +173,8 @@ def main(args: argparse.Namespace) -> int:
     from rich.console import Console
 
     from graphnav.ablation.execution import read_plan
+    from graphnav.ablation.results import parse_pairs
+    from graphnav.api.studies.mlflow_export import export_to_mlflow
     from graphnav.api.studies.study_files import write_study_files
     from graphnav.cli.study_output import print_outputs, write_pairing
 
@@ -153,8 +185,11 @@ def main(args: argparse.Namespace) -> int:
         return write_pairing(first, second, args.folder, args.fail_if, console)
     if args.report:
         plan = read_plan(args.report)
+        pairs = parse_pairs(args.contrasts, plan.variants)
         files = write_study_files(plan, args.report, _catalog_of_usable_plugins(plan))
-        print_outputs(plan, args.report, files, console)
+        print_outputs(plan, args.report, files, console, pairs)
+        if args.export:
+            console.print(f"mlflow: {export_to_mlflow(plan, files, args.report)}", markup=False)
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
@@ -167,10 +202,13 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
     """Raise UserError if --report or --compare is combined with options of a study that runs."""
     if args.fail_if and not args.compare:
         raise UserError.of("--fail-if is for --compare, which compares two studies", "add --compare A B")
+    if args.export and not args.report:
+        raise UserError.of("--export is for --report, which reads an existing study", "add --report DIR")
     chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
     if not chosen:
         return
     given = [*args.names, *(option for option, name in _OF_RUNS if getattr(args, name)), *chosen[1:]]
+    given += ["--contrast"] if args.compare and args.contrasts else []
     if args.report and args.folder:
         given.append("-o")
     if given:
@@ -193,9 +231,11 @@ def _request(args: argparse.Namespace) -> StudyRequest:
         metrics=args.metrics,
         within=args.within,
         one_at_a_time=args.one_at_a_time,
+        decompose=args.decompose,
         plugins=args.plugins,
         reference=args.reference,
         worlds=parse_worlds(args.worlds, problems),
+        until_clear=args.until_clear,
         problems=problems,
     )
 
@@ -203,18 +243,19 @@ def _request(args: argparse.Namespace) -> StudyRequest:
 def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
     """Make the pending runs of a study, draw its failures, write its report."""
     from graphnav.ablation.execution import StudyFolder, pending_jobs
+    from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_run import ExecutionOptions, FailFastError, run_study
     from graphnav.cli.study_output import all_failed, print_outputs
     from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
 
-    plan = study.plan
+    plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
     options = ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs, fail_fast=args.fail_fast)
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
             with interrupted_by_sigterm():
                 files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
-                print_outputs(plan, folder.path, files, console)
+                print_outputs(plan, folder.path, files, console, pairs)
                 if all_failed(files):
                     print("a stage failed in every run", file=sys.stderr)
                     return FAILED

@@ -109,9 +109,10 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     if params.row_count:
         console.print()
         console.print(params)
-    metrics = TextTable("metric", "unit", "better", "if failed", "what it means")
+    metrics = TextTable("metric", "unit", "better", "if failed", "matters from", "what it means")
     for metric in described["metrics"]:
-        metrics.add_text(metric["name"], metric["unit"], metric["better"], _if_failed(metric), metric["doc"])
+        told = (_if_failed(metric), _min_difference(metric), metric["doc"])
+        metrics.add_text(metric["name"], metric["unit"], metric["better"], *told)
     if metrics.row_count:
         console.print()
         console.print(metrics)
@@ -134,6 +135,11 @@ def _if_failed(metric: Mapping[str, Any]) -> str:
     value = metric["if_failed"]
     text = value if isinstance(value, str) else f"{value:g}"
     return f"{text} (outcome)" if metric["outcome"] else text
+
+
+def _min_difference(metric: Mapping[str, Any]) -> str:
+    """Return the smallest difference that matters; empty where any does, or neither direction is better."""
+    return f"{metric['min_difference']:g}" if metric["min_difference"] else ""
 
 
 def _flowing(doc: str) -> str:

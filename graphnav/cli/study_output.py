@@ -11,17 +11,22 @@ from graphnav.ablation.execution import read_plan
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
     METRICS,
+    PICTURE,
     RESULTS,
     TABLE,
     TIMING,
     difference_text,
     paired_studies_markdown,
     print_comparison,
+    print_contrasts,
     print_paired_studies,
+    sentences,
 )
 from graphnav.ablation.results import (
     FailedCase,
+    Pair,
     check_fail_conditions,
+    contrasts,
     failed_cases,
     pair_studies,
     parse_fail_conditions,
@@ -33,16 +38,23 @@ from graphnav.errors import UserError
 from graphnav.runner import Outcome
 
 
-def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console) -> None:
-    """Print the table of a study in short, and the files that were written."""
+def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console, pairs: Sequence[Pair] = ()) -> None:
+    """Print the table of a study in short, pairs of its variants, and the files that were written."""
     comparison = files.comparison
     print_comparison(console, comparison, plan)
+    print_contrasts(console, contrasts(plan, files.records, pairs), plan)
     for metric in plan.metrics if files.records else ():
         if not comparison.has_metric(metric):
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
-    if missing := plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as):
+    for note in files.notes:
+        console.print(note, style="dim", markup=False)
+    missing = plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as)
+    if missing and not plan.until_clear:
         console.print(f"{missing} of {plan.n_jobs} runs are pending")
-    console.print(f"{folder}: {RESULTS}, {METRICS}, {TIMING}, {TABLE}, {files.report.name}", markup=False)
+    for of in files.losses:
+        console.print(" ".join(sentences(plan, of)), markup=False)
+    written = [RESULTS, METRICS, TIMING, TABLE, *([PICTURE] if files.losses else []), files.report.name]
+    console.print(f"{folder}: {', '.join(written)}", markup=False)
 
 
 def all_failed(files: StudyFiles) -> bool:

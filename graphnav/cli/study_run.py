@@ -9,11 +9,14 @@ from contextlib import AbstractContextManager, contextmanager
 
 from rich.console import Console
 
+from graphnav.ablation.execution import TimeEstimate
 from graphnav.ablation.plan import Job
 from graphnav.api.studies.study_run import StudyRun
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
 
+FEW_RUNS = 100
+"""So many runs and fewer begin without an estimate of their time."""
 MANY_RUNS = 1000
 """More runs than this need a confirmation."""
 
@@ -47,6 +50,8 @@ class StudyConsole:
         if len(jobs) < total:
             self._console.print(f"{total - len(jobs)} of {total} runs are finished already", markup=False)
         if len(jobs) <= MANY_RUNS or self._is_sure:
+            if len(jobs) > FEW_RUNS:
+                self._console.print(_estimate_text(run.estimate(jobs), run.workers.at_once), markup=False)
             return jobs
         if not (sys.stdin.isatty() and self._console.is_terminal):
             what = f"{len(jobs)} runs are pending, and cannot ask for confirmation: not a terminal"
@@ -71,6 +76,16 @@ class StudyConsole:
     def tell(self, line: str) -> None:
         """Print a line."""
         self._console.print(line, markup=False)
+
+
+def _estimate_text(found: TimeEstimate, at_once: int) -> str:
+    """Return the core-hours of runs, an upper bound."""
+    begin = f"{found.n_runs} runs, {at_once} at once"
+    if found.n_unknown == found.n_runs:
+        return f"{begin}; they have no time limit"
+    unknown = f", without {found.n_unknown} runs of which none is known" if found.n_unknown else ""
+    bound = f"at most {found.core_s / 3600:.2g} core-hours ({duration_text(found.core_s / at_once)})"
+    return f"{begin}: {bound} if each lasts until its time limit{unknown}"
 
 
 def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:

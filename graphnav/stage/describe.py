@@ -71,5 +71,6 @@ def _metric(metric: Metric) -> dict[str, Any]:
         "better": metric.better,
         "if_failed": metric.if_failed,
         "outcome": metric.is_outcome,
+        "min_difference": metric.min_difference,
         "doc": metric.help,
     }

@@ -43,6 +43,9 @@ class Metric:
         drives that arrive; `MEASURED`: reported of all drives, and not compared where a stage failed.
     is_outcome
         Whether it is 1 for a drive that arrived and 0 for one that did not. Counts as 0 if a stage failed.
+    min_difference
+        The smallest difference between two means that matters, in the metric's unit; 0: any. Studies call no smaller
+        difference clear.
     of_frames
         Whether it depends on which frames a run meets, as the score of a detector does. Variants of a study that drive
         differently meet different frames: then it is reported of each, and not compared.
@@ -65,6 +68,7 @@ class Metric:
     unit: str = ""
     if_failed: float | Literal["measured", "undefined"] = MEASURED
     is_outcome: bool = False
+    min_difference: float = 0.0
     of_frames: bool = False
     is_key: bool = False
     relative_to: str = ""
@@ -133,10 +137,16 @@ def _fault(metric: Metric) -> str:
         return f"unit is '{metric.unit}', but the name says '{named}': change one of them"
     if metric.better not in get_args(Better):
         return f"better is {metric.better!r}: use {', '.join(get_args(Better))}"
+    return _value_fault(metric)
+
+
+def _value_fault(metric: Metric) -> str:
     if isinstance(metric.if_failed, str) and metric.if_failed not in {MEASURED, UNDEFINED}:
         return f"if_failed is {metric.if_failed!r}: use a number, UNDEFINED or MEASURED"
     if metric.is_outcome and metric.if_failed != 0.0:
         return "an outcome is 0 of a failed drive: write if_failed=0.0"
+    if not (isinstance(metric.min_difference, float | int) and 0 <= metric.min_difference < math.inf):
+        return f"min_difference is {metric.min_difference!r}: use a number of 0 or more"
     return _bounds_fault(metric)
 
 

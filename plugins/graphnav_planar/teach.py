@@ -37,7 +37,11 @@ class Teach(Stage):
     metrics: ClassVar[tuple[Metric, ...]] = (
         Metric("frames", better="neither", help="Frames taught."),
         Metric(
-            "residual_px", unit="px", better="lower", help="What the model leaves of the flow, median over the cells."
+            "residual_px",
+            unit="px",
+            better="lower",
+            min_difference=0.01,
+            help="What the model leaves of the flow, median over the cells.",
         ),
         Metric("turn_span_rad", unit="rad", better="neither", help="Span of the turns per frame that were taught."),
         Metric(

@@ -11,6 +11,7 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_plane.appearance import Appearance
     from graphnav_plane.homography import Homography
     from graphnav_plane.ica import Ica
+    from graphnav_plane.learned import Learned
     from graphnav_plane.one_gain import OneGain
     from graphnav_plane.residual import Residual
     from graphnav_plane.row_line import RowLine
@@ -24,6 +25,7 @@ def graphnav_stages() -> list[type[Stage]]:
         Appearance,
         Homography,
         Ica,
+        Learned,
         OneGain,
         Residual,
         RowLine,

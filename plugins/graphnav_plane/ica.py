@@ -50,7 +50,8 @@ class Ica(Detector):
     [OI] has the cubic nonlinearity, takes the mixtures about their means, and with m the median of ``|v|`` the score
     ``ε = | |v| - m |``. The first two are at fault where an obstacle is large: it decides the kurtosis and pulls the
     means. The third gives the stillest ground the score m, and splits it from the rest no better. So they are not the
-    defaults; ``{nonlinearity: cubic, centred: true, about: median, edge_ratio: 0, memory_ratio: 0}`` is [OI]'s own.
+    defaults; ``{component: low_variance, nonlinearity: cubic, centred: true, about: median, solver: sklearn,
+    threshold_px: 0, edge_ratio: 0, memory_ratio: 0}`` is [OI] as printed.
 
     FastICA gives components of unit variance, in which noise looks as large as a wall. So the score is in pixels: the
     component is divided by its greater unmixing coefficient, which makes it u - αû itself. Only so can a threshold
@@ -99,6 +100,7 @@ class Ica(Detector):
     def reset(self, seed: int) -> None:
         """Draw the start of the iteration in the first frame; forget the last frames."""
         super().reset(seed)
+        self._publishes_components = self.is_read("components")
         self._unmixing: Doubles = np.random.default_rng(seed).standard_normal((2, 2))
 
     def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> IcaOutputs:
@@ -120,7 +122,7 @@ class Ica(Detector):
         if self.about == "median":
             score = np.where(valid, np.abs(score - np.median(score[valid])), np.float32(0.0))
         plane = self._plane(score, valid, cells.step_px, converged=found.converged)
-        if found.unmixing is None or not self.is_read("components"):
+        if found.unmixing is None or not self._publishes_components:
             return IcaOutputs(plane, None)
         return IcaOutputs(plane, components(cells, planar, valid, found.unmixing, found.row))
 

@@ -11,7 +11,7 @@ from graphnav import Flow, Plane, Role, Stamp, coarsen, param
 from graphnav.arrays import Bools, Doubles, Indices
 from graphnav_plane.detector import MIN_VECTORS, Detector
 
-_COLUMNS = 12
+_COLUMNS = 8
 _SIGMA_OF_MEDIAN = 1.4826
 _INLIER_SIGMAS = 2.5
 _RIDGE = 1e-6
@@ -75,7 +75,7 @@ def _best_of_pairs(uv_px: Doubles, valid: Bools, x: Doubles) -> Doubles:
 
 
 def _spread(valid: Bools) -> Indices:
-    """Return 12 valid columns of each row, spread evenly, ascending, (rows, 12); repeated where there are less."""
+    """Return 8 valid columns of each row, spread evenly, ascending, (rows, 8); repeated where there are less."""
     order = np.argsort(~valid, axis=1, kind="stable")
     count = np.maximum(valid.sum(axis=1), 1)
     ranks = (np.linspace(0.0, 1.0, _COLUMNS) * (count[:, None] - 1)).astype(np.intp)

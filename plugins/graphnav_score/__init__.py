@@ -12,6 +12,7 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_score.laps import Laps
     from graphnav_score.navigation import Navigation
     from graphnav_score.plane import Plane
+    from graphnav_score.sighting import Sighting
     from graphnav_score.steering import Steering
 
-    return [Agreement, Components, Flow, Laps, Navigation, Plane, Steering]
+    return [Agreement, Components, Flow, Laps, Navigation, Plane, Sighting, Steering]

@@ -20,12 +20,14 @@ class Agreement(Stage):
             "angle_error_rad",
             unit="rad",
             better="lower",
+            min_difference=0.02,
             help="Mean angle between the two directions, 0 to pi; left out without a frame.",
         ),
         Metric(
             "right_sign_ratio",
             unit="ratio",
             better="higher",
+            min_difference=0.02,
             help="Of the frames in which the oracle turns by at least `min_turn_deg`, the share in which the steering "
             "turns to the same side; straight ahead is wrong; left out without such a frame.",
         ),

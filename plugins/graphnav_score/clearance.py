@@ -15,6 +15,7 @@ METRICS = (
         "min_clearance_ahead_m",
         unit="m",
         better="higher",
+        min_difference=0.02,
         help="From the robot's rim to the nearest body within 45 degrees of straight ahead, minimum over the states "
         "after the first metre driven; moving bodies included; left out without the map, or if nothing ever was there.",
     ),
@@ -22,11 +23,14 @@ METRICS = (
         "min_clearance_side_m",
         unit="m",
         better="higher",
+        min_difference=0.02,
         help="The same to the left and to the right, 45 to 135 degrees from straight ahead.",
     ),
 )
 
 _EIGHTH = math.pi / 4
+_SECTORS = (("min_clearance_ahead_m", (-1,)), ("min_clearance_side_m", (1, -3)))
+"""Where sectors of a quarter turn begin, in eighths of a turn from straight ahead."""
 
 
 class SectorClearance:
@@ -41,13 +45,14 @@ class SectorClearance:
         """Count this state, if the robot has driven a metre."""
         if driven_m < MIN_DRIVEN_M or not len(self._bodies.body):
             return
+        # Nothing in a sector is nearer than what is nearest in all directions.
+        sectors = [(name, eighths) for name, eighths in _SECTORS if state.clearance_m < self._min_m[name]]
+        if not sectors:
+            return
         ends_m = self._bodies.edges_m(state)
-        ahead, *sides = (
-            float(nearest_m(ends_m, begin * _EIGHTH, (begin + 2) * _EIGHTH).min()) - self._radius_m
-            for begin in (-1, 1, -3)
-        )
-        for name, distance_m in zip(self._min_m, (ahead, min(sides)), strict=True):
-            self._min_m[name] = min(self._min_m[name], max(distance_m, 0.0))
+        for name, eighths in sectors:
+            distances_m = (nearest_m(ends_m, begin * _EIGHTH, (begin + 2) * _EIGHTH).min() for begin in eighths)
+            self._min_m[name] = min(self._min_m[name], max(float(min(distances_m)) - self._radius_m, 0.0))
 
     def metrics(self) -> Mapping[str, float]:
         """Return the metrics that are defined."""

@@ -20,7 +20,7 @@ class Components(Stage):
     """Which of the two independent components tells obstacle from ground.
 
     For either one the score of a cell is the deviation of its length from the median length of the frame [OI, eq. 3],
-    whichever of them the detector took. Pixels and frames count as for `score.plane`, but for frames without motion.
+    whichever of them the detector took. Pixels and frames count as for `score.plane`; frames without motion count too.
     """
 
     role: ClassVar[Role] = "score"
@@ -29,9 +29,15 @@ class Components(Stage):
         Metric(
             "alpha_auroc",
             better="higher",
+            min_difference=0.01,
             help="Area under the receiver operating characteristic of the component whose length varies less.",
         ),
-        Metric("beta_auroc", better="higher", help="The same of the component whose length varies more."),
+        Metric(
+            "beta_auroc",
+            better="higher",
+            min_difference=0.01,
+            help="The same of the component whose length varies more.",
+        ),
         Metric(
             "median_variance_ratio",
             unit="ratio",

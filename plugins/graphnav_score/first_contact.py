@@ -1,4 +1,4 @@
-"""What the robot touched first, and who ran into whom."""
+"""The first contact of a drive: with what, and who ran into whom."""
 
 from __future__ import annotations
 
@@ -17,11 +17,13 @@ CONTACT_METRICS = (
     Metric(
         "hit_mover",
         better="lower",
+        min_difference=0.05,
         help="1 if what it touched first moves, else 0; left out where the map has nothing that moves.",
     ),
     Metric(
         "hit_by_mover",
         better="lower",
+        min_difference=0.05,
         help="1 if what it touched first moves and brought the larger share of the speed at which the two closed, "
         "along the line of contact, else 0; left out where the map has nothing that moves.",
     ),

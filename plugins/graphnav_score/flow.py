@@ -24,17 +24,21 @@ class Flow(Stage):
     role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that were compared."),
-        Metric("valid_ratio", unit="ratio", better="higher", help="Share of vectors that are valid."),
+        Metric(
+            "valid_ratio", unit="ratio", better="higher", min_difference=0.02, help="Share of vectors that are valid."
+        ),
         Metric(
             "epe_px",
             unit="px",
             better="lower",
+            min_difference=0.01,
             help="Mean length of the error (end-point error); left out without a valid vector.",
         ),
         Metric(
             "outlier_ratio",
             unit="ratio",
             better="lower",
+            min_difference=0.01,
             help="Share of valid vectors that are off by more than `outlier_px`; left out without one.",
         ),
     )

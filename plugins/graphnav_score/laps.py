@@ -27,11 +27,17 @@ class Laps(Navigation):
         Metric(
             "success",
             better="higher",
+            min_difference=0.05,
             if_failed=0.0,
             is_outcome=True,
             help="1 if the robot went round for `duration_s` without a contact, `min_laps` times at least, else 0.",
         ),
-        Metric("laps", better="higher", help="How often the robot went round, to either side; parts of a lap count."),
+        Metric(
+            "laps",
+            better="higher",
+            min_difference=0.1,
+            help="How often the robot went round, to either side; parts of a lap count.",
+        ),
         *(metric for metric in Navigation.metrics if metric.name not in _WITH_GOAL),
     )
 

@@ -26,39 +26,89 @@ class Plane(Stage):
     of its true picture is obstacle: beyond one half the ground is not the dominant plane; and if something in it moved
     by ``min_motion_px``: where the camera stands still there is no flow, and no detector can tell.
 
+    What that leaves out is told by ``counted_frames_ratio`` and ``unjudged_obstacle_ratio``, and counts in
+    ``auroc_all`` and ``balanced_accuracy_all_ratio``: all frames with motion, whatever share of them is obstacle, and
+    all of their pixels. There, what was not judged (mostly the rim of the picture) is called ground and scores lowest.
+
     A metric that is not defined (no such frame, no obstacle, no ground) is left out.
     """
 
     role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that count."),
-        Metric("judged_ratio", unit="ratio", better="higher", help="Share of their pixels that was judged."),
-        Metric("auroc", better="higher", help="Area under the receiver operating characteristic of the score."),
+        Metric(
+            "counted_frames_ratio",
+            unit="ratio",
+            better="neither",
+            help="Frames that count, as a share of all in which something moved.",
+        ),
+        Metric(
+            "judged_ratio",
+            unit="ratio",
+            better="higher",
+            min_difference=0.02,
+            help="Share of their pixels that was judged.",
+        ),
+        Metric(
+            "auroc",
+            better="higher",
+            min_difference=0.01,
+            is_key=True,
+            help="Area under the receiver operating characteristic of the score.",
+        ),
         Metric(
             "recall_at_5_false_alarms_ratio",
             unit="ratio",
             better="higher",
+            min_difference=0.02,
             help="Share of obstacle found where the score is split so that 5 % of the ground is called obstacle.",
         ),
         Metric(
             "balanced_accuracy_ratio",
             unit="ratio",
             better="higher",
+            min_difference=0.01,
             help="Of the map: mean of the recalls of obstacle and of ground.",
         ),
         Metric(
-            "iou_ratio", unit="ratio", better="higher", help="Of the map: intersection over union of obstacle, pooled."
+            "iou_ratio",
+            unit="ratio",
+            better="higher",
+            min_difference=0.02,
+            help="Of the map: intersection over union of obstacle, pooled.",
         ),
         Metric(
             "false_obstacle_ratio",
             unit="ratio",
             better="lower",
+            min_difference=0.01,
             help="Share of ground called obstacle, over the frames that count and those without any obstacle.",
+        ),
+        Metric(
+            "auroc_all",
+            better="higher",
+            min_difference=0.01,
+            help="`auroc` of all frames with motion, with what was not judged as ground.",
+        ),
+        Metric(
+            "balanced_accuracy_all_ratio",
+            unit="ratio",
+            better="higher",
+            min_difference=0.01,
+            help="`balanced_accuracy_ratio` of all frames with motion, with what was not judged as ground.",
+        ),
+        Metric(
+            "unjudged_obstacle_ratio",
+            unit="ratio",
+            better="lower",
+            min_difference=0.02,
+            help="Share of the obstacle in all frames with motion that was not judged.",
         ),
         Metric(
             "flicker_ratio",
             unit="ratio",
             better="lower",
+            min_difference=0.01,
             help="Share of cells whose map changed since the last frame although the truth did not; all frames.",
         ),
     )
@@ -75,12 +125,11 @@ class Plane(Stage):
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget everything counted."""
-        self._roc = Roc()
-        self._frames = 0
-        self._pixels = 0
-        # Pixels by what they are and what they are called: rows ground, obstacle; columns called ground, obstacle.
-        self._confusion = np.zeros((2, 2), np.int64)
-        self._empty = np.zeros(2, np.int64)
+        self._roc, self._other_roc = Roc(), Roc()
+        self._frames = self._moving = 0
+        # Pixels by what they are and what they are called: rows ground, obstacle; columns called ground, called
+        # obstacle, not judged.
+        self._confusion, self._empty, self._all = np.zeros((3, 2, 3), np.int64)
         self._pending: Frames | None = None
         self._changed = self._kept = 0
 
@@ -96,23 +145,25 @@ class Plane(Stage):
         pixels = count_pixels(truth, shape, plane.step_px)
         ground_pixels, obstacle_pixels = (int(cv2.sumElems(kind)[0]) for kind in pixels)
         obstacle_ratio = obstacle_pixels / max(ground_pixels + obstacle_pixels, 1)
-        counts = self._counts(truth, obstacle_ratio)
-        if counts:
-            self._frames += 1
-            self._pixels += ground_pixels + obstacle_pixels
+        moves = self._moves(truth)
+        counts = moves and self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio
+        self._frames += counts
+        self._moving += moves
         if self._pending is None or self._pending.is_full or self._pending.shape != shape:
             self._count_pending()
         if self._pending is None or self._pending.shape != shape:
             self._pending = Frames(shape)
-        self._pending.add(plane, pixels, counts=counts, is_empty=not counts and obstacle_pixels == 0)
+        self._pending.add(plane, pixels, counts=counts, is_empty=not counts and obstacle_pixels == 0, moves=moves)
 
     def merge(self, other: Plane) -> None:
         """Add what ``other`` counted, so that the frames of several drives are pooled."""
         self._count_pending()
         other._count_pending()
         self._roc.merge(other._roc)
+        self._other_roc.merge(other._other_roc)
         self._frames += other._frames
-        self._pixels += other._pixels
+        self._moving += other._moving
+        self._all += other._all
         self._confusion += other._confusion
         self._empty += other._empty
         self._changed += other._changed
@@ -121,22 +172,37 @@ class Plane(Stage):
     def summary(self) -> Mapping[str, float]:
         """Return the metrics that are defined."""
         self._count_pending()
-        (kept, false), (missed, hit) = self._confusion.tolist()
+        (kept, false, _), (missed, hit, _) = self._confusion.tolist()
+        (all_kept, all_false, rim_ground), (all_missed, all_hit, rim_obstacle) = self._all.tolist()
         ground_recall, recall = _share(kept, kept + false), _share(hit, hit + missed)
+        empty_kept, empty_false, _ = self._empty[0].tolist()
+        all_obstacle = all_hit + all_missed + rim_obstacle
         values = {
-            "judged_ratio": _share(int(self._confusion.sum()), self._pixels),
+            "counted_frames_ratio": _share(self._frames, self._moving),
+            "judged_ratio": _share(kept + false + missed + hit, int(self._confusion.sum())),
             "auroc": self._roc.area(),
             "recall_at_5_false_alarms_ratio": self._roc.recall(FALSE_ALARM_RATIO),
             "balanced_accuracy_ratio": _mean(ground_recall, recall),
             "iou_ratio": _share(hit, hit + missed + false),
-            "false_obstacle_ratio": _share(false + int(self._empty[1]), kept + false + int(self._empty.sum())),
+            "false_obstacle_ratio": _share(false + empty_false, kept + false + empty_kept + empty_false),
+            "auroc_all": self._auroc_all(rim_obstacle, rim_ground),
+            "balanced_accuracy_all_ratio": _mean(
+                _share(all_kept + rim_ground, all_kept + rim_ground + all_false), _share(all_hit, all_obstacle)
+            ),
+            "unjudged_obstacle_ratio": _share(rim_obstacle, all_obstacle),
             "flicker_ratio": _share(self._changed, self._changed + self._kept),
         }
         return {"frames": float(self._frames)} | {name: value for name, value in values.items() if value is not None}
 
-    def _counts(self, truth: Truth, obstacle_ratio: float) -> bool:
-        if not self.min_obstacle_ratio <= obstacle_ratio <= self.max_obstacle_ratio:
-            return False
+    def _auroc_all(self, unjudged_obstacle: int, unjudged_ground: int) -> float | None:
+        """Return the area over the frames that count and the others, with what was not judged."""
+        pooled = Roc()
+        for roc in (self._roc, self._other_roc):
+            pooled.merge(roc)
+        pooled.add_lowest(unjudged_obstacle, unjudged_ground)
+        return pooled.area()
+
+    def _moves(self, truth: Truth) -> bool:
         # The nearest ground, in the last row, moves most: hardly ever the other rows are needed.
         flow_px = truth.flow_px
         return (
@@ -147,10 +213,12 @@ class Plane(Stage):
     def _count_pending(self) -> None:
         if self._pending is None or not self._pending.n:
             return
-        confusion, empty = self._pending.confusions()
+        confusion, empty, moving = self._pending.confusions()
         self._confusion += confusion
-        self._empty += empty[0]
-        self._roc.add(*self._pending.scores())
+        self._empty += empty
+        self._all += moving
+        self._roc.add(*self._pending.scores(counted=True))
+        self._other_roc.add(*self._pending.scores(counted=False))
         changed, kept = self._pending.flicker()
         self._changed += changed
         self._kept += kept

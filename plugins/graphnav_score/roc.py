@@ -20,6 +20,7 @@ class Roc:
 
     def __init__(self) -> None:
         self._obstacle, self._ground = np.zeros((2, 1 << KEPT_BITS))
+        self._lowest = np.zeros(2)
 
     def add(self, score: Floats, obstacle: Doubles, ground: Doubles) -> None:
         """Count ``obstacle`` and ``ground`` pixels at each ``score``; all (n,), scores finite.
@@ -35,25 +36,32 @@ class Roc:
             added = np.bincount(bins, pixels)
             counts[low : low + len(added)] += added
 
+    def add_lowest(self, obstacle: float, ground: float) -> None:
+        """Count pixels that score less than everything else, and all alike."""
+        self._lowest += (obstacle, ground)
+
     def merge(self, other: Roc) -> None:
         """Add what ``other`` counted."""
         self._obstacle += other._obstacle
         self._ground += other._ground
+        self._lowest += other._lowest
 
     def area(self) -> float | None:
         """Return the area under the curve (AUROC), None unless there is obstacle and ground."""
         if not self._is_defined():
             return None
-        below = np.cumsum(self._ground) - self._ground
-        pairs = float(self._obstacle.sum()) * float(self._ground.sum())
-        return float(self._obstacle @ (below + self._ground / 2)) / pairs
+        lowest_obstacle, lowest_ground = self._lowest.tolist()
+        below = np.cumsum(self._ground) - self._ground + lowest_ground
+        pairs = (float(self._obstacle.sum()) + lowest_obstacle) * (float(self._ground.sum()) + lowest_ground)
+        return (float(self._obstacle @ (below + self._ground / 2)) + lowest_obstacle * lowest_ground / 2) / pairs
 
     def recall(self, false_alarm_ratio: float) -> float | None:
         """Return the share of obstacle found where this share of the ground is called obstacle, interpolated."""
         if not self._is_defined():
             return None
         alarms, found = (
-            np.concatenate([[0.0], np.cumsum(counts[::-1]) / counts.sum()]) for counts in (self._ground, self._obstacle)
+            np.concatenate([[0.0], np.cumsum(np.append(counts[::-1], lowest)) / (counts.sum() + lowest)])
+            for counts, lowest in zip((self._ground, self._obstacle), self._lowest[::-1], strict=True)
         )
         after = int(np.searchsorted(alarms, false_alarm_ratio, side="right"))
         if after == len(alarms):
@@ -62,7 +70,8 @@ class Roc:
         return float(found[after - 1] + share * (found[after] - found[after - 1]))
 
     def _is_defined(self) -> bool:
-        return bool(self._obstacle.any() and self._ground.any())
+        obstacle, ground = self._lowest.tolist()
+        return bool((obstacle or self._obstacle.any()) and (ground or self._ground.any()))
 
 
 def _bins(score: Floats) -> Ints:

@@ -29,6 +29,7 @@ class Steering(Stage):
             "right_sign_ratio",
             unit="ratio",
             better="higher",
+            min_difference=0.02,
             help="Share of them in which the force points to the freer side; no force to either side is wrong; left "
             "out without such a frame.",
         ),
@@ -36,6 +37,7 @@ class Steering(Stage):
             "median_eigenvalue_ratio",
             unit="ratio",
             better="higher",
+            min_difference=0.1,
             help="First over second eigenvalue of the gradients' covariance, median over all frames with a gradient; "
             "near 1 the principal direction is arbitrary; left out if infinite.",
         ),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth
+from graphnav import Components, Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth
 from graphnav.arrays import Bytes, Floats
 from graphnav_view.flow_colour import flow_scale_px
 from graphnav_view.video.camera_tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
@@ -49,6 +49,12 @@ def _flow(flow: Flow, context: PictureContext) -> Bytes:
 
 def _planar(planar: Planar, context: PictureContext) -> Bytes:
     return _flow_colours(planar.planar_uv_px, planar.planar_valid, context)
+
+
+def _components(components: Components, context: PictureContext) -> Bytes:
+    """Draw the component that the score is made from."""
+    taken = components.beta if components.taken else components.alpha
+    return _flow_colours(taken, components.valid, context)
 
 
 def _flow_colours(uv_px: Floats, valid: npt.NDArray[Any], context: PictureContext) -> Bytes:
@@ -142,6 +148,7 @@ _DRAWN: Mapping[type[Message], Callable[[Any, PictureContext], Bytes | None]] = 
     Image: _image,
     Flow: _flow,
     Planar: _planar,
+    Components: _components,
     Plane: _plane,
     Truth: _truth,
     Potential: _potential,

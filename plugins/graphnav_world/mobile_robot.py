@@ -15,7 +15,7 @@ from graphnav_world.slip import Slip
 from graphnav_world.vehicle import Limits, Pose, Vehicle
 
 ODOMETRY, SLIP, DRIFT, BEACON, BEARING, DISTANCE = 2, 20, 21, 22, 23, 24
-"""What is drawn, each by a generator of its own: the second part of its seed."""
+"""Parts of the seeds: each drawing has a generator of its own."""
 
 
 class MobileRobot(Simulation):

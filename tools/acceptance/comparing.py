@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from acceptance.drives import GRAPHNAV, say
-from graphnav.ablation.results import bootstrap, wilson
+from graphnav.ablation.results import student, wilson
 from graphnav.arrays import Doubles
 
 Run = dict[str, str]
@@ -103,11 +103,11 @@ def _share(runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, m
 
 
 def _bounded(what: str, values: Doubles, bound: Doubles) -> bool:
-    """Say whether the paired difference from what bounds it is not plainly above zero (95 %, bootstrap over worlds)."""
+    """Say whether the paired difference from what bounds it is not plainly above zero (95 %, Student over worlds)."""
     difference = (values - bound)[~np.isnan(values - bound)]
     if not len(difference):
         return _said(f"{what}: no world has the metric", good=False)
-    low, high = bootstrap(difference)
+    low, high = student(difference)
     return _said(f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]", good=low <= 0.0)
 
 

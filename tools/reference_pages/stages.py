@@ -80,7 +80,8 @@ def _metric(metric: dict[str, Any]) -> str:
     better = "" if metric["better"] == "neither" else f"{metric['better']} is better"
     failed = {"measured": "", "undefined": "only of drives that arrive"}
     if_failed = failed.get(metric["if_failed"], f"{metric['if_failed']} if the drive failed")
-    kind = sentence(metric["unit"], better, if_failed)
+    matters = f"differences matter from {metric['min_difference']:g}" if metric["min_difference"] else ""
+    kind = sentence(metric["unit"], better, if_failed, matters)
     return f"`{metric['name']}`{f' ({kind})' if kind else ''}: {docstring(metric['doc'])}"
 
 

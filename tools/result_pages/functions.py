@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.ablation.results.intervals import difference_interval, mean_interval
+from graphnav.ablation.results.statistics import difference_interval, mean_interval
 from graphnav.arrays import Doubles
 from result_pages.shipped_results import Cell, ShippedResults
 

@@ -5,14 +5,17 @@ from graphnav.ablation.execution.failure_pictures import draw_failures, pending_
 from graphnav.ablation.execution.local_processes import local_workers
 from graphnav.ablation.execution.study_folder import StudyFolder, read_plan
 from graphnav.ablation.execution.task_factory import TaskFactory
+from graphnav.ablation.execution.time_estimate import TimeEstimate, estimate_time
 from graphnav.ablation.execution.workers import Workers, cluster_workers
 
 __all__ = [
     "StudyFolder",
     "TaskFactory",
+    "TimeEstimate",
     "Workers",
     "cluster_workers",
     "draw_failures",
+    "estimate_time",
     "execute",
     "local_workers",
     "pending_drawings",

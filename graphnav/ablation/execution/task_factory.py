@@ -7,7 +7,7 @@ from pathlib import Path
 
 from graphnav.ablation.plan import Case, CheckedStudy, Job
 from graphnav.ablation.worker import Task
-from graphnav.graph import resolved_yaml
+from graphnav.graph import Graph, resolved_yaml
 
 
 class TaskFactory:
@@ -30,11 +30,23 @@ class TaskFactory:
             versions=self._plan.versions,
         )
 
+    def until_s(self, job: Job) -> float | None:
+        """Return the time limit of a run, simulated seconds; None without one."""
+        return self._graphs[job.case.folder].run.until_s
+
+    def short_task(self, job: Job, until_s: float) -> Task:
+        """Return the task of a run that is stopped after ``until_s`` simulated seconds at the latest."""
+        graph = self._graphs[job.case.folder]
+        run = replace(graph.run, until_s=min(until_s, graph.run.until_s or until_s))
+        text = self._portable(replace(graph, run=run))
+        return replace(self.task(job), graph_yaml=text, keeps_log=False)
+
     def _text(self, case: Case) -> str:
         """Return the YAML of a case's graph that loads from any folder."""
         if case.folder not in self._texts:
-            graph = self._graphs[case.folder]
-            plugins = dict.fromkeys((*graph.plugins, *map(Path, self._plan.plugins)))
-            named = replace(graph, plugins=tuple(plugins))
-            self._texts[case.folder] = resolved_yaml(named, portable_paths=False)
+            self._texts[case.folder] = self._portable(self._graphs[case.folder])
         return self._texts[case.folder]
+
+    def _portable(self, graph: Graph) -> str:
+        plugins = dict.fromkeys((*graph.plugins, *map(Path, self._plan.plugins)))
+        return resolved_yaml(replace(graph, plugins=tuple(plugins)), portable_paths=False)

@@ -69,6 +69,7 @@ def check_study(study: Study, catalog: Catalog, command: str, plugins: Sequence[
         declared=declared_metrics(classes),
         plugins=_plugins(plugins, checked),
         versions=versions(),
+        decomposition=study.decomposition,
     )
     graphs = {case.folder: one.graph for case, one in zip(cases, checked, strict=True) if not case.same_as}
     return CheckedStudy(plan, graphs)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.ablation.plan import former_plan
-from graphnav.ablation.study import MetricExpression
+from graphnav.ablation.study import Decomposition, MetricExpression
 from graphnav.errors import Place, shown_path
 from graphnav.graph import Override, Target, parse_override
 from graphnav.stage import Better, Metric, Role
@@ -86,6 +86,8 @@ class Plan:
     """Graph by graph, in the same order of variants; the base first."""
     reference: str = ""
     """The variant whose runs metrics may be relative to; empty for none."""
+    until_clear: bool = False
+    """Whether worlds are added until the metric that decides tells each variant from the base."""
     worlds: Mapping[str, int] = field(default_factory=dict)
     """By graph, as the study names it: how many of the seeds are its worlds; all where it is not named."""
     within: tuple[str, ...] = ()
@@ -95,6 +97,8 @@ class Plan:
     plugins: tuple[str, ...] = ()
     """Files given with ``--plugin`` and those that the graphs name, absolute."""
     versions: Mapping[str, str] = field(default_factory=dict)
+    decomposition: Decomposition | None = None
+    """Its stages and their oracles; None where it decomposes nothing."""
 
     @cached_property
     def variants(self) -> tuple[str, ...]:
@@ -140,13 +144,24 @@ class Plan:
         """Return which values of a column are better; a difference or a ratio is better where its first metric is."""
         return self.metric(MetricExpression.parse(column).operands[0]).better
 
+    def min_difference(self, column: str) -> float:
+        """Return the smallest difference of a column that matters: of its metric, or of the first of a difference.
+
+        Any difference of a ratio matters: what is declared is in the unit of the metric.
+        """
+        read = MetricExpression.parse(column)
+        return 0.0 if read.operator == "/" else self.metric(read.operands[0]).min_difference
+
     def are_comparable(self, one: Case, other: Case, column: str) -> bool:
         """Return whether two cases of a graph may be compared by a column.
 
         What depends on the frames that a run meets (`Metric.of_frames`) is compared only where both drive alike.
         """
-        names = MetricExpression.parse(column).operands
-        return one.drives_as == other.drives_as or not any(self.metric(name).of_frames for name in names)
+        return one.drives_as == other.drives_as or not self.is_of_frames(column)
+
+    def is_of_frames(self, column: str) -> bool:
+        """Return whether a column depends on the frames that a run meets."""
+        return any(self.metric(name).of_frames for name in MetricExpression.parse(column).operands)
 
     def label(self, column: str) -> str:
         """Return the heading of a column: its metric, with the unit where the name does not tell it."""
@@ -164,6 +179,7 @@ class Plan:
         data = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         data["cases"] = [_case_json(case) for case in self.cases]
         data["declared"] = {name: dataclasses.asdict(metric) for name, metric in self.declared.items()}
+        data["decomposition"] = self.decomposition and dataclasses.asdict(self.decomposition)
         path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
     @classmethod
@@ -172,6 +188,8 @@ class Plan:
         data: dict[str, Any] = former_plan.as_written_now(json.loads(path.read_text(encoding="utf-8")))
         data["declared"] = {name: _metric(declared) for name, declared in data["declared"].items()}
         data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
+        if data.get("decomposition"):
+            data["decomposition"] = Decomposition(**data["decomposition"])
         data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
         return cls(**{key: _tuple(value) for key, value in data.items()})
 

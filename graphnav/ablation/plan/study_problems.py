@@ -67,16 +67,17 @@ def _reference(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
 
 
 def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem]]:
-    who: dict[Target, str] = {target: "'set'" for override in study.overrides for target in override.target.each}
+    who = {target: ("'set'", override.value) for override in study.overrides for target in override.target.each}
     for axis, choice in variant.choices.items():
-        here: dict[Target, str] = {}
+        here: dict[Target, tuple[str, object]] = {}
         for override in choice.overrides:
             yield from _own(override)
             for target in override.target.each:
-                if target in who:
-                    what = f"axis '{axis}' sets {target}, as {who[target]} does"
-                    yield (axis, target, who[target]), Problem(override.place, what, "keep one", "duplicate")
-                here[target] = f"axis '{axis}'"
+                setter, value = who.get(target, ("", None))
+                if setter and (study.decomposition is None or value != override.value):
+                    what = f"axis '{axis}' sets {target}, as {setter} does"
+                    yield (axis, target, setter), Problem(override.place, what, "keep one", "duplicate")
+                here[target] = f"axis '{axis}'", override.value
         who |= here
 
 

@@ -1,4 +1,4 @@
-"""What the stages of a graph are made from, and what drives its world."""
+"""Stages upstream of others, and those that drive the world of a graph."""
 
 from __future__ import annotations
 

@@ -32,8 +32,9 @@ class Variant:
 
     @property
     def overrides(self) -> tuple[Override, ...]:
-        """The overrides of its choices."""
-        return tuple(override for choice in self.choices.values() for override in choice.overrides)
+        """The overrides of its choices; what two choices set alike counts once."""
+        every = (override for choice in self.choices.values() for override in choice.overrides)
+        return tuple({(override.target, repr(override.value)): override for override in every}.values())
 
     @property
     def labels(self) -> dict[str, str]:

@@ -8,8 +8,8 @@ from pathlib import Path
 from graphnav.errors import GraphnavError
 
 
-def write_atomically(path: Path, text: str) -> None:
-    """Write a temporary file in the same folder, then rename it.
+def write_atomically(path: Path, content: str | bytes) -> None:
+    """Write a temporary file in the same folder, then rename it; strings as UTF-8.
 
     Raises
     ------
@@ -18,8 +18,8 @@ def write_atomically(path: Path, text: str) -> None:
     """
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with unfinished.open("w", encoding="utf-8", newline="") as file:
-            file.write(text)
+        with unfinished.open("wb") as file:
+            file.write(content.encode("utf-8") if isinstance(content, str) else content)
             file.flush()
             os.fsync(file.fileno())
         unfinished.replace(path)

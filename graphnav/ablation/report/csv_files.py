@@ -19,20 +19,24 @@ TIMING = "timing.csv"
 def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
     """Write a line a run and a column a metric; the same runs give the same bytes, in whatever order they were made.
 
-    Nothing that a wall clock measured is in it. Numbers are written so that reading them gives the same number back; a
-    metric that a run does not have is empty.
+    ``cause`` is the failure without its time: runs that failed alike have the same. Nothing that a wall clock measured
+    is in it. Numbers are written so that reading them gives the same number back; a metric that a run does not have is
+    empty.
     """
     ordered = in_plan_order(plan, records)
     metrics = metric_columns(plan, ordered)
     cases = {(case.graph, case.variant): case for case in plan.cases}
-    header = ["graph", "variant", *plan.axes, "seed", "outcome", "failure", "frames", "sim_s", *metrics]
+    columns = ("seed", "outcome", "cause", "failure", "frames", "sim_s")
+    header = ["graph", "variant", "role", *plan.axes, *columns, *metrics]
     rows = (
         [
             (case := cases[record.graph, record.variant]).source,
             record.variant,
+            case.role,
             *(case.labels.get(axis, "") for axis in plan.axes),
             record.seed,
             record.outcome,
+            record.cause,
             record.failure,
             record.frames,
             repr(record.sim_s),
@@ -44,11 +48,14 @@ def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
 
 
 def write_metrics(plan: Plan, records: Iterable[Record], path: Path) -> None:
-    """Write what is declared of each metric in ``results.csv``, a line a column: unit, direction, help."""
+    """Write what is declared of each metric in ``results.csv``, a line a column: unit, direction, what counts, help."""
     names = metric_columns(plan, in_plan_order(plan, records))
     declared = {name: plan.metric(name) for name in names}
-    header = ["metric", "unit", "better", "if_failed", "outcome", "help"]
-    rows = ([name, m.unit, m.better, m.if_failed, m.is_outcome, m.help] for name, m in declared.items())
+    header = ["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"]
+    rows = (
+        [name, m.unit, m.better, m.if_failed, m.is_outcome, repr(m.min_difference), m.help]
+        for name, m in declared.items()
+    )
     _write(path, header, rows)
 
 

@@ -5,18 +5,56 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.results import DRAWS, MIN_WORLDS, SEED, Comparison, Row, shown_metrics
+from graphnav.ablation.report.number_format import APPROXIMATE
+from graphnav.ablation.results import ALPHA, EXACT_BELOW, Comparison, Row, min_worlds, shown_metrics
 from graphnav.ablation.study import MetricExpression
 from graphnav.stage import UNDEFINED
 
 INTERVALS = (
-    f"Intervals are 95 %, over worlds: the percentile bootstrap ({DRAWS} resamples, seed {SEED}). For metrics that are "
-    "0 or 1 in every run they are Wilson's score interval for the mean and Bonett and Price's adjusted Wald interval "
-    "for the difference, which have a width also where all worlds agree. Each holds for itself: where nothing differs, "
-    "one comparison in twenty still leaves out 0."
+    "Intervals are 95 %, over worlds: Student's t. For metrics that are 0 or 1 in every run they are Wilson's score "
+    "interval for the mean and Bonett and Price's adjusted Wald interval for the difference, which have a width also "
+    f"where all worlds agree. {APPROXIMATE} marks those of single means over fewer than {EXACT_BELOW} worlds: they are "
+    "approximate where the metric is skewed."
+)
+TESTS = (
+    f"p is the chance of such a difference where none is, by the exact sign-flip test below {EXACT_BELOW} worlds, "
+    "Student's t test from there on, and McNemar's exact test for metrics that are 0 or 1; it is adjusted for all "
+    "variants of a table by Holm's procedure."
+)
+UNTESTED = (
+    "Other metrics are not tested and never bold: their intervals hold each for itself, and where nothing differs one "
+    "in twenty still leaves out 0."
 )
 OWN_FRAMES = "own frames"
 """In place of a difference of what depends on the frames met, between variants that drive differently."""
+
+
+def deciding(plan: Plan, metric: str | None, called: str = "bold") -> str:
+    """Return when a difference of the metric that decides is bold, or called something else."""
+    if metric is None:
+        return f"No run has a metric, so no difference is {called}."
+    smallest = plan.min_difference(metric)
+    conditions = [f"p is at most {ALPHA:g}", "the interval leaves out 0"]
+    conditions += [f"the mean is at least {smallest:g}, the smallest difference that matters"] if smallest else []
+    *first, last = conditions
+    return f"{metric} decides: its differences are {called} where {', '.join(first)} and {last}."
+
+
+def too_few_worlds(plan: Plan, comparison: Comparison) -> str:
+    """Return how many worlds it takes to separate the variants of the largest table, empty if all have as many."""
+    tables = {
+        (plan.n_worlds(row.case), difference.significance.family)
+        for row in comparison.rows
+        for difference in row.differences.values()
+        if difference.significance is not None
+    }
+    few = [(min_worlds(family), family, n) for n, family in tables if n < min_worlds(family)]
+    if not few:
+        return ""
+    needed, family, n = max(few)
+    who = f"{family} variants from the base" if family > 1 else "a variant from the base"
+    worlds = "1 world" if n == 1 else f"{n} worlds"
+    return f"{worlds} cannot separate {who}, even if all speak for one side: that takes {needed}."
 
 
 def counting(plan: Plan, columns: Iterable[str]) -> str:
@@ -42,23 +80,24 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     reading = (
         "Each cell is the mean over worlds with its interval; ↑ higher is better, ↓ lower. Differences are from the "
         f"base, {plan.base}, in the same worlds{where}: the mean with its interval, in how many worlds it was "
-        "better–worse. "
-        f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
+        f"better–alike–worse. {deciding(plan, comparison.primary)}"
     )
     if any(plan.better(metric) == "neither" for metric in shown_metrics(plan, comparison)):
-        reading += " Of metrics without an arrow neither is better: in how many worlds it was higher–lower."
-    sentences = [reading, INTERVALS, counting(plan, shown_metrics(plan, comparison))]
+        reading += " Of metrics without an arrow neither is better: in how many worlds it was higher–alike–lower."
+    few = too_few_worlds(plan, comparison)
+    sentences = [reading, *([few] if few else []), INTERVALS, TESTS, UNTESTED]
+    sentences.append(counting(plan, shown_metrics(plan, comparison)))
     if any(row.own_frames.intersection(shown_metrics(plan, comparison)) for row in comparison.rows):
         sentences.append(
-            f"{OWN_FRAMES.capitalize()}: the variant drives differently from the base, so that it met other frames, and "
-            "what depends on these is not compared. Detectors are compared on one drive: in a graph that measures them "
-            "on it, or with --decompose."
+            f"{OWN_FRAMES.capitalize()}: the variant drives differently from the base and met other frames; what "
+            "depends on these is not compared. Compare detectors on one drive: in a graph that measures them on it, or "
+            "with --decompose."
         )
     roles = {row.case.role for row in comparison.rows}
     if "baseline" in roles:
         sentences.append("A baseline is what every method has to beat; where it does well, the worlds test nothing.")
     if "oracle" in roles:
-        sentences.append("An oracle sees the truth: it bounds what the methods can reach.")
+        sentences.append("An oracle sees the truth: it shows what its part leaves to gain, and is not a bound.")
     return tuple(sentences)
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.ablation.plan import Plan
+from graphnav.ablation.report.decomposition_text import HEADER, heading, notes, rows, sentences
 from graphnav.ablation.report.legend import OWN_FRAMES, legend, marks, origin, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.number_format import difference_text, estimate_text
-from graphnav.ablation.results import Comparison, Difference, Row, shown_metrics
+from graphnav.ablation.results import Comparison, Difference, Losses, Row, shown_metrics
 from graphnav.stage import Better
 
 TABLE = "table.md"
@@ -19,19 +20,35 @@ ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
 _ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
 
 
-def table_markdown(plan: Plan, comparison: Comparison) -> str:
-    """Return the table of a study, graph by graph, with how to read it and how to reproduce it."""
-    parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else [])]
+def table_markdown(plan: Plan, comparison: Comparison, found: Sequence[Losses] = (), notes: Sequence[str] = ()) -> str:
+    """Return the table of a study, graph by graph, with how to read it and how to reproduce it.
+
+    ``found``: what a decomposed study lost where. ``notes``: sentences on the number of worlds.
+    """
+    parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else []), *_decomposition(plan, found)]
     for graph in plan.graphs:
         parts += [f"## {graph}", *_graph(plan, comparison, comparison.of_graph(graph))]
+    if notes:
+        parts += ["## Number of worlds", bullets(map(escaped, notes))]
     parts += ["## How to read and repeat this", bullets(map(escaped, legend(plan, comparison)))]
     parts.append(bullets(f"{name}: {code(value)}" for name, value in origin(plan)))
     return "\n\n".join(parts) + "\n"
 
 
-def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def _decomposition(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
+    if not found:
+        return
+    yield "## Where it is lost"
+    for of in found:
+        yield f"### {escaped(heading(of))}"
+        yield escaped(" ".join(sentences(plan, of)))
+        yield table(HEADER, ([escaped(cell) for cell in cells] for cells in rows(of)))
+    yield bullets(map(escaped, notes(plan, found)))
+
+
+def table(header: Sequence[str], lines_below: Iterable[Sequence[str]]) -> str:
     """Return a Markdown table."""
-    lines = [header, ["---"] * len(header), *rows]
+    lines = [header, ["---"] * len(header), *lines_below]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
@@ -58,16 +75,16 @@ def difference_cell(found: Difference | None) -> str:
     return f"**{text}**" if found.is_clear else text
 
 
-def _graph(plan: Plan, comparison: Comparison, rows: Sequence[Row]) -> Iterator[str]:
+def _graph(plan: Plan, comparison: Comparison, of_graph: Sequence[Row]) -> Iterator[str]:
     metrics = shown_metrics(plan, comparison)
-    own = [row for row in rows if not row.case.same_as]
+    own = [row for row in of_graph if not row.case.same_as]
     for first in range(0, max(len(metrics), 1), METRICS_PER_TABLE):
         some = metrics[first : first + METRICS_PER_TABLE]
         header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
         for metric in some:
             header += [f"{escaped(plan.label(metric))}{ARROWS[plan.better(metric)]}", "difference"]
         yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in own))
-    if alike := list(same_graphs(rows)):
+    if alike := list(same_graphs(of_graph)):
         yield bullets(map(escaped, alike))
     failed = [(row, reason, times) for row in own for reason, times in row.failures.items()]
     if failed:

@@ -7,6 +7,12 @@ import math
 from graphnav.ablation.results import Difference, Estimate
 
 MAX_DECIMALS = 4
+MIN_P = 0.0001
+"""Smaller p-values are shown as below it."""
+APPROXIMATE = "≈"
+"""Before an interval that is short of 95 % where the metric is skewed."""
+TOO_SMALL = "smaller than what matters"
+"""Of a significant difference."""
 TINY = ".1e"
 """The format of numbers that have only zeros in so many decimals."""
 
@@ -38,19 +44,30 @@ def number(value: float, form: str, sign: str = "") -> str:
 def estimate_text(found: Estimate, worlds: int) -> str:
     """Return ``mean [low, high]``, and how many worlds had the metric where not all of ``worlds`` have."""
     form = format_of(found.mean, found.low, found.high)
-    text = " ".join([number(found.mean, form), *_interval(found.low, found.high, form)])
+    text = " ".join(
+        [number(found.mean, form), *_interval(found.low, found.high, form, is_approximate=found.is_approximate)]
+    )
     return text if found.n == worlds else f"{text} (n {found.n})"
 
 
 def difference_text(found: Difference) -> str:
-    """Return ``+mean [low, high], won-lost``."""
+    """Return ``+mean [low, high], won-tied-lost``, and what decides also its p-value in the family."""
     form = format_of(found.mean, found.low, found.high)
     numbers = [number(found.mean, form, sign="+"), *_interval(found.low, found.high, form, sign="+")]
-    return f"{' '.join(numbers)}, {found.won}–{found.lost}"
+    text = f"{' '.join(numbers)}, {found.won}–{found.tied}–{found.lost}"
+    if found.significance is None:
+        return text
+    text = f"{text}, {p_text(found.significance.p_holm)}"
+    return f"{text}, {TOO_SMALL}" if found.is_significant and not found.matters else text
 
 
-def _interval(low: float, high: float, form: str, sign: str = "") -> list[str]:
+def p_text(p: float) -> str:
+    """Return ``p 0.031``, or that it is below what matters to anyone."""
+    return f"p < {MIN_P:g}" if p < MIN_P else f"p {float(f'{p:.2g}'):g}"
+
+
+def _interval(low: float, high: float, form: str, sign: str = "", *, is_approximate: bool = False) -> list[str]:
     """Return the interval, or nothing where it is not known."""
     if math.isnan(low):
         return []
-    return [f"[{number(low, form, sign)}, {number(high, form, sign)}]"]
+    return [f"{APPROXIMATE if is_approximate else ''}[{number(low, form, sign)}, {number(high, form, sign)}]"]

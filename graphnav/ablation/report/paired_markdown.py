@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from graphnav.ablation.report.legend import INTERVALS, counting, origin, outcome_counts, seeds_text
+from graphnav.ablation.report.legend import (
+    INTERVALS,
+    TESTS,
+    UNTESTED,
+    counting,
+    deciding,
+    origin,
+    outcome_counts,
+    seeds_text,
+)
 from graphnav.ablation.report.markdown import ARROWS, METRICS_PER_TABLE, bullets, code, difference_cell, escaped, table
 from graphnav.ablation.report.number_format import estimate_text
-from graphnav.ablation.results import MIN_WORLDS, PairedRow, PairedStudies
+from graphnav.ablation.results import PairedRow, PairedStudies
 
 READING = (
     "A is the first study, B the second. Each cell is the mean over the worlds that both have, with its interval; ↑ "
     "higher is better, ↓ lower. B - A is the mean difference in the same worlds with its interval, then in how many of "
-    "them B was better–worse. "
-    f"Differences whose interval leaves out 0, over {MIN_WORLDS} worlds or more, are bold."
+    "them B was better–alike–worse."
 )
 
 
@@ -26,12 +34,19 @@ def paired_studies_markdown(pairing: PairedStudies) -> str:
         parts += ["## Only in one of them", bullets(map(escaped, alone))]
     parts += [
         "## How to read and repeat this",
-        bullets(map(escaped, (READING, INTERVALS, counting(pairing.plan_b, pairing.metrics)))),
+        bullets(map(escaped, _legend(pairing))),
     ]
     sides = (("A", pairing.plan_a), ("B", pairing.plan_b))
     facts = [f"{side}, {name}: {code(value)}" for side, plan in sides for name, value in origin(plan)]
     parts.append(bullets([*facts, *map(escaped, different_versions(pairing))]))
     return "\n\n".join(parts) + "\n"
+
+
+def _legend(pairing: PairedStudies) -> tuple[str, ...]:
+    primary = pairing.primary
+    plan = pairing.plan_b if primary is None else pairing.plan_of(primary)
+    decides = deciding(plan, primary)
+    return f"{READING} {decides}", INTERVALS, TESTS, UNTESTED, counting(pairing.plan_b, pairing.metrics)
 
 
 def only_in_one(pairing: PairedStudies) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rich import box
 from rich.console import Console
@@ -11,11 +11,18 @@ from rich.table import Table
 from rich.text import Text
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.report.legend import OWN_FRAMES, marks, outcome_counts, same_graphs, worlds_text
+from graphnav.ablation.report.legend import (
+    OWN_FRAMES,
+    marks,
+    outcome_counts,
+    same_graphs,
+    too_few_worlds,
+    worlds_text,
+)
 from graphnav.ablation.report.markdown import ARROWS
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
-from graphnav.ablation.results import Comparison, Difference, PairedRow, PairedStudies, Row, shown_metrics
+from graphnav.ablation.results import Comparison, Contrast, Difference, PairedRow, PairedStudies, Row, shown_metrics
 from graphnav.stage import Better
 
 DECIDING = 2
@@ -37,6 +44,8 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
             for reason, times in row.failures.items():
                 line = " ".join(f"{row.case.variant}: {times} failed: {reason}".split())
                 console.print(Text(line, style="red"), soft_wrap=True)
+    if few := too_few_worlds(plan, comparison):
+        console.print(Text(few, style="yellow"), soft_wrap=True)
 
 
 def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
@@ -48,6 +57,29 @@ def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
         print_grouped(console, graph, ["variant", "worlds"], groups, rows)
     for line in (*only_in_one(pairing), *different_versions(pairing)):
         console.print(Text(line, style="yellow"), soft_wrap=True)
+
+
+def print_contrasts(console: Console, found: Iterable[Contrast], plan: Plan) -> None:
+    """Print pairs of variants, graph by graph: every metric of both, with the difference."""
+    columns = ["metric", "A", "B", "A - B", "A better with"]
+    for pair in found:
+        title = f"{pair.graph}: {pair.first} (A), {pair.second} (B)"
+        rows = [_contrast_cells(pair, metric, plan) for metric in pair.differences if metric in pair.estimates]
+        if rows:
+            print_grouped(console, title, columns, [], rows)
+        else:
+            console.print(Text(f"{title}: no world has runs of both", style="yellow"), soft_wrap=True)
+
+
+def _contrast_cells(pair: Contrast, metric: str, plan: Plan) -> list[Text]:
+    difference = pair.differences[metric]
+    chance = difference.probability_better
+    return [
+        Text(_heading(plan, metric)),
+        *(Text(estimate_text(found, len(plan.seeds))) for found in pair.estimates[metric]),
+        difference_cell(difference, plan.better(metric)),
+        Text("" if plan.better(metric) == "neither" else estimate_text(chance, chance.n)),
+    ]
 
 
 def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Text]]) -> Table:

@@ -1,8 +1,10 @@
 """The results of a study: records, intervals, comparisons."""
 
+from graphnav.ablation.results.compare_pairs import AllPairs, Contrast, Pair, all_pairs, contrasts
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
+from graphnav.ablation.results.decomposed import Losses, Swap, losses
 from graphnav.ablation.results.fail_condition import (
     FailCondition,
     FailedCase,
@@ -11,39 +13,66 @@ from graphnav.ablation.results.fail_condition import (
     parse_fail_conditions,
 )
 from graphnav.ablation.results.failures import failed_run_text, failure_folder, is_failure, worst_failures
-from graphnav.ablation.results.intervals import DRAWS, SEED, bootstrap, wilson
 from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
+from graphnav.ablation.results.pair_text import parse_pairs
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
 from graphnav.ablation.results.records import Record, in_plan_order, read_record, read_records
+from graphnav.ablation.results.sample_size import sample_size_texts
+from graphnav.ablation.results.statistics import (
+    ALPHA,
+    EXACT_BELOW,
+    Significance,
+    bonett_price,
+    difference_interval,
+    min_worlds,
+    p_value,
+    student,
+    wilson,
+)
 
 __all__ = [
-    "DRAWS",
+    "ALPHA",
+    "EXACT_BELOW",
     "MIN_WORLDS",
-    "SEED",
+    "AllPairs",
     "Comparison",
+    "Contrast",
     "Difference",
     "Estimate",
     "FailCondition",
     "FailedCase",
+    "Losses",
+    "Pair",
     "PairedRow",
     "PairedStudies",
     "Record",
     "Row",
+    "Significance",
+    "Swap",
     "Values",
-    "bootstrap",
+    "all_pairs",
+    "bonett_price",
     "check_fail_conditions",
     "compare",
+    "contrasts",
+    "difference_interval",
     "failed_cases",
     "failed_run_text",
     "failure_folder",
     "in_plan_order",
     "is_failure",
+    "losses",
     "metric_columns",
+    "min_worlds",
+    "p_value",
     "pair_studies",
     "parse_fail_conditions",
+    "parse_pairs",
     "read_record",
     "read_records",
+    "sample_size_texts",
     "shown_metrics",
+    "student",
     "table_metrics",
     "values_of",
     "wilson",

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.results.compare_variants import difference, estimate
+from graphnav.ablation.results.comparison import as_family
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies, declaring_plan
 from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.results.study_values import difference, estimate
 from graphnav.ablation.study import MetricExpression
 from graphnav.errors import UserError
-from graphnav.stage import Better
 
 _Case = tuple[str, str]
 """Graph and variant."""
@@ -52,34 +53,42 @@ def pair_studies(
         )
     columns = dict.fromkeys([*table_metrics(plan_a, all_a), *table_metrics(plan_b, all_b), *more])
     plans = {column: declaring_plan(plan_a, plan_b, column.text) for column in columns}
-    metrics = {column.text: plan.better(column.text) for column, plan in plans.items()}
     values_a, values_b = (
         {case: {c.text: values_of(plan, c, runs.values()) for c in columns} for case, runs in cases.items()}
         for plan, cases in ((plan_a, cases_a), (plan_b, cases_b))
     )
     everything = [*values_a.values(), *values_b.values()]
     binary = {c.text for c, plan in plans.items() if is_binary(plan, c, (found[c.text] for found in everything))}
-    rows = tuple(_rows(matched, (cases_a, values_a), (cases_b, values_b), metrics, binary))
+    by_name = {column.text: plan for column, plan in plans.items()}
+    rows = list(_rows(matched, (cases_a, values_a), (cases_b, values_b), by_name, binary))
+    known = {name: plan for name, plan in by_name.items() if any(name in row.differences for row in rows)}
     return PairedStudies(
         plan_a=plan_a,
         plan_b=plan_b,
-        metrics={name: better for name, better in metrics.items() if any(name in row.differences for row in rows)},
-        rows=rows,
+        metrics={name: plan.better(name) for name, plan in known.items()},
+        rows=tuple(_judged(rows, next(iter(known), None))),
         only_a=tuple(case for case in cases_a if case not in matched),
         only_b=tuple(case for case in cases_b if case not in matched),
     )
 
 
 def _rows(
-    matched: Sequence[_Case], a: _Side, b: _Side, metrics: Mapping[str, Better], binary: set[str]
+    matched: Sequence[_Case], a: _Side, b: _Side, plans: Mapping[str, Plan], binary: set[str]
 ) -> Iterator[PairedRow]:
     for case in matched:
         (runs_a, of_a), (runs_b, of_b) = ((cases[case], values[case]) for cases, values in (a, b))
         seeds = tuple(seed for seed in runs_a if seed in runs_b)
-        common = {text: (_also_in(of_b[text], of_a[text]), _also_in(of_a[text], of_b[text])) for text in metrics}
+        common = {text: (_also_in(of_b[text], of_a[text]), _also_in(of_a[text], of_b[text])) for text in plans}
         known = {text: pair for text, pair in common.items() if pair[0]}
         differences = {
-            text: difference(new, old, metrics[text], is_binary=text in binary) for text, (old, new) in known.items()
+            text: difference(
+                new,
+                old,
+                plans[text].better(text),
+                is_binary=text in binary,
+                min_difference=plans[text].min_difference(text),
+            )
+            for text, (old, new) in known.items()
         }
         yield PairedRow(
             graph=case[0],
@@ -93,6 +102,17 @@ def _rows(
             estimates_b={text: estimate(new, is_binary=text in binary) for text, (_, new) in known.items()},
             differences={text: found for text, found in differences.items() if found is not None},
         )
+
+
+def _judged(rows: Sequence[PairedRow], primary: str | None) -> Iterator[PairedRow]:
+    """Yield the rows with the significance of what decides: the variants of a graph are one family."""
+    for row in rows:
+        if primary is None or primary not in row.differences:
+            yield row
+            continue
+        kin = [other for other in rows if other.graph == row.graph and primary in other.differences]
+        family = as_family([other.differences[primary] for other in kin], len(kin))
+        yield replace(row, differences={**row.differences, primary: family[kin.index(row)]})
 
 
 def _shared(plan: Plan) -> set[_Case]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan import Case
+from graphnav.ablation.results.statistics import Significance, bonett_price, holm, min_worlds
 
-MIN_WORLDS = 6
-"""Worlds from which on a difference may be called one."""
+MIN_WORLDS = min_worlds(1)
+"""Worlds from which on a single difference may be clear."""
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -19,11 +22,13 @@ class Estimate:
     low: float
     high: float
     n: int
+    is_approximate: bool = False
+    """Whether the interval is short of 95 % where the metric is skewed: of few worlds, unless it is 0 or 1."""
 
 
 @dataclass(frozen=True)
 class Difference:
-    """The mean paired difference from the base (this minus base, same worlds) with its 95 % interval.
+    """The mean paired difference of two variants (this minus the base, same worlds) with its 95 % interval.
 
     ``won``, ``lost``: in how many of the ``n`` worlds that have both this was better and worse than the base; of a
     metric of which neither is better, higher and lower.
@@ -35,14 +40,53 @@ class Difference:
     n: int
     won: int
     lost: int
+    p: float = math.nan
+    """The chance of a mean difference as large, to either side, if the two are alike."""
+    min_difference: float = 0.0
+    """The smallest difference that matters."""
+    significance: Significance | None = None
+    """Of the metric that decides, in its family of comparisons; no other metric has one."""
+
+    @property
+    def tied(self) -> int:
+        """In how many worlds neither was better."""
+        return self.n - self.won - self.lost
 
     @property
     def is_clear(self) -> bool:
-        """Whether the interval leaves out 0, over enough worlds to mean it.
+        """Whether it is significant in its family, matters, and its interval leaves out 0; only of what decides."""
+        return self.is_significant and self.matters and (self.low > 0 or self.high < 0)
 
-        Where both are alike, n worlds all go one way with a chance of 2 / 2^n: 6 % for five, 3 % for six.
+    @property
+    def is_significant(self) -> bool:
+        """Whether the metric decides and the difference is significant in its family."""
+        return self.significance is not None and self.significance.is_significant
+
+    @property
+    def matters(self) -> bool:
+        """Whether the mean is not smaller than the smallest difference that matters."""
+        return abs(self.mean) >= self.min_difference * (1 - _ROUNDING)
+
+    @property
+    def probability_better(self) -> Estimate:
+        """The chance to be better in a world, plus half that of a tie, with its interval.
+
+        It is half of one more than the difference of the shares of worlds won and lost, and so is its interval, Bonett
+        and Price's.
         """
-        return self.n >= MIN_WORLDS and (self.low > 0 or self.high < 0)
+        low, high = bonett_price(self.won, self.lost, self.n)
+        mean = (self.won + self.tied / 2) / self.n
+        return Estimate(mean, (1 + low) / 2, (1 + high) / 2, self.n)
+
+    def reversed(self) -> Difference:
+        """Return the difference of the other variant from this one."""
+        return replace(self, mean=-self.mean, low=-self.high, high=-self.low, won=self.lost, lost=self.won)
+
+
+def as_family(differences: Sequence[Difference], family: int) -> list[Difference]:
+    """Return differences with their significance among ``family`` comparisons, of which some may have no runs yet."""
+    found = holm([difference.p for difference in differences], family)
+    return [replace(difference, significance=of) for difference, of in zip(differences, found, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -70,6 +114,8 @@ class Comparison:
     """The table of a study: graph by graph, variants in the plan's order."""
 
     rows: tuple[Row, ...]
+    primary: str | None = None
+    """The metric that decides: the first that any run has; None where there is none."""
 
     def has_metric(self, metric: str) -> bool:
         """Return whether any run has a metric."""

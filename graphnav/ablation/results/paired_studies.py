@@ -52,6 +52,11 @@ class PairedStudies:
         return declaring_plan(self.plan_a, self.plan_b, column)
 
     @property
+    def primary(self) -> str | None:
+        """The metric that decides: the first; None where there is none."""
+        return next(iter(self.metrics), None)
+
+    @property
     def graphs(self) -> tuple[str, ...]:
         """The graphs of the rows, in their order."""
         return tuple(dict.fromkeys(row.graph for row in self.rows))

@@ -2,7 +2,7 @@
 
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
-from graphnav.ablation.study.study import Axis, Choice, Study
+from graphnav.ablation.study.study import Axis, Choice, Decomposition, Study
 from graphnav.ablation.study.study_keys import STUDY
 from graphnav.ablation.study.vary import Vary, parse_varies, vary_of
 from graphnav.ablation.study.worlds import parse_worlds
@@ -11,6 +11,7 @@ __all__ = [
     "STUDY",
     "Axis",
     "Choice",
+    "Decomposition",
     "MetricExpression",
     "Study",
     "Vary",

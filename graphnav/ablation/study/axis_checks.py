@@ -8,7 +8,7 @@ from graphnav.ablation.study.study import Axis, Choice
 from graphnav.errors import Place, Problem
 from graphnav.graph import Override
 
-_COLUMNS = ("graph", "variant", "seed", "outcome", "failure", "frames", "sim_s")
+_COLUMNS = ("graph", "variant", "role", "seed", "outcome", "cause", "failure", "frames", "sim_s")
 """Columns that every table of results has beside those of the axes."""
 _NAME_HINT = "write what it sets, as in plane: [plane.ica, plane.affine], or a word"
 

@@ -18,6 +18,7 @@ from graphnav.errors import Place, Problem, UserError
 from graphnav.graph import Override, find_graph
 
 _VARY = "write --vary plane=plane.ica,plane.affine, or name a study"
+_METRICS, _WITHIN = "write --metrics drive.success,drive.spl", "write --within control.max_speed_mps"
 
 
 def study_of_command(
@@ -31,14 +32,15 @@ def study_of_command(
     one_at_a_time: bool = False,
     reference: str | None = None,
     worlds: Mapping[str, int] = MappingProxyType({}),
+    may_vary_nothing: bool = False,
     problems: Sequence[Problem] = (),
 ) -> Study:
     """Return the study that ``graphnav ablate NAMES`` with its options means.
 
     ``names``: one study, or graphs, each a file or a name. ``varies`` change the axes of the study (see `varied`);
     ``overrides`` take the place of the study's with the same targets; ``metrics`` and ``within`` (strings with commas
-    between), ``seeds``, ``reference`` and ``worlds`` replace the study's. ``problems``: what is wrong with options that
-    were read before.
+    between), ``seeds``, ``reference`` and ``worlds`` replace the study's. ``may_vary_nothing``: axes are added to it
+    later. ``problems``: what is wrong with options that were read before.
 
     Raises
     ------
@@ -48,21 +50,17 @@ def study_of_command(
     base = _named(names)
     problems = list(problems)
     axes = varied(base.axes, varies, problems)
-    if not axes and not problems:
+    if not axes and not problems and not may_vary_nothing:
         problems.append(Problem(None, "the study varies nothing", _VARY))
     found = base.seeds if seeds is None else _seeds(seeds, problems)
     limits = replaced_worlds(base.worlds, worlds, base.graphs, problems)
-    columns = _split(metrics)
-    if "" in columns:
-        problems.append(Problem(Place("--metrics"), "a metric is empty", "write --metrics drive.success,drive.spl"))
-    conditions = _split(within)
-    if "" in conditions:
-        problems.append(Problem(Place("--within"), "an axis is empty", "write --within control.max_speed_mps"))
+    columns = _split(metrics, Problem(Place("--metrics"), "a metric is empty", _METRICS), problems)
+    conditions = _split(within, Problem(Place("--within"), "an axis is empty", _WITHIN), problems)
     if problems:
         raise UserError(problems)
     return replace(
         base,
-        about=base.about or _question(axes, base.graphs),
+        about=base.about or (_question(axes, base.graphs) if axes else ""),
         axes=axes,
         seeds=found,
         overrides=(*_not_replaced(base.overrides, overrides), *overrides),
@@ -71,15 +69,13 @@ def study_of_command(
         one_at_a_time=one_at_a_time or base.one_at_a_time,
         reference=base.reference if reference is None else reference,
         worlds=limits,
-        places=base.places
-        | _placed(columns, "--metrics")
-        | _placed(conditions, "--within")
-        | _placed([reference] if reference else [], "--reference"),
+        places=base.places | _placed({"--metrics": columns, "--within": conditions, "--reference": [reference or ""]}),
     )
 
 
-def _placed(words: Iterable[str], option: str) -> dict[str, Place]:
-    return dict.fromkeys(words, Place(option))
+def _placed(words: Mapping[str, Iterable[str]]) -> dict[str, Place]:
+    """Return the option of each word, by the words of each option; what is empty has none."""
+    return {word: Place(option) for option, of in words.items() for word in of if word}
 
 
 def _seeds(seeds: str | Sequence[int], problems: list[Problem]) -> tuple[int, ...]:
@@ -91,8 +87,11 @@ def _seeds(seeds: str | Sequence[int], problems: list[Problem]) -> tuple[int, ..
         return ()
 
 
-def _split(texts: Sequence[str]) -> list[str]:
-    return [part.strip() for text in texts for part in text.split(",")]
+def _split(texts: Sequence[str], if_empty: Problem, problems: list[Problem]) -> list[str]:
+    """Return the words between commas; ``if_empty`` is added to ``problems`` where one is missing."""
+    words = [part.strip() for text in texts for part in text.split(",")]
+    problems += [if_empty] * ("" in words)
+    return words
 
 
 def _not_replaced(old: Sequence[Override], new: Sequence[Override]) -> list[Override]:

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import accumulate
 
 from graphnav.errors import Place
 from graphnav.graph import Override
+
+AXIS, BASE = "oracles", "none"
+"""The axis of the swapped stages, and its first choice: the graph as it is."""
+CONDITION, OWN, COMMON = "drive", "own drive", "oracle's drive"
+"""The axis of who drives: each variant itself, or the oracle for all of them."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +31,30 @@ class Axis:
     name: str
     choices: tuple[Choice, ...]
     place: Place | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Decomposition:
+    """The stages that a study swaps for their oracles, one at a time and cumulatively."""
+
+    oracles: Mapping[str, str]
+    """The ``use`` of each stage's oracle, by stage in firing order."""
+    has_common_drive: bool
+    """Whether all variants are also measured on the drive of one oracle."""
+
+    @property
+    def single(self) -> tuple[str, ...]:
+        """The variants in which one stage is an oracle."""
+        return tuple(self.oracles)
+
+    @property
+    def cumulative(self) -> tuple[str, ...]:
+        """The variants in which the first stages are oracles, one more each; the first is one of `single`."""
+        return tuple(accumulate(self.oracles, "{}+{}".format))
+
+    def stages_of(self, variant: str) -> tuple[str, ...]:
+        """Return the stages that are oracles in a variant."""
+        return () if variant == BASE else tuple(variant.split("+"))
 
 
 @dataclass(frozen=True)
@@ -49,5 +79,7 @@ class Study:
     """The variant whose runs metrics may be relative to; empty for none."""
     worlds: Mapping[str, int] = field(default_factory=dict)
     """By graph: how many of the seeds, the first ones, are its worlds; all of them where it is not named."""
+    decomposition: Decomposition | None = None
+    """Its stages and their oracles; None where it decomposes nothing."""
     places: dict[str, Place] = field(default_factory=dict, compare=False)
     """The place of each of ``graphs``, ``metrics`` and ``within``, and of the reference."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from graphnav.ablation.execution import StudyFolder
-from graphnav.ablation.plan import CheckedStudy, Job
+from graphnav.ablation.plan import Job
 from graphnav.api.arguments import PathLike, overrides_of, paths_of, texts_of
 from graphnav.api.load import add_plugins
 from graphnav.api.notices import tell
@@ -31,6 +31,8 @@ def ablate(
     one_at_a_time: bool = False,
     reference: str | None = None,
     worlds: Mapping[str, int] | None = None,
+    decompose: bool = False,
+    until_clear: bool = False,
     plugins: Sequence[PathLike] = (),
     folder: PathLike | None = None,
     jobs: int | None = None,
@@ -41,16 +43,14 @@ def ablate(
 ) -> Study:
     """Swap stages of graphs, repeat over seeds, compare with statistics; return the tables and the report.
 
-    Runs execute in separate processes, one per core. A failed run is a result. With ``folder``, the same call resumes
-    an interrupted study, and more ``seeds`` add runs to the existing ones. There is no confirmation of many runs.
+    A failed run is a result. With ``folder``, the same call resumes a study, and more ``seeds`` add runs to it.
 
     Raises
     ------
     UserError
         All errors of the study and its graphs; nothing has run then.
     GraphnavError
-        The study was interrupted by a full disk, a lost cluster or, with ``fail_fast``, a failed run. Every finished
-        run is in ``folder``.
+        A full disk, a lost cluster or, with ``fail_fast``, a failed run; every finished run is in ``folder``.
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
@@ -62,18 +62,21 @@ def ablate(
         metrics=texts_of(metrics, "metrics", "drive.success"),
         within=texts_of(within, "within", "control.max_speed_mps"),
         one_at_a_time=one_at_a_time,
+        decompose=decompose,
         plugins=paths_of(plugins, "plugins", "my_stage.py"),
         reference=reference_of(reference),
         worlds=worlds_of(worlds),
+        until_clear=bool(until_clear),
     )
     options = execution_of(jobs, cluster, gallery, keep_logs, fail_fast)
-    kept = None if folder is None else named_folder(folder)
-    catalog = add_plugins(Catalog(), request.plugins)
-    return _made(request.check(catalog), catalog, kept or temporary_folder(), options)
+    return _made(request, None if folder is None else named_folder(folder), options)
 
 
-def _made(study: CheckedStudy, catalog: Catalog, kept: KeptFolder, options: ExecutionOptions) -> Study:
+def _made(request: StudyRequest, kept: KeptFolder | None, options: ExecutionOptions) -> Study:
     """Return a study after all its runs were made."""
+    catalog = add_plugins(Catalog(), request.plugins)
+    study = request.check(catalog)
+    kept = kept or temporary_folder()
     with StudyFolder(kept.path) as folder:
         files = run_study(study, catalog, folder, options, _Quiet())
     assert files is not None

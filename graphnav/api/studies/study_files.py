@@ -10,9 +10,11 @@ from types import MappingProxyType
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
     METRICS,
+    PICTURE,
     RESULTS,
     TABLE,
     TIMING,
+    decomposition_picture,
     table_markdown,
     write_atomically,
     write_metrics,
@@ -20,7 +22,8 @@ from graphnav.ablation.report import (
     write_results,
     write_timing,
 )
-from graphnav.ablation.results import Comparison, Record, compare, read_records
+from graphnav.ablation.results import Comparison, Losses, Record, compare, losses, read_records, sample_size_texts
+from graphnav.ablation.stopping import stopping_texts
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph
 
@@ -31,7 +34,11 @@ class StudyFiles:
 
     records: tuple[Record, ...]
     comparison: Comparison
+    notes: tuple[str, ...]
+    """Sentences on the number of worlds: when a study was stopped, and how many an unclear difference needs."""
     report: Path
+    losses: tuple[Losses, ...] = ()
+    """Of a decomposed study."""
 
 
 def write_study_files(
@@ -51,5 +58,10 @@ def write_study_files(
     write_results(plan, records, folder / RESULTS)
     write_metrics(plan, records, folder / METRICS)
     write_timing(plan, records, folder / TIMING)
-    write_atomically(folder / TABLE, table_markdown(plan, comparison))
-    return StudyFiles(records, comparison, write_report(plan, comparison, records, folder, catalog, graphs))
+    found = losses(plan, records)
+    notes = (*stopping_texts(plan, records), *sample_size_texts(plan, comparison, records))
+    write_atomically(folder / TABLE, table_markdown(plan, comparison, found, notes))
+    if found:
+        write_atomically(folder / PICTURE, decomposition_picture(found))
+    report = write_report(plan, comparison, records, folder, catalog, graphs, notes)
+    return StudyFiles(records, comparison, notes, report, found)

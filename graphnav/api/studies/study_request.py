@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from graphnav.ablation.decompose import decomposed_study
 from graphnav.ablation.plan import CheckedStudy, check_study, with_versions
+from graphnav.ablation.stopping import check_stopping
 from graphnav.ablation.study import Vary, study_of_command
 from graphnav.catalog import Catalog
 from graphnav.errors import Problem
@@ -30,6 +32,10 @@ class StudyRequest:
     reference: str | None = None
     """None: that of the study."""
     worlds: Mapping[str, int] = field(default_factory=dict)
+    decompose: bool = False
+    """Whether the stages of the drive are swapped for their oracles (`decomposed_study`)."""
+    until_clear: bool = False
+    """Whether the results decide how many of the seeds are used."""
     problems: Sequence[Problem] = ()
     """Problems of options that were parsed before."""
 
@@ -51,10 +57,16 @@ class StudyRequest:
             one_at_a_time=self.one_at_a_time,
             reference=self.reference,
             worlds=self.worlds,
+            may_vary_nothing=self.decompose,
             problems=self.problems,
         )
+        if self.decompose:
+            study = decomposed_study(study, catalog)
         checked = check_study(study, catalog, command or self.command, self.plugins)
-        return replace(checked, plan=with_versions(checked.plan))
+        plan = replace(checked.plan, until_clear=self.until_clear)
+        if self.until_clear:
+            check_stopping(plan)
+        return replace(checked, plan=with_versions(plan))
 
     @property
     def command(self) -> str:
@@ -70,7 +82,13 @@ class StudyRequest:
             ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),
         )
         words = [word for option, values in options for value in values for word in (option, str(value))]
-        return shlex.join(["graphnav", "ablate", *self.names, *words, *["--one-at-a-time"] * self.one_at_a_time])
+        flags = {
+            "--one-at-a-time": self.one_at_a_time,
+            "--decompose": self.decompose,
+            "--until-clear": self.until_clear,
+        }
+        words += [flag for flag, is_set in flags.items() if is_set]
+        return shlex.join(["graphnav", "ablate", *self.names, *words])
 
 
 def _seeds_words(seeds: str | Sequence[int]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,9 +11,11 @@ from typing import Protocol
 from graphnav.ablation.execution import (
     StudyFolder,
     TaskFactory,
+    TimeEstimate,
     Workers,
     cluster_workers,
     draw_failures,
+    estimate_time,
     execute,
     local_workers,
     pending_drawings,
@@ -21,6 +23,7 @@ from graphnav.ablation.execution import (
 )
 from graphnav.ablation.plan import CheckedStudy, Job
 from graphnav.ablation.results import Record, failed_run_text, read_records, worst_failures
+from graphnav.ablation.stopping import jobs_of_next_round
 from graphnav.api.studies.study_files import StudyFiles, write_study_files
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError
@@ -88,6 +91,22 @@ class StudyRun:
                 failed(record)
         execute(jobs, self._tasks, self._folder, self.workers, on_made, failed, on_died=died)
 
+    def batches(self, jobs: Sequence[Job]) -> Iterator[Sequence[Job]]:
+        """Yield the accepted runs: all at once or, where the results decide, those of one round after another."""
+        if not self.plan.until_clear:
+            yield jobs
+            return
+
+        def is_made(job: Job) -> bool:
+            return self._folder.holds(job.folder)
+
+        while batch := jobs_of_next_round(self.plan, read_records(self.plan, self._folder.path), is_made):
+            yield batch
+
+    def estimate(self, jobs: Sequence[Job]) -> TimeEstimate:
+        """Return an upper bound of the time of runs; may make a short run of each graph."""
+        return estimate_time(jobs, read_records(self.plan, self._folder.path), self._tasks, self.workers)
+
     def seconds_a_run(self) -> float:
         """Return the mean wall time of the existing runs, of which there is at least one."""
         walls = [record.wall_s for record in read_records(self.plan, self._folder.path)]
@@ -141,7 +160,8 @@ def run_study(
         if jobs is None:
             return None
         with observer.progress(plan.name, plan.n_jobs - len(jobs), plan.n_jobs) as on_made:
-            run.make(jobs, on_made, observer.failed, fail_fast=options.fail_fast)
+            for batch in run.batches(jobs):
+                run.make(batch, on_made, observer.failed, fail_fast=options.fail_fast)
         run.draw(options, observer)
     return write_study_files(plan, folder.path, catalog, study.graphs)
 

@@ -28,7 +28,7 @@ class Mover(Protocol):
 class Walker:
     """An obstacle on a crossing: it waits until it sees the robot come, so that its position depends on the drive.
 
-    It stays where it is known to be: after the last time at which it saw the robot it may set out later.
+    Positions are known up to the last time at which it saw the robot: later it may set out.
     """
 
     def __init__(self, crossing: Crossing) -> None:

@@ -1,4 +1,4 @@
-"""Surfaces whose appearance says nothing: one noise in the whole picture that moves with them."""
+"""Surfaces whose appearance says nothing: one noise in all of the picture that moves with them."""
 
 from __future__ import annotations
 

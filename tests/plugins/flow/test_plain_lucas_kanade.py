@@ -47,7 +47,7 @@ def difference(line: Doubles, at: int) -> float:
 
 
 def solved(first: Doubles, warped: Doubles, row: int, col: int, radius: int) -> Doubles:
-    """Return the least-squares solution of g' d = Jw - I over the window around a pixel."""
+    """Return the solution of g' d = Jw - I over the window around a pixel, by least squares."""
     rows, cols = first.shape
     places = [
         (r, c)
@@ -127,7 +127,7 @@ class PairOf:
 def test_every_refinement_alone_is_nearer_to_the_truth(
     driven_pairs: Callable[..., list[Pair]], departure: dict[str, Any]
 ) -> None:
-    """What became of the algorithm: on noisy drives each step helps, and all of them together more than any."""
+    """On noisy drives each refinement helps, and all of them together in `LucasKanade` more than any."""
     pairs = driven_pairs(0.3, 6)
 
     def error(stage: Any) -> float:

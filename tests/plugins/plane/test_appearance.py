@@ -15,7 +15,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 def textured(mean: float, sigma: float, seed: int, grain_px: float = 2.0) -> Bytes:
     noise = cv2.GaussianBlur(np.random.default_rng(seed).normal(0, 1, (120, 160)), (0, 0), grain_px)
-    return np.clip(mean + sigma * noise / noise.std(), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(mean + sigma * noise / noise.std(), 0, 255), np.uint8)
 
 
 def with_wall(wall: Bytes, seed: int = 0) -> Bytes:

@@ -12,6 +12,7 @@ from graphnav_plane.all_ground import AllGround
 from graphnav_plane.appearance import Appearance
 from graphnav_plane.homography import Homography
 from graphnav_plane.ica import Ica
+from graphnav_plane.learned import Learned
 from graphnav_plane.one_gain import OneGain
 from graphnav_plane.residual import Residual
 from graphnav_plane.row_line import RowLine
@@ -94,7 +95,7 @@ def test_baselines_judge_the_cells_that_the_detectors_judge(scenes: Scenes, base
 
 
 def test_tables_can_tell_methods_from_baselines_and_oracles() -> None:
-    assert {kind.role for kind in (Ica, Affine, Homography)} == {"method"}
+    assert {kind.role for kind in (Ica, Affine, Homography, Learned)} == {"method"}
     baselines = (Residual, OneGain, AllGround, RowPrior, RowMedian, RowLine, Appearance)
     assert {kind.role for kind in baselines} == {"baseline"}
     assert Oracle.role == "oracle"

@@ -48,7 +48,7 @@ def test_they_are_uncorrelated_of_unit_variance_and_in_order(scenes: Scenes, par
 
 
 @pytest.mark.parametrize(("component", "taken"), [("low_variance", 0), ("high_variance", 1), ("kurtosis", 1)])
-def test_the_taken_one_is_the_one_of_the_score(scenes: Scenes, component: str, taken: int) -> None:
+def test_the_taken_one_is_the_one_of_the_score(scenes: Scenes, component: Any, taken: int) -> None:
     scene = scenes.scene(0.25, turn_rad=0.03)
     stage = Ica(component=component, memory_ratio=0.0)
     stage.reset(0)

@@ -44,7 +44,7 @@ def at(x_m: float = 0.0, y_m: float = 0.0, yaw_rad: float = 0.0, moving: Doubles
         yaw_rad=yaw_rad,
         v_mps=0.3,
         omega_radps=0.0,
-        clearance_m=0.5,
+        clearance_m=0.0,
         contact=False,
         at_goal=False,
         moving=np.zeros((0, 3)) if moving is None else moving,

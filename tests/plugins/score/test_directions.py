@@ -13,8 +13,10 @@ from graphnav.stage import former_names, metrics_of
 METRICS = [metric for score in graphnav_stages() for metric in metrics_of(score).values()]
 
 LOWER = {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3", "false_obstacle_ratio"}
-LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad"}
-NEITHER = {"frames", "median_variance_ratio", "alpha_taken_ratio"}
+LOWER |= {"hit_mover", "hit_by_mover"}
+LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad", "never_sighted_ratio", "mean_sighting_delay_m"}
+LOWER |= {"mean_time_to_react_s", "unjudged_obstacle_ratio"}
+NEITHER = {"frames", "counted_frames_ratio", "median_variance_ratio", "alpha_taken_ratio", "obstacles", "reacted_ratio"}
 
 
 def test_lower_is_better_where_it_is() -> None:
@@ -26,7 +28,7 @@ def test_a_failed_drive_has_no_success_and_no_length() -> None:
     assert {metric.name for metric in METRICS if metric.if_failed == 0.0} == {"success", "spl", "oracle_spl", "sct"}
     undefined = {metric.name for metric in METRICS if metric.if_failed == UNDEFINED}
     assert undefined == {"path_length_m", "duration_s", "mean_jerk_mps3"}
-    assert [metric.name for metric in METRICS if metric.is_outcome] == ["success"]
+    assert {metric.name for metric in METRICS if metric.is_outcome} == {"success"}
 
 
 def test_the_core_knows_no_metric_by_name() -> None:

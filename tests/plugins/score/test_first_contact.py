@@ -1,4 +1,4 @@
-"""Who ran into whom, in drives through the simulated world."""
+"""The first contact, in drives through the simulated world."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from graphnav_score.navigation import Navigation
 from graphnav_world.robot import Robot
 from graphnav_world.world import Pymunk
 
-from graphnav import Finished, Latest, Source, Stamp, Twist
+from graphnav import Finished, Latest, Stamp, Twist
 
 QUICK: dict[str, Any] = {"speed_up_s": 0.2, "size": (16, 12), "truth": False}
 WORLDS = [(Pymunk, 100_000, {}), (Robot, 10_000, {"command_timeout_s": 60.0})]
 
 
-def metrics_of(world: Source, v_mps: float, period_us: int) -> Mapping[str, float]:
+def metrics_of(world: Pymunk | Robot, v_mps: float, period_us: int) -> Mapping[str, float]:
     score, command = Navigation(), Latest(Twist(v_mps=v_mps, omega_radps=0.0), 0.01)
     world.reset(1)
     score.reset(1)
@@ -73,7 +73,7 @@ def test_who_ran_into_whom(
     obstacles: list[str],
     v_mps: float,
     expected: tuple[int, int, int],
-    world: type[Source],
+    world: type[Pymunk | Robot],
     period_us: int,
     more: dict[str, Any],
     tmp_path: Path,

@@ -45,6 +45,32 @@ def test_metrics_are_scikit_learns_over_pooled_pixels(make_plane: MakePlane, mak
     assert metrics["judged_ratio"] == pytest.approx(len(pooled) / (3 * 24 * 32))
 
 
+def test_all_frames_with_motion_and_all_pixels_are_told_too(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    rng = np.random.default_rng(4)
+    stage, scores, called, truths, counted, unjudged = score_of(), [], [], [], 0, 0
+    for rows, uv_px in ((0, (1.0, 0.0)), (1, (1.0, 0.0)), (4, (1.0, 0.0)), (16, (1.0, 0.0)), (4, (0.0, 0.0))):
+        true = np.zeros((24, 32), np.bool_)
+        true[:rows, :16] = True
+        score = rng.random((24, 32)) * 0.7 + 0.3 * true
+        valid = rng.random((24, 32)) < 0.8
+        stage.step(make_plane(score, valid), make_truth(true, uv_px))
+        if any(uv_px):
+            counted += 0.05 <= true.mean() <= 0.5
+            unjudged += int((true & ~valid).sum())
+            scores.append(np.where(valid, score, -1.0))
+            called.append(valid & (score > 0.5))
+            truths.append(true)
+    is_obstacle = np.concatenate(truths).ravel()
+    metrics = stage.summary()
+    assert metrics["counted_frames_ratio"] == counted / 4
+    assert 0 < counted < 4
+    assert metrics["unjudged_obstacle_ratio"] == pytest.approx(unjudged / is_obstacle.sum())
+    area = roc_auc_score(is_obstacle, np.concatenate(scores).ravel())
+    assert metrics["auroc_all"] == pytest.approx(area, abs=1e-3)
+    accuracy = balanced_accuracy_score(is_obstacle, np.concatenate(called).ravel())
+    assert metrics["balanced_accuracy_all_ratio"] == pytest.approx(accuracy)
+
+
 def test_frames_counted_together_are_those_counted_one_by_one(make_plane: MakePlane, make_truth: MakeTruth) -> None:
     rng = np.random.default_rng(3)
     together, one_by_one = score_of(min_obstacle_ratio=0.1), score_of(min_obstacle_ratio=0.1)
@@ -126,7 +152,11 @@ def test_frames_without_obstacle_count_for_false_obstacle(make_plane: MakePlane,
     score = np.zeros((10, 10))
     score[0, :3] = 1.0
     stage.step(make_plane(score), make_truth(np.zeros((10, 10))))
-    assert stage.summary() == {"frames": 0.0, "false_obstacle_ratio": pytest.approx(0.03)}
+    assert stage.summary() == {
+        "frames": 0.0,
+        "counted_frames_ratio": 0.0,
+        "false_obstacle_ratio": pytest.approx(0.03),
+    }
 
 
 def test_frames_that_count_anyway_do_not_count_twice(make_plane: MakePlane, make_truth: MakeTruth) -> None:
@@ -175,7 +205,14 @@ def test_what_is_not_defined_is_left_out(make_plane: MakePlane, make_truth: Make
     half = np.zeros((10, 10))
     half[:5] = 1
     stage.step(make_plane(np.zeros((10, 10)), valid=np.zeros((10, 10))), make_truth(half))
-    assert stage.summary() == {"frames": 1.0, "judged_ratio": 0.0}
+    assert stage.summary() == {
+        "frames": 1.0,
+        "counted_frames_ratio": 1.0,
+        "judged_ratio": 0.0,
+        "auroc_all": 0.5,
+        "balanced_accuracy_all_ratio": 0.5,
+        "unjudged_obstacle_ratio": 1.0,
+    }
 
 
 def test_memory_does_not_grow_with_the_run(make_plane: MakePlane, make_truth: MakeTruth) -> None:

@@ -77,3 +77,23 @@ def test_more_scores_than_are_kept_at_a_time_count_alike() -> None:
     score = rng.integers(0, 50, 100_000) + 5.0 * is_obstacle
     areas = [filled(score, is_obstacle, parts).area() for parts in (1, 3, 400)]
     assert areas == [pytest.approx(roc_auc_score(is_obstacle, score))] * 3
+
+
+def test_what_scores_lowest_counts_as_an_even_lower_score_does() -> None:
+    rng = np.random.default_rng(5)
+    score, obstacle, ground = (rng.random(500) for _ in range(3))
+    explicit, lowest = Roc(), Roc()
+    explicit.add(np.append(score, 1e-6).astype(np.float32), np.append(obstacle, 40.0), np.append(ground, 90.0))
+    lowest.add(score.astype(np.float32), obstacle, ground)
+    lowest.add_lowest(40.0, 90.0)
+    assert lowest.area() == pytest.approx(explicit.area())
+    for ratio in (0.0, 0.05, 0.5, 0.9, 1.0):
+        assert lowest.recall(ratio) == pytest.approx(explicit.recall(ratio))
+
+
+def test_pixels_that_score_lowest_alone_are_a_coin_toss() -> None:
+    roc = Roc()
+    roc.add_lowest(3.0, 0.0)
+    assert roc.area() is None
+    roc.add_lowest(0.0, 5.0)
+    assert roc.area() == pytest.approx(0.5)

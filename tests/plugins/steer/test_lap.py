@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -20,7 +20,10 @@ def ring() -> Map:
     """Return a round corridor about the origin, between a disc and a wall of 24 parts."""
     angles = np.linspace(0, 2 * math.pi, 25)
     rim = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    parts = [np.array([OUTER_M * a, (OUTER_M + 0.2) * a, (OUTER_M + 0.2) * b, OUTER_M * b]) for a, b in pairwise(rim)]
+    parts = [
+        np.array([OUTER_M * a, (OUTER_M + 0.2) * a, (OUTER_M + 0.2) * b, OUTER_M * b])
+        for a, b in itertools.pairwise(rim)
+    ]
     bodies = [INNER_M * rim[:-1], *parts]
     return Map(
         kind=np.zeros(len(bodies), np.uint8),

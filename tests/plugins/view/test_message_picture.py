@@ -11,7 +11,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav import Flow, Image, Map, Message, PictureContext, Plane, Potential, Recording, State, Steering, Twist
+from graphnav import (
+    Components,
+    Flow,
+    Image,
+    Map,
+    Message,
+    PictureContext,
+    Plane,
+    Potential,
+    Recording,
+    State,
+    Steering,
+    Twist,
+)
 from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, decode, encode
@@ -21,7 +34,7 @@ from graphnav.pictures import Pictures
 
 from .conftest import Drive, write_log
 
-KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth)
+KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth, Components)
 Messages = dict[type[Message], Message]
 
 
@@ -44,6 +57,8 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Messages:
     assert isinstance(plane, Plane)
     found[Planar] = Planar(flow.uv_px, flow.valid, flow.uv_px[..., 0], 100_000)
     obstacle = plane.obstacle
+    identity, variances = np.eye(2), np.array([0.1, 1.0])
+    found[Components] = Components(flow.uv_px, -flow.uv_px, identity, variances, 1, flow.valid, 1)
     found[Truth] = Truth(obstacle, obstacle.astype(np.float32), flow.uv_px[::4, ::4], 100_000, plane.step_px)
     return found
 
@@ -74,6 +89,16 @@ def test_a_picture_fills_its_box_in_one_direction(
 
 def test_a_message_without_a_picture_has_none(pictures: Pictures) -> None:
     assert pictures.draw(Twist(0.1, 0.2), PictureContext()) is None
+
+
+@pytest.mark.parametrize("taken", [0, 1])
+def test_the_component_of_the_score_is_drawn(pictures: Pictures, drive: Messages, taken: int) -> None:
+    flow = drive[Flow]
+    assert isinstance(flow, Flow)
+    fields = [np.zeros_like(flow.uv_px), flow.uv_px] if taken else [flow.uv_px, np.zeros_like(flow.uv_px)]
+    components = Components(fields[0], fields[1], np.eye(2), np.ones(2), taken, flow.valid, 1)
+    context = around(drive, 120, 160)
+    assert (drawn(pictures, components, context) == drawn(pictures, flow, context)).all()
 
 
 def test_the_image_is_itself(pictures: Pictures, drive: Messages) -> None:
@@ -212,4 +237,5 @@ def _small() -> Messages:
         Steering: Steering(force, force, force, 0.1, force),
         Planar: Planar(uv, valid, uv[..., 0], 1),
         Truth: Truth(valid, uv[..., 0], uv, 1),
+        Components: Components(uv, 2 * uv, np.eye(2), np.array([0.1, 1.0]), 1, valid, 1),
     }

@@ -57,7 +57,7 @@ def test_it_waits_walks_at_constant_speed_and_stays() -> None:
 def test_it_returns_as_it_came_and_stays_where_it_waited() -> None:
     walk = Crossing(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 0.5, within_m=1.0, returns=True)
     places = np.array([walk.at(s) for s in (0.0, 1.0, 3.0, 4.0, 5.0, 7.0, 8.0, 50.0)])
-    expected = [[0, 0], [0.5, 0], [1, 0.5], [1, 1], [1, 0.5], [0.5, 0], [0, 0], [0, 0]]
+    expected = np.array([[0, 0], [0.5, 0], [1, 0.5], [1, 1], [1, 0.5], [0.5, 0], [0, 0], [0, 0]])
     np.testing.assert_allclose(places, expected, atol=1e-12)
 
 

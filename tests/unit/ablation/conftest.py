@@ -17,7 +17,9 @@ MakeRecord = Callable[..., Record]
 
 
 DRIVE: dict[str, Metric] = {
-    "drive.success": Metric("success", help="Arrived.", better="higher", if_failed=0.0, is_outcome=True),
+    "drive.success": Metric(
+        "success", help="Arrived.", better="higher", if_failed=0.0, is_outcome=True, min_difference=0.05
+    ),
     "drive.spl": Metric("spl", help="Weighted by path length.", better="higher", if_failed=0.0),
     "drive.path_length_m": Metric("path_length_m", help="Path.", better="lower", unit="m", if_failed="undefined"),
 }

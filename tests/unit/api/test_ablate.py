@@ -65,6 +65,21 @@ def test_the_tables_are_those_of_the_files(toy: dict[str, Any]) -> None:
     assert "<pre>" in study._repr_html_()
 
 
+def test_two_variants_are_contrasted(toy: dict[str, Any]) -> None:
+    study = graphnav.ablate(**toy)
+    found = study.contrast("robot.odd=contact", "robot.odd=fine")
+    assert found.index.names == ["graph", "metric"]
+    row, base = found.loc[("toy", "drive.way_m")], study.table.loc[("toy", "drive.way_m", "robot.odd=contact")]
+    for name in ("difference", "difference_low", "difference_high", "won", "lost", "p"):
+        assert row[name] == base[name], "one variant is the base"
+    assert row["won"] + row["tied"] + row["lost"] == row["worlds"] == 4
+    assert row["probability_better"] == (row["won"] + row["tied"] / 2) / 4
+    other = study.contrast("robot.odd=fine", "robot.odd=contact").loc[("toy", "drive.way_m")]
+    assert other["difference"] == -row["difference"]
+    with pytest.raises(UserError, match=r"the study has no variant 'robot.odd=fin'\n  did you mean 'robot.odd=fine'"):
+        study.contrast("robot.odd=contact", "robot.odd=fin")
+
+
 def test_more_seeds_add_to_the_runs_that_are_there(toy: dict[str, Any], tmp_path: Path) -> None:
     graphnav.ablate(**toy, folder="out")
     made = {path: path.stat().st_mtime_ns for path in tmp_path.glob("out/runs/*/*/*/summary.json")}

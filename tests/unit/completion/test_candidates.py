@@ -93,7 +93,11 @@ def test_tab_loads_no_numpy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         "PYTHONPROFILEIMPORTTIME": "1",
     }
     done = subprocess.run(PROGRAM, env={**os.environ, **asked}, capture_output=True, text=True, check=False)
-    assert (tmp_path / "out").read_text().split() == ["plane=plane.affine", "plane=plane.all_ground"]
+    assert (tmp_path / "out").read_text().split() == [
+        "plane=plane.affine",
+        "plane=plane.all_ground",
+        "plane=plane.appearance",
+    ]
     imported = {words[-1].strip() for words in (line.split("|") for line in done.stderr.splitlines())}
     assert "argcomplete" in imported
     assert not imported & {"numpy", "yaml", "matplotlib", "jinja2"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -95,6 +96,8 @@ def test_a_metric_that_is_not_declared_is_refused() -> None:
         ((Metric("x", better="more", help="X."),), "better is 'more': use higher, lower, neither"),  # type: ignore[arg-type]
         ((Metric("x", better="lower", help="X.", if_failed="nothing"),), "if_failed is 'nothing'"),  # type: ignore[arg-type]
         ((Metric("x", better="higher", help="X.", is_outcome=True),), "an outcome is 0 of a failed drive"),
+        ((Metric("x", better="higher", help="X.", min_difference=-0.1),), "min_difference is -0.1: use a number of 0"),
+        ((Metric("x", better="higher", help="X.", min_difference=math.inf),), "min_difference is inf"),
         ((Metric("x", better="higher", help="X.", bounds=(1, 0)),), r"bounds are \(1, 0\): write the lowest"),
         ((Metric("x", better="higher", help="X.", relative_to="y"),), "relative_to is 'y': name a metric that the"),
         (

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from graphnav.ablation.report import number_format
+from graphnav.ablation.results import Estimate
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -13,6 +14,12 @@ MINUS = "\N{MINUS SIGN}"
 def number(value: float, form: str, sign: str = "") -> str:
     """Return a number in a format, with ``sign`` where it is above zero; zero has none."""
     return number_format.number(value, form, sign).replace("-", MINUS)
+
+
+def estimate_text(found: Estimate) -> str:
+    """Return ``0.94 [0.84, 0.98]``, marked where the interval is approximate; without an interval the mean alone."""
+    mark = number_format.APPROXIMATE if found.is_approximate else ""
+    return estimated(found.mean, found.low, found.high).replace(" [", f" {mark}[")
 
 
 def estimated(mean: float, low: float, high: float, *, signed: bool = False) -> str:

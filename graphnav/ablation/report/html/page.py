@@ -12,7 +12,18 @@ from markupsafe import Markup
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.report.html.render import rendered
-from graphnav.ablation.report.html.sections import drawings, gallery, maps, overview, plots, reproduce, tables, timing
+from graphnav.ablation.report.html.sections import (
+    decomposition,
+    drawings,
+    gallery,
+    maps,
+    overview,
+    pair_matrices,
+    plots,
+    reproduce,
+    tables,
+    timing,
+)
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.results import Comparison, Record
 from graphnav.catalog import Catalog
@@ -36,13 +47,14 @@ def write_report(
     folder: Path,
     catalog: Catalog,
     graphs: Mapping[str, Graph] = MappingProxyType({}),
+    notes: Sequence[str] = (),
 ) -> Path:
     """Write ``report.html`` into the folder of a study, and the maps with paths that it shows; return its path.
 
     The page needs no other file, no script and no network. The same runs and pictures give the same bytes. ``graphs``:
-    those that are loaded already, by `Case.folder`.
+    those that are loaded already, by `Case.folder`; ``notes``: sentences on the number of worlds.
     """
-    study = StudyResults(plan, comparison, records, folder, catalog, graphs)
+    study = StudyResults(plan, comparison, records, folder, catalog, graphs, notes)
     path = folder / REPORT
     write_atomically(path, page_of(study))
     return path
@@ -51,8 +63,10 @@ def write_report(
 def page_of(study: StudyResults) -> Markup:
     """Return the page."""
     sections = [
+        _Section("decomposition", "Where it is lost", decomposition(study)),
         _Section("graph", "What was swapped", drawings(study)),
         _Section("tables", "Results", tables(study)),
+        _Section("pairs", "All pairs", pair_matrices(study)),
         _Section("plots", "Metrics", plots(study)),
         _Section("paths", "Paths", maps(study)),
         _Section("time", "Time per stage", timing(study)),

@@ -25,6 +25,8 @@ class StudyResults:
     catalog: Catalog
     graphs: Mapping[str, Graph] = field(default_factory=dict)
     """Graphs that are loaded already, by `Case.folder`."""
+    notes: Sequence[str] = ()
+    """Sentences on the number of worlds."""
 
     @cached_property
     def metrics(self) -> tuple[str, ...]:
@@ -35,8 +37,8 @@ class StudyResults:
 
     @property
     def deciding(self) -> str | None:
-        """The metric that decides: the first; None where there is none at all."""
-        return self.metrics[0] if self.metrics else None
+        """The metric that decides: the first that any run has; None where there is none at all."""
+        return self.comparison.primary or (self.metrics[0] if self.metrics else None)
 
     @property
     def n_seeds(self) -> int:

@@ -143,6 +143,26 @@ def test_two_studies_are_paired_world_by_world(study: Any, capsys: pytest.Captur
     assert "drive.way_m" in page.read_text()
 
 
+def test_two_variants_are_contrasted_at_run_and_later(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    pair = "robot.odd=contact, robot.odd=fine"
+    assert study.run("--contrast", pair) == 0
+    at_run = capsys.readouterr().out
+    title = "toy: robot.odd=contact (A), robot.odd=fine (B)"
+    assert title in at_run
+    assert "A better with" in at_run
+    assert main(["ablate", "--report", str(study.out), "--contrast", pair]) == 0
+    later = capsys.readouterr().out
+    assert at_run[at_run.index(title) :] == later[later.index(title) :]
+    assert main(["ablate", "--report", str(study.out), "--contrast", "robot.odd=contact,fine"]) == 2
+    assert "the study has no variant 'fine'\n" in capsys.readouterr().err
+
+
+def test_a_contrast_of_unknown_variants_runs_nothing(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert study.run("--contrast", "robot.odd=contact,robot.odd=fin") == 2
+    assert "did you mean 'robot.odd=fine'?" in capsys.readouterr().err
+    assert not study.out.exists()
+
+
 def test_the_command_that_repeats_it_is_written_down(study: Any) -> None:
     words = study.words(seeds="0:1")
     main(words)

@@ -101,6 +101,10 @@ def test_a_metric_that_no_run_has_is_named(study: Any, capsys: pytest.CaptureFix
         (["toy", "--report", "out", "-o", "x"], "--report reads an existing study; toy, -o would have no effect"),
         (["--compare", "a", "b", "--seeds", "0:1"], "--compare reads an existing study; --seeds would have no effect"),
         (
+            ["--compare", "a", "b", "--contrast", "x,y"],
+            "--compare reads an existing study; --contrast would have no effect",
+        ),
+        (
             ["--report", "out", "--compare", "a", "b"],
             "--report reads an existing study; --compare would have no effect",
         ),

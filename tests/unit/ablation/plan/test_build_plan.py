@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -178,6 +179,16 @@ def test_a_plan_reads_back_as_it_was_written(plan: MakePlan, tmp_path: Path) -> 
     assert made.versions["python"]
 
 
+def test_the_smallest_difference_that_matters_is_the_first_metrics(plan: MakePlan, tmp_path: Path) -> None:
+    made = plan("plane=toy.detector,judge.blind")
+    smallest = {"sight.right": 0.1, "sight.wrong": 0.2}
+    declared = {name: replace(made.metric(name), min_difference=value) for name, value in smallest.items()}
+    replace(made, declared=declared).write(tmp_path / "plan.json")
+    read = Plan.read(tmp_path / "plan.json")
+    columns = ("sight.right", "sight.wrong - sight.right", "sight.wrong / sight.right", "sight.never")
+    assert [read.min_difference(column) for column in columns] == [0.1, 0.2, 0.0, 0.0]
+
+
 STUDY = "graph: loop\nseeds: [0]\nvary: {robot.map: [here.yaml, there.yaml, maps/empty.yaml]}\n"
 
 
@@ -254,5 +265,7 @@ def test_plans_of_earlier_versions_are_read(plan: MakePlan, tmp_path: Path) -> N
     data = json.loads((tmp_path / "plan.json").read_text())
     for case in data["cases"]:
         case["sets"] = [f"{target}={write_value(value)}" for target, value in case.pop("overrides").items()]
+    for metric in data["declared"].values():
+        assert metric.pop("min_difference") == 0.0
     (tmp_path / "plan.json").write_text(json.dumps(data))
     assert Plan.read(tmp_path / "plan.json") == made

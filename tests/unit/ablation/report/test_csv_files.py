@@ -31,11 +31,28 @@ def test_a_line_a_run_and_a_column_a_metric(make_plan: MakePlan, make_record: Ma
     ]
     write_results(plan, records, tmp_path / "results.csv")
     header, first, second = lines(tmp_path / "results.csv")
-    assert header[:8] == ["graph", "variant", "plane", "seed", "outcome", "failure", "frames", "sim_s"]
-    assert header[8:] == ["drive.spl", "a.x", "b.x", "drive.success"], "the study's metrics first"
-    assert first == ["corridor", "ica", "ica", "0", "goal", "", "10", "0.9", "0.5", repr(1 / 3), "2.0", "1.0"]
-    assert second[4:6] == ["failed", 'no "plane",\nnone at all']
-    assert second[8:] == ["1e-30", "", "", ""]
+    assert header[:7] == ["graph", "variant", "role", "plane", "seed", "outcome", "cause"]
+    assert header[7:10] == ["failure", "frames", "sim_s"]
+    assert header[10:] == ["drive.spl", "a.x", "b.x", "drive.success"], "the study's metrics first"
+    assert first == [
+        "corridor",
+        "ica",
+        "method",
+        "ica",
+        "0",
+        "goal",
+        "",
+        "",
+        "10",
+        "0.9",
+        "0.5",
+        repr(1 / 3),
+        "2.0",
+        "1.0",
+    ]
+    assert second[5] == "failed"
+    assert second[6:8] == ['no "plane",\nnone at all'] * 2
+    assert second[10:] == ["1e-30", "", "", ""]
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -96,6 +113,6 @@ def test_every_column_of_the_results_is_described(make_plan: MakePlan, make_reco
     write_metrics(plan, records, tmp_path / "metrics.csv")
     write_results(plan, records, tmp_path / "results.csv")
     described = lines(tmp_path / "metrics.csv")
-    assert described[1] == ["drive.path_length_m", "m", "lower", "undefined", "False", "Path."]
-    assert described[2] == ["drive.success", "", "higher", "0.0", "True", "Arrived."]
-    assert [name for name, *_ in described[1:]] == lines(tmp_path / "results.csv")[0][8:]
+    assert described[1] == ["drive.path_length_m", "m", "lower", "undefined", "False", "0.0", "Path."]
+    assert described[2] == ["drive.success", "", "higher", "0.0", "True", "0.05", "Arrived."]
+    assert [name for name, *_ in described[1:]] == lines(tmp_path / "results.csv")[0][10:]

@@ -21,6 +21,7 @@ from graphnav.ablation.report.terminal import print_comparison
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import Difference, Estimate
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.statistics.hypothesis_tests import Significance
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
@@ -57,14 +58,29 @@ def test_worlds_without_the_figure_are_told() -> None:
 @pytest.mark.parametrize(
     ("mean", "low", "high", "text"),
     [
-        (0.02, -0.011, 0.053, "+0.020 [-0.011, +0.053], 7–3"),
-        (0.0, -0.053, 0.053, "0.000 [-0.053, +0.053], 7–3"),
-        (-2.0, math.nan, math.nan, "-2.000, 7–3"),
-        (-0.00003, -0.00005, -0.00001, "-3.0e-05 [-5.0e-05, -1.0e-05], 7–3"),
+        (0.02, -0.011, 0.053, "+0.020 [-0.011, +0.053], 7–40–3"),
+        (0.0, -0.053, 0.053, "0.000 [-0.053, +0.053], 7–40–3"),
+        (-2.0, math.nan, math.nan, "-2.000, 7–40–3"),
+        (-0.00003, -0.00005, -0.00001, "-3.0e-05 [-5.0e-05, -1.0e-05], 7–40–3"),
     ],
 )
 def test_differences_have_a_sign(mean: float, low: float, high: float, text: str) -> None:
     assert difference_text(Difference(mean, low, high, 50, 7, 3)) == text
+
+
+@pytest.mark.parametrize(
+    ("mean", "p_holm", "text"),
+    [
+        (0.02, 0.0312, "+0.02 [-0.10, +0.10], 7–40–3, p 0.031, smaller than what matters"),
+        (0.05, 0.0312, "+0.05 [-0.10, +0.10], 7–40–3, p 0.031"),
+        (0.02, 0.312, "+0.02 [-0.10, +0.10], 7–40–3, p 0.31"),
+        (0.02, 1.0, "+0.02 [-0.10, +0.10], 7–40–3, p 1"),
+        (0.05, 0.00002, "+0.05 [-0.10, +0.10], 7–40–3, p < 0.0001"),
+    ],
+)
+def test_what_decides_has_its_p_value(mean: float, p_holm: float, text: str) -> None:
+    found = Difference(mean, -0.1, 0.1, 50, 7, 3, 0.001, 0.05, Significance(p_holm, 17))
+    assert difference_text(found) == text
 
 
 MAGNITUDES = st.floats(-18, 6).map(lambda power: 10.0**power)
@@ -74,7 +90,7 @@ MAGNITUDES = st.floats(-18, 6).map(lambda power: 10.0**power)
 def test_a_clear_difference_never_reads_as_none(size: float, less: float, more: float, side: int) -> None:
     """It has a digit, and so is at most half of that off."""
     low, high = sorted((side * size * (1 - less), side * size * (1 + more)))
-    found = Difference(side * size, low, high, 50, 50, 0)
+    found = Difference(side * size, low, high, 50, 50, 0, significance=Significance(0.01, 1))
     assert found.is_clear
     for text in (difference_text(found), estimated(found.mean, low, high, signed=True).replace(MINUS, "-")):
         told = text.split(maxsplit=1)[0]
@@ -124,13 +140,15 @@ def test_table_has_everything_it_takes(study: tuple[Plan, list[Record]]) -> None
         "| variant | worlds | outcomes | drive.success ↑ | difference | drive.time_s ↓ | difference | a.x / b.x ↑ |",
         "| ica (base) | 20 | goal 20 | 0.95 [0.76, 0.99] |",
         "| affine | 20 |",
-        "| **+1.000 [+1.000, +1.000], 0–20** |",
+        "| +1.000 [+1.000, +1.000], 0–0–20 |",
         "- affine is the same graph as twin",
         "| random (baseline) | 1 of 20 | failed 1 | 0.00 [0.00, 0.79] |",
         "| variant | a.x ↑ | difference |",
         "- random, 1: stage 'plane' failed: a\\|b worse",
-        "10000 resamples",
-        "over 6 worlds or more, are bold",
+        "| -0.05 [-0.20, +0.11], 0–19–1, p 1 |",
+        "Student's t",
+        "drive.success decides: its differences are bold where p is at most 0.05",
+        "the mean is at least 0.05, the smallest difference that matters",
         "A baseline is what",
         "- command: `graphnav ablate toy --seeds 0:3`",
         "- seeds: `0 to 19 (20)`",
@@ -142,6 +160,32 @@ def test_table_has_everything_it_takes(study: tuple[Plan, list[Record]]) -> None
         assert len({line.replace("\\|", "").count("|") for line in table.splitlines()}) == 1, (
             "every row has every column"
         )
+
+
+def test_only_what_decides_is_bold_and_where_it_matters(study: tuple[Plan, list[Record]]) -> None:
+    plan, records = study
+    time = dataclasses.replace(plan, metrics=("drive.time_s",))
+    assert "| **+1.000 [+1.000, +1.000], 0–0–20, p < 0.0001** |" in table_markdown(time, compare(time, records))
+    metric = dataclasses.replace(plan.metric("drive.time_s"), min_difference=1.5)
+    large = dataclasses.replace(time, declared={**plan.declared, "drive.time_s": metric})
+    text = table_markdown(large, compare(large, records))
+    assert "| +1.000 [+1.000, +1.000], 0–0–20, p < 0.0001, smaller than what matters |" in text
+
+
+def test_too_few_worlds_are_said_to_be_too_few(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(variants=[f"v{k}" for k in range(18)], seeds=range(6), metrics={"a.x": "higher"})
+    records = [
+        make_record(case.variant, seed, {"a.x": seed + 10.0 * place})
+        for place, case in enumerate(plan.cases)
+        for seed in plan.seeds
+    ]
+    comparison = compare(plan, records)
+    said = "6 worlds cannot separate 17 variants from the base, even if all speak for one side: that takes 10."
+    out = io.StringIO()
+    print_comparison(Console(file=out, width=200), comparison, plan)
+    assert said in table_markdown(plan, comparison)
+    assert said in out.getvalue()
+    assert "**" not in table_markdown(plan, comparison)
 
 
 def test_a_study_without_metrics_of_its_own_shows_all(make_plan: MakePlan, make_record: MakeRecord) -> None:
@@ -156,7 +200,7 @@ def test_terminal_shows_whole_numbers_however_narrow_it_is(study: tuple[Plan, li
     plan, records = study
     out = io.StringIO()
     print_comparison(Console(file=out, width=width), compare(plan, records), plan)
-    for text in ("0.95 [0.76, 0.99]", "+1.000 [+1.000, +1.000], 0–20", "drive.time_s ↓", "failed: a|b"):
+    for text in ("0.95 [0.76, 0.99]", "+1.000 [+1.000, +1.000], 0–0–20", "drive.time_s ↓", "failed: a|b"):
         assert text in out.getvalue()
     assert "a.x" not in out.getvalue(), "only the metrics that decide"
 
@@ -166,12 +210,13 @@ def test_a_terminal_that_is_too_narrow_gets_a_table_for_each_metric(study: tuple
     out = io.StringIO()
     print_comparison(Console(file=out, width=80, force_terminal=True, color_system=None), compare(plan, records), plan)
     assert max(map(len, out.getvalue().splitlines())) <= 80
-    for text in ("0.95 [0.76, 0.99]", "+1.000 [+1.000, +1.000], 0–20", "drive.time_s ↓", "failed: a|b"):
+    for text in ("0.95 [0.76, 0.99]", "+1.000 [+1.000, +1.000], 0–0–20", "drive.time_s ↓", "failed: a|b"):
         assert text in out.getvalue()
 
 
 def test_terminal_colours_what_is_sure(study: tuple[Plan, list[Record]]) -> None:
     plan, records = study
+    plan = dataclasses.replace(plan, metrics=("drive.time_s", "drive.success"))
     out = io.StringIO()
     print_comparison(
         Console(file=out, width=200, force_terminal=True, color_system="standard"), compare(plan, records), plan

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.results.compare_variants import compare
-from graphnav.ablation.results.intervals import bonett_price, bootstrap, wilson
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.statistics.intervals import bonett_price, student, wilson
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
@@ -36,7 +37,7 @@ def test_means_and_differences_over_the_same_worlds(make_plan: MakePlan, make_re
 
     time = affine.differences["drive.time_s"]
     assert (time.mean, time.n, time.won, time.lost) == pytest.approx(((2 - 2 + 6) / 3, 3, 1, 2))
-    assert (time.low, time.high) == bootstrap(np.array([2.0, -2.0, 6.0]))
+    assert (time.low, time.high) == student(np.array([2.0, -2.0, 6.0]))
     won = affine.differences["drive.success"]
     assert (won.mean, won.n, won.won, won.lost) == pytest.approx((-1 / 3, 3, 0, 1))
     assert (won.low, won.high) == bonett_price(0, 1, 3)
@@ -117,6 +118,18 @@ def test_only_metrics_that_are_shares_of_worlds_get_their_intervals(
     assert (truth.estimates["sense.epe_px"].low, truth.estimates["sense.epe_px"].high) == (0.0, 0.0)
     assert truth.estimates["drive.success"].low == pytest.approx(0.9287, abs=1e-4)
     assert dis.differences["drive.success"].low == pytest.approx(-0.0533, abs=1e-4)
+
+
+def test_intervals_end_where_the_metric_does(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(seeds=range(4), metrics={"a.x": "higher", "a.y": "higher"})
+    declared = {**plan.declared, "a.x": replace(plan.metric("a.x"), bounds=(0.0, 1.0))}
+    values = [0.0, 0.9, 1.0, 1.0]
+    records = [make_record("ica", seed, {"a.x": value, "a.y": value}) for seed, value in enumerate(values)]
+    found = compare(replace(plan, declared=declared), records).rows[0].estimates
+    low, high = student(np.array(values))
+    assert high > 1.0
+    assert (found["a.x"].low, found["a.x"].high) == (max(low, 0.0), 1.0)
+    assert (found["a.y"].low, found["a.y"].high) == (low, high), "nothing is known of its bounds"
 
 
 def test_directions_come_from_the_plan(make_plan: MakePlan, make_record: MakeRecord) -> None:

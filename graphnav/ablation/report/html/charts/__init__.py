@@ -2,6 +2,8 @@
 
 from graphnav.ablation.report.html.charts.bars import stacked_bars
 from graphnav.ablation.report.html.charts.lines import FULL_WIDTH, HALF_WIDTH, Point, Series, line_chart
+from graphnav.ablation.report.html.charts.parallel import Strand, parallel_chart
+from graphnav.ablation.report.html.charts.profiles import Steps, profile_chart
 from graphnav.ablation.report.html.charts.whiskers import PANELS, Mark, Panel, whisker_chart
 
 __all__ = [
@@ -12,7 +14,11 @@ __all__ = [
     "Panel",
     "Point",
     "Series",
+    "Steps",
+    "Strand",
     "line_chart",
+    "parallel_chart",
+    "profile_chart",
     "stacked_bars",
     "whisker_chart",
 ]

@@ -8,11 +8,10 @@ from graphnav.ablation.report.html.number_text import counted
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections.forest_plot import chart_key, forest
 from graphnav.ablation.report.html.sections.headline import headline, verdicts
-from graphnav.ablation.report.html.sections.parameter_sweeps import deciding_sweeps
+from graphnav.ablation.report.html.sections.plots import deciding_sweeps
 from graphnav.ablation.report.html.sections.variant_lists import reference_values, variants_by_verdict
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.legend import worlds_of_graphs
-from graphnav.ablation.results import MIN_WORLDS
+from graphnav.ablation.report.legend import too_few_worlds, worlds_of_graphs
 
 
 def overview(study: StudyResults) -> Markup:
@@ -38,7 +37,7 @@ def overview(study: StudyResults) -> Markup:
         verdicts=verdicts_drawn,
         references=references,
         setup=_setup(study),
-        too_few=_too_few(study.n_seeds),
+        too_few=too_few_worlds(study.plan, study.comparison),
         charts=charts,
     )
 
@@ -59,10 +58,8 @@ def _setup(study: StudyResults) -> list[tuple[str, str]]:
 
 def _deciding(study: StudyResults) -> str:
     metric, plan = study.deciding, study.plan
-    return f"{plan.label(metric)}, {plan.better(metric)} is better" if metric else "no metric"
-
-
-def _too_few(n: int) -> str:
-    if n == 1:
-        return "One world: no interval means anything, and no difference does."
-    return f"{n} worlds are too few to call a difference one: that takes {MIN_WORLDS}." if n < MIN_WORLDS else ""
+    if not metric:
+        return "no metric"
+    smallest = plan.min_difference(metric)
+    matters = f", differences matter from {smallest:g}" if smallest else ""
+    return f"{plan.label(metric)}, {plan.better(metric)} is better{matters}"

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from graphnav.ablation.report.html.charts import PANELS, Mark, Panel, whisker_chart
-from graphnav.ablation.report.html.number_text import estimated
+from graphnav.ablation.report.html.number_text import estimate_text
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import badge_of
@@ -73,9 +73,7 @@ def _mark(study: StudyResults, row: Row, metric: str, *, with_worlds: bool) -> M
     if found is None:
         return missing_reason(row)
     verdict = verdict_of(row, metric, study.plan.better(metric))
-    title = (
-        f"{row.case.variant}: {estimated(found.mean, found.low, found.high)} over {found.n} worlds, {WORDS[verdict]}"
-    )
+    title = f"{row.case.variant}: {estimate_text(found)} over {found.n} worlds, {WORDS[verdict]}"
     points: list[tuple[float, str]] = []
     if with_worlds:
         case = row.case
@@ -103,5 +101,6 @@ def chart_key(*, with_worlds: bool = False) -> Markup:
     ]  # fmt: skip
     shown = [{"look": look, "text": text, "is_oracle": "oracle" in look} for look, text in kinds]
     rest = "Whiskers: 95 % intervals. Dashed: the base."
-    rest += " Small dots: worlds, red where the robot touched something." if with_worlds else ""
+    if with_worlds:
+        rest += " Small dots: worlds, red where the robot touched something. Only what decides is tested and coloured."
     return rendered("chart_key.html", kinds=shown, rest=rest)

@@ -1,4 +1,4 @@
-"""The answer in a sentence, derived from the intervals alone."""
+"""The answer in a sentence, derived from the verdicts alone."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from graphnav.ablation.report.html.number_text import counted, estimated, means_text
+from graphnav.ablation.report.html.number_text import counted, estimate_text, estimated, means_text
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections.forest_plot import missing_reason
 from graphnav.ablation.report.html.study_results import StudyResults
@@ -74,6 +74,8 @@ def _clauses(study: StudyResults, found: Found, rivals: Sequence[str]) -> list[_
         clauses.append(_statement(sides["better"], "better"))
     if sides["mixed"]:
         clauses.append(_statement(sides["mixed"], f"better on some {_places(study)} and worse on others"))
+    if found and all(verdict == "unknown" for verdict, _ in found.values()):
+        return [_Clause(f"There are too few worlds to tell the {len(rivals)} others apart")]
     if rivals and not clauses:
         clauses.append(_Clause(f"None of the {len(rivals)} others is better"))
     n = len(sides["worse"])
@@ -106,9 +108,10 @@ def _rival(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> _Riv
         "better": "better than the base",
         "worse": "worse than the base",
         "different": "different from the base",
+        "small": "smaller than what matters",
         "unclear": f"no difference that {counted(difference.n, 'world')} can tell",
     }.get(verdict, f"{counted(difference.n, 'world')} cannot tell")
-    value = estimated(estimate.mean, estimate.low, estimate.high)
+    value = estimate_text(estimate)
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
     return _Rival(row.case.variant, where, "", value, change, words)
 
@@ -119,9 +122,7 @@ def _everywhere(study: StudyResults, metric: str) -> str:
     found = {graph: of for graph in graphs if (of := study.estimate(graph, base, metric)) is not None}
     if len(found) > _MAX_NAMES:
         return f"{means_text([of.mean for of in found.values()])} on {len(found)} {_places(study)}"
-    values = [
-        estimated(of.mean, of.low, of.high) + (f" on {graph}" if len(graphs) > 1 else "") for graph, of in found.items()
-    ]
+    values = [estimate_text(of) + (f" on {graph}" if len(graphs) > 1 else "") for graph, of in found.items()]
     return ", ".join(values) or "in no run yet"
 
 

@@ -6,20 +6,20 @@ from markupsafe import Markup
 
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.legend import INTERVALS, counting, worlds_of_graphs
-from graphnav.ablation.results import MIN_WORLDS
+from graphnav.ablation.report.legend import INTERVALS, TESTS, counting, deciding, worlds_of_graphs
 
 _MEANING = """\
 A world is a seed: map, start, textures and noise are drawn from it, and every variant meets the same ones.
 
-Differences are paired: this variant minus the base in the same world. A variant is called better or worse only where
-the interval of that difference leaves out 0, over {min_n} worlds or more. An interval that holds 0 does not say that
-two are equal: it says how far apart they may be.
+Differences are paired: this variant minus the base in the same world. An interval that holds 0 does not say that two
+are equal: it says how far apart they may be.
 
-Of {n} comparisons with the base, about {chance} leave out 0 by chance alone.
+All comparisons of a graph with the base by what decides are one family, under each condition: of tables in which
+nothing differs, at most one in twenty calls any variant better or worse.
 
 A baseline lacks what a method claims to need: where a method does not beat it, that is not needed there, or the worlds
-test nothing. An oracle sees the truth: it bounds what methods can reach."""
+test nothing. An oracle sees the truth: it shows what its part
+leaves to gain. It is not a bound: what it is part of may fail where another method arrives."""
 
 
 def reproduce(study: StudyResults) -> Markup:
@@ -42,6 +42,6 @@ def reproduce(study: StudyResults) -> Markup:
 
 
 def _meaning(study: StudyResults) -> list[str]:
-    n = sum(1 for row in study.comparison.rows if row.differences and not row.case.same_as)
-    own = _MEANING.format(min_n=MIN_WORLDS, n=n, chance=f"{0.05 * n:.1f}").split("\n\n")
-    return [own[0], INTERVALS, *own[1:], counting(study.plan, study.metrics)]
+    worlds, *rest = _MEANING.split("\n\n")
+    decides = deciding(study.plan, study.comparison.primary, "called better or worse")
+    return [worlds, INTERVALS, decides, TESTS, *rest, counting(study.plan, study.metrics), *study.notes]

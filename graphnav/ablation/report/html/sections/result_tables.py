@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from graphnav.ablation.report.html.number_text import counted, estimated
+from graphnav.ablation.report.html.number_text import counted, estimate_text, estimated
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import OUTCOMES, badge_of
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.report.legend import OWN_FRAMES
-from graphnav.ablation.results import Row
+from graphnav.ablation.report.number_format import TOO_SMALL, p_text
+from graphnav.ablation.results import Difference, Row
+from graphnav.stage import Better
 
 _MAX_OPEN = 40
 """Longer tables are folded."""
@@ -28,7 +30,8 @@ class _Cell:
     n: int | None = None
     change: str = ""
     verdict: Verdict | None = None
-    worlds: str = ""
+    details: Sequence[str] = ()
+    """In how many worlds it was better, the chance to be, and the p-values of what decides."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +79,21 @@ def _cell(study: StudyResults, row: Row, metric: str) -> _Cell:
     estimate, difference = row.estimates.get(metric), row.differences.get(metric)
     if estimate is None:
         return _Cell()
-    value, _, interval = estimated(estimate.mean, estimate.low, estimate.high).partition(" ")
+    value, _, interval = estimate_text(estimate).partition(" ")
     n = None if estimate.n >= row.runs else estimate.n
     if difference is None:
         return _Cell(value, interval, n, OWN_FRAMES if metric in row.own_frames else "")
     change = estimated(difference.mean, difference.low, difference.high, signed=True)
-    more, less = ("higher", "lower") if study.plan.better(metric) == "neither" else ("won", "lost")
-    worlds = f"{more} {difference.won}, {less} {difference.lost} of {difference.n}"
-    return _Cell(value, interval, n, change, verdict_of(row, metric, study.plan.better(metric)), worlds)
+    better = study.plan.better(metric)
+    return _Cell(value, interval, n, change, verdict_of(row, metric, better), list(_details(difference, better)))
+
+
+def _details(found: Difference, better: Better) -> Iterator[str]:
+    names = ("higher", "alike", "lower") if better == "neither" else ("won", "tied", "lost")
+    worlds = zip(names, (found.won, found.tied, found.lost), strict=True)
+    yield ", ".join(f"{name} {n}" for name, n in worlds) + f" of {found.n}"
+    chance = found.probability_better
+    yield f"{'higher' if better == 'neither' else 'better'} with {estimated(chance.mean, chance.low, chance.high)}"
+    if found.significance is not None:
+        small = f", {TOO_SMALL}" if found.is_significant and not found.matters else ""
+        yield f"{p_text(found.p)}, in its family {p_text(found.significance.p_holm)}{small}"

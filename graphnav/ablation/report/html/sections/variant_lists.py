@@ -20,6 +20,7 @@ _MAX_NAMED = 6
 _MAX_CHECKS = 3
 _MAX_INTERVALS = 8
 """Of more differences the means stand alone; the chart and the tables have the intervals."""
+_UNBEATEN: frozenset[Verdict] = frozenset({"better", "small", "unclear"})
 _ROLES: tuple[Role, ...] = ("baseline", "oracle")
 
 
@@ -54,6 +55,7 @@ def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Marku
     """Return three lists of methods, each with its difference from the base on the graphs where that holds."""
     titles: dict[Verdict, str] = {
         "better": "Better than the base",
+        "small": "Smaller than what matters",
         "unclear": f"No difference that {counted(study.n_seeds, 'world')} can tell",
         "worse": "Worse than the base",
         "different": "Different from the base",
@@ -63,7 +65,7 @@ def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Marku
     lists = []
     for verdict, title in titles.items() if found else ():
         entries = list(_entries(study, metric, found, verdict, is_brief=is_brief))
-        if entries or verdict not in {"different", "unknown"}:
+        if entries or verdict in {"better", "unclear", "worse"}:
             lists.append(_first(verdict, title, entries))
     return rendered("verdicts.html", lists=[*lists, *_unbeaten(study, metric)])
 
@@ -71,7 +73,7 @@ def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Marku
 def _unbeaten(study: StudyResults, metric: str) -> Iterator[_Variants]:
     """Yield the baselines that the base does not clearly beat: what they lack may not be needed."""
     found = verdicts(study, metric, "baseline")
-    kept: Found = {key: ("unclear", row) for key, (verdict, row) in found.items() if verdict in {"better", "unclear"}}
+    kept: Found = {key: ("unclear", row) for key, (verdict, row) in found.items() if verdict in _UNBEATEN}
     entries = list(_entries(study, metric, kept, "unclear", is_brief=len(kept) > _MAX_INTERVALS))
     if entries:
         yield _first("baseline", "Baselines that the base does not beat", entries)

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from graphnav.ablation.report.html.charts.scale import scale_of, wide_scale_of
 from graphnav.ablation.report.html.number_text import MINUS, estimated, means_text, number
-from graphnav.ablation.report.html.sections.parameter_sweeps import axis_numbers
+from graphnav.ablation.report.html.sections.plots.parameter_sweeps import axis_numbers
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
 from graphnav.ablation.results.comparison import Difference, Row
+from graphnav.ablation.results.statistics.hypothesis_tests import Significance
 from graphnav.stage import Better, Role
 
 from .example_study import Page, plan_of, record_of, records_of, report
@@ -117,7 +118,7 @@ def test_a_crossed_axis_has_a_line_for_each_choice_of_the_other(tmp_path: Path) 
         (-0.3, -0.1, 20, "lower", "better"),
         (-0.1, 0.3, 20, "higher", "unclear"),
         (0.0, 0.3, 20, "higher", "unclear"),
-        (0.1, 0.3, 2, "higher", "unclear"),
+        (0.1, 0.3, 2, "higher", "unknown"),
         (math.nan, math.nan, 1, "higher", "unknown"),
     ],
 )
@@ -126,5 +127,26 @@ def test_only_a_clear_difference_is_called_one(
 ) -> None:
     case = plan_of({"ica": "method", "affine": "method"}).cases[1]
     mean = 0.0 if math.isnan(low) else (low + high) / 2
-    row = Row(case, n, {}, {}, {}, {"drive.spl": Difference(mean, low, high, n, 0, 0)}, {})
+    found = Difference(mean, low, high, n, 0, 0, significance=Significance(0.04, 1))
+    row = Row(case, n, {}, {}, {}, {"drive.spl": found}, {})
     assert verdict_of(row, "drive.spl", better) == expected
+
+
+@pytest.mark.parametrize(
+    ("significance", "min_difference", "expected"),
+    [
+        (Significance(0.05, 17), 0.2, "better"),
+        (Significance(0.051, 17), 0.2, "unclear"),
+        (Significance(0.05, 17), 0.201, "small"),
+        (Significance(0.051, 17), 0.201, "unclear"),
+        (Significance(0.05, 2**20), 0.0, "unknown"),
+        (None, 0.0, "untested"),
+    ],
+)
+def test_a_difference_counts_in_its_family_and_where_it_matters(
+    significance: Significance | None, min_difference: float, expected: Verdict
+) -> None:
+    case = plan_of({"ica": "method", "affine": "method"}).cases[1]
+    found = Difference(0.2, 0.1, 0.3, 20, 15, 0, 0.001, min_difference, significance)
+    row = Row(case, 20, {}, {}, {}, {"drive.spl": found}, {})
+    assert verdict_of(row, "drive.spl", "higher") == expected

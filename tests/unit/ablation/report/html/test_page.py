@@ -138,12 +138,12 @@ def test_a_single_variant_is_told_without_rivals(tmp_path: Path) -> None:
 
 def test_one_world_has_no_intervals(tmp_path: Path) -> None:
     plan = plan_of(ROLES, seeds=[3])
-    assert "One world: no interval means anything" in page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "1 world cannot separate 4 variants from the base" in page(plan, records_of(plan, SHARES), tmp_path).text
 
 
 def test_few_worlds_are_said_to_be_few(tmp_path: Path) -> None:
     plan = plan_of(ROLES, seeds=[3, 4])
-    assert "2 worlds are too few" in page(plan, records_of(plan, SHARES), tmp_path).text
+    assert "2 worlds cannot separate 4 variants from the base" in page(plan, records_of(plan, SHARES), tmp_path).text
 
 
 def test_runs_without_scores_have_a_report(tmp_path: Path) -> None:

@@ -6,7 +6,9 @@ from markupsafe import Markup
 
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections.forest_plot import chart_key, forest
-from graphnav.ablation.report.html.sections.parameter_sweeps import sweeps
+from graphnav.ablation.report.html.sections.plots.axis_coordinates import axis_coordinates
+from graphnav.ablation.report.html.sections.plots.parameter_sweeps import sweeps
+from graphnav.ablation.report.html.sections.plots.performance_profiles import profiles
 from graphnav.ablation.report.html.study_results import StudyResults
 
 _MAX_METRICS = 8
@@ -14,11 +16,13 @@ _OPEN = 3
 
 
 def plots(study: StudyResults) -> Markup:
-    """Return the lines over numeric axes, then dots with every world; the first few open."""
+    """Return the lines over numeric axes, all axes together, profiles, then dots with every world."""
     metrics = [name for name in study.metrics[: 1 + _MAX_METRICS] if _has_worlds(study, name)]
     return rendered(
         "metric_plots.html",
         sweeps=sweeps(study),
+        coordinates=axis_coordinates(study),
+        profiles=profiles(study),
         key=chart_key(with_worlds=True) if metrics else "",
         charts=[(metric, forest(study, metric, with_worlds=True)) for metric in metrics],
         n_open=_OPEN,

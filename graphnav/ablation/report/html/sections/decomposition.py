@@ -1,0 +1,28 @@
+"""Where a drive is lost: each stage swapped for its oracle."""
+
+from __future__ import annotations
+
+import base64
+
+from markupsafe import Markup
+
+from graphnav.ablation.report.decomposition_chart import decomposition_picture
+from graphnav.ablation.report.decomposition_text import HEADER, heading, notes, rows, sentences
+from graphnav.ablation.report.html.render import rendered
+from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.results import losses
+
+
+def decomposition(study: StudyResults) -> Markup:
+    """Return the chart and the tables of a decomposed study; nothing for other studies."""
+    found = losses(study.plan, study.records)
+    if not found:
+        return Markup("")
+    return rendered(
+        "decomposition.html",
+        chart=base64.b64encode(decomposition_picture(found, "svg")).decode("ascii"),
+        answers=[" ".join(sentences(study.plan, of)) for of in found],
+        notes=list(notes(study.plan, found)),
+        header=HEADER,
+        tables=[(heading(of), list(rows(of))) for of in found],
+    )

@@ -1,0 +1,88 @@
+"""About how many worlds a study would need to tell a difference of the size that it found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from statistics import NormalDist
+
+import numpy as np
+
+from graphnav.ablation.plan import Plan
+from graphnav.ablation.results.comparison import Comparison, Difference
+from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
+from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.results.statistics import min_worlds
+from graphnav.arrays import Doubles
+
+LEVEL = 0.05
+"""Share of false alarms of one comparison, both sides."""
+POWER = 0.8
+"""Share of studies of that many worlds which would find the difference clear."""
+MAX_WORLDS = 10_000
+"""A difference that needs more is practically none."""
+
+
+def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -> int | None:
+    """Return the number of worlds at which 4 of 5 studies would find a difference of this mean and spread clear.
+
+    ``differences``: paired, one a world, at least two. ``binary``: whether they are of a metric that is 0 or 1, so that
+    the share of worlds that differ gives the spread under no difference, as for McNemar's test [Connor]; else by the
+    formula of the t test [Guenther]. ``comparisons`` share the level. None where the mean is 0,
+    or more than `MAX_WORLDS` are needed.
+
+    References
+    ----------
+    .. [Connor] R. J. Connor, Sample Size for Testing Differences in Proportions for the Paired-Sample Design,
+       Biometrics 43(1), 1987.
+    .. [Guenther] W. C. Guenther, Sample Size Formulas for Normal Theory T Tests, The American Statistician 35(4), 1981.
+    """
+    mean = abs(float(differences.mean()))
+    if mean == 0:
+        return None
+    level, power = NormalDist().inv_cdf(1 - LEVEL / comparisons / 2), NormalDist().inv_cdf(POWER)
+    if binary:
+        discordant = float(np.count_nonzero(differences)) / differences.size
+        spread = level * math.sqrt(discordant) + power * math.sqrt(discordant - mean**2)
+        worlds = (spread / mean) ** 2
+    else:
+        worlds = ((level + power) * float(differences.std(ddof=1)) / mean) ** 2 + level**2 / 2
+    return max(math.ceil(worlds), min_worlds(comparisons)) if worlds <= MAX_WORLDS else None
+
+
+def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Record]) -> Iterator[str]:
+    """Yield a sentence for each variant that the metric that decides does not tell from the base."""
+    ordered = in_plan_order(plan, records)
+    column = next(iter(table_metrics(plan, ordered)), None)
+    if column is None:
+        return
+    runs: dict[tuple[str, str], list[Record]] = {}
+    for record in ordered:
+        runs.setdefault((record.graph, record.variant), []).append(record)
+    values = {key: values_of(plan, column, found) for key, found in runs.items()}
+    binary = is_binary(plan, column, values.values())
+    for graph in plan.graphs:
+        rows = [row for row in comparison.of_graph(graph) if column.text in row.differences and not row.case.same_as]
+        base = next(case.variant for case in plan.cases if case.graph == graph and case.is_base)
+        for row in rows:
+            found = row.differences[column.text]
+            if found.is_clear or found.n < 2:
+                continue
+            differences = _paired(values[graph, row.case.variant], values[graph, base])
+            needed = worlds_needed(differences, binary=binary, comparisons=len(rows))
+            state = f"{graph}, {row.case.variant}: {column.text} is not clear after {found.n} worlds"
+            yield f"{state}; {_needs(needed, found)}"
+
+
+def _needs(worlds: int | None, found: Difference) -> str:
+    if found.mean == 0:
+        return "they show no difference"
+    if not found.matters:
+        return f"the difference is smaller than {found.min_difference:g}, the smallest that matters"
+    if worlds is None:
+        return f"a difference this small needs more than {MAX_WORLDS}"
+    return f"a difference of this size would be clear in 4 of 5 studies of about {worlds}"
+
+
+def _paired(values: Values, base: Values) -> Doubles:
+    return np.array([value - base[seed] for seed, value in values.items() if seed in base])

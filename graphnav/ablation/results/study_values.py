@@ -1,0 +1,104 @@
+"""The metrics of all runs of a study, by case and world."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from graphnav.ablation.plan import Case, Plan
+from graphnav.ablation.results.comparison import Difference, Estimate
+from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
+from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.results.statistics import EXACT_BELOW, difference_interval, mean_interval, p_value
+from graphnav.stage import Better
+
+CaseKey = tuple[str, str]
+"""Graph and variant."""
+
+
+@dataclass(frozen=True)
+class StudyValues:
+    """The columns of a study's table: the value of every world, for every case."""
+
+    plan: Plan
+    metrics: tuple[str, ...]
+    runs: Mapping[CaseKey, Sequence[Record]]
+    values: Mapping[CaseKey, Mapping[str, Values]]
+    binary: frozenset[str]
+    """Metrics that are 0 or 1 in every run."""
+
+    @classmethod
+    def of(cls, plan: Plan, records: Iterable[Record]) -> StudyValues:
+        """Return the columns of the plan's metrics, or of all metrics where it names none."""
+        ordered = in_plan_order(plan, records)
+        metrics = table_metrics(plan, ordered)
+        runs: dict[CaseKey, list[Record]] = {key_of(case): [] for case in plan.cases}
+        for record in ordered:
+            runs[record.graph, record.variant].append(record)
+        values = {key: {metric.text: values_of(plan, metric, of) for metric in metrics} for key, of in runs.items()}
+        binary = (m.text for m in metrics if is_binary(plan, m, (found[m.text] for found in values.values())))
+        return cls(plan, tuple(metric.text for metric in metrics), runs, values, frozenset(binary))
+
+    @property
+    def primary(self) -> str | None:
+        """The metric that decides: the first that any run has."""
+        return next((name for name in self.metrics if any(found[name] for found in self.values.values())), None)
+
+    def estimate(self, key: CaseKey, metric: str) -> Estimate | None:
+        """Return the mean of a case, None where no run has the metric; its interval ends at the metric's bounds."""
+        values = self.values[key][metric]
+        found = estimate(values, is_binary=metric in self.binary) if values else None
+        span = self.plan.metric(metric).span
+        if found is None or span is None:
+            return found
+        return replace(found, low=float(np.clip(found.low, *span)), high=float(np.clip(found.high, *span)))
+
+    def difference(self, key: CaseKey, base: CaseKey, metric: str) -> Difference | None:
+        """Return how a case differs from another one in the worlds that both have.
+
+        None if they share none, or met frames of their own that the metric depends on.
+        """
+        if not self.are_comparable(key, base, metric):
+            return None
+        return difference(
+            self.values[key][metric],
+            self.values[base][metric],
+            self.plan.better(metric),
+            is_binary=metric in self.binary,
+            min_difference=self.plan.min_difference(metric),
+        )
+
+    def are_comparable(self, key: CaseKey, base: CaseKey, metric: str) -> bool:
+        """Return whether two cases may be compared by a metric."""
+        return self.plan.are_comparable(self.plan.case(*key), self.plan.case(*base), metric)
+
+
+def key_of(case: Case) -> CaseKey:
+    """Return the graph and the variant of a case."""
+    return case.graph, case.variant
+
+
+def estimate(values: Values, *, is_binary: bool) -> Estimate:
+    """Return the mean of at least one world with its interval."""
+    array = np.array(list(values.values()))
+    is_approximate = not is_binary and 1 < array.size < EXACT_BELOW
+    return Estimate(
+        float(array.mean()), *mean_interval(array, is_binary=is_binary), array.size, is_approximate=is_approximate
+    )
+
+
+def difference(
+    values: Values, base: Values, better: Better, *, is_binary: bool, min_difference: float = 0.0
+) -> Difference | None:
+    """Return how ``values`` differ from ``base`` in the worlds that both have; None if they share none."""
+    seeds = [seed for seed in values if seed in base]
+    if not seeds:
+        return None
+    this, that = (np.array([column[seed] for seed in seeds]) for column in (values, base))
+    more, less = int(np.count_nonzero(this > that)), int(np.count_nonzero(this < that))
+    won, lost = (less, more) if better == "lower" else (more, less)
+    interval = difference_interval(this, that, is_binary=is_binary)
+    p = p_value(this, that, is_binary=is_binary)
+    return Difference(float((this - that).mean()), *interval, len(seeds), won, lost, p, min_difference)

@@ -1,0 +1,122 @@
+"""Which worlds a study needs next, given the results so far."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphnav.ablation.plan import Case, Job, Plan
+from graphnav.ablation.results import Record, Values, values_of
+from graphnav.ablation.stopping.e_process import e_process, holm
+from graphnav.ablation.study import MetricExpression
+from graphnav.arrays import Doubles
+from graphnav.errors import GraphnavError, UserError
+
+ROUND = 5
+"""Worlds that are added at once."""
+LEVEL = 0.05
+"""Probability of any false decision on the variants of a graph, at any time."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """The state of a variant's comparison with its base."""
+
+    case: Case
+    worlds: int
+    """The number of worlds after which it was decided, or that there were without a decision."""
+    is_clear: bool
+
+
+def check_stopping(plan: Plan) -> None:
+    """Raise UserError unless the metric that decides has bounds, which the rule needs."""
+    if not plan.metrics:
+        raise UserError.of("--until-clear: the study names no metric to decide by", "add --metrics drive.success")
+    column = MetricExpression.parse(plan.metrics[0])
+    if column.operator or plan.metric(column.text).span is None:
+        bounded = [name for name, metric in plan.declared.items() if metric.span is not None]
+        known = f"metrics with bounds are {', '.join(bounded)}" if bounded else "no stage declares one"
+        what = f"--until-clear: '{column.text}' decides, and its stage declares no bounds"
+        raise UserError.of(what, f"{known}; name one first in --metrics")
+
+
+def jobs_of_next_round(plan: Plan, records: Sequence[Record], is_made: Callable[[Job], bool]) -> list[Job]:
+    """Return the next runs of a study that is stopped by its results; none where every graph is decided.
+
+    The base and every undecided variant of a graph get `ROUND` more of its seeds, in their order. What is decided
+    depends on the results of these worlds only, not on the order or the number of processes in which they are made.
+    """
+    return [job for graph in plan.graphs for job in _next_of_graph(plan, graph, records, is_made)]
+
+
+def decisions(plan: Plan, graph: str, records: Sequence[Record]) -> list[Decision]:
+    """Return the state of each variant of a graph after the rounds that are complete."""
+    made = {(record.graph, record.variant, record.seed) for record in records}
+    return _Graph(plan, graph, records).decided(lambda job: (graph, job.case.variant, job.seed) in made)[0]
+
+
+def _next_of_graph(plan: Plan, graph: str, records: Sequence[Record], is_made: Callable[[Job], bool]) -> list[Job]:
+    return _Graph(plan, graph, records).decided(is_made)[1]
+
+
+class _Graph:
+    """The cases of a graph and their results."""
+
+    def __init__(self, plan: Plan, graph: str, records: Sequence[Record]) -> None:
+        own = [case for case in plan.cases if case.graph == graph and not case.same_as]
+        self.base = next(case for case in own if case.is_base)
+        self.others = [case for case in own if not case.is_base]
+        self.seeds = plan.seeds_of(self.base)
+        self._values = {case.variant: _values(plan, case, records) for case in own}
+
+    def decided(self, is_made: Callable[[Job], bool]) -> tuple[list[Decision], list[Job]]:
+        """Return the decisions after the last complete round, and the missing runs of the next one."""
+        found: dict[str, int] = {}
+        before = 0
+        for worlds in _rounds(len(self.seeds)):
+            active = [self.base, *(case for case in self.others if case.variant not in found)]
+            missing = [Job(case, seed) for seed in self.seeds[:worlds] for case in active]
+            if jobs := [job for job in missing if not is_made(job)]:
+                return self._decisions(found, before), jobs
+            clear = self._clear({case.variant: found.get(case.variant, worlds) for case in self.others})
+            found |= {variant: worlds for variant in sorted(clear) if variant not in found}
+            before = worlds
+            if len(found) == len(self.others):
+                break
+        return self._decisions(found, before), []
+
+    def _decisions(self, found: dict[str, int], worlds: int) -> list[Decision]:
+        return [Decision(case, found.get(case.variant, worlds), is_clear=case.variant in found) for case in self.others]
+
+    def _clear(self, worlds: dict[str, int]) -> set[str]:
+        """Return the variants that are told from the base by their first worlds."""
+        p_values = {}
+        for variant, number in worlds.items():
+            evidence = e_process(self._differences(variant, self.seeds[:number]))
+            p_values[variant] = 1 / max(1.0, float(evidence.max(initial=0.0)))
+        return holm(p_values, LEVEL)
+
+    def _differences(self, variant: str, seeds: Sequence[int]) -> Doubles:
+        own, base = self._values[variant], self._values[self.base.variant]
+        return np.array([own[seed] - base[seed] for seed in seeds if seed in own and seed in base])
+
+
+def _rounds(n_worlds: int) -> Iterator[int]:
+    """Yield the number of worlds after each round."""
+    yield from range(ROUND, n_worlds, ROUND)
+    yield n_worlds
+
+
+def _values(plan: Plan, case: Case, records: Sequence[Record]) -> Values:
+    """Return the deciding metric of a case by seed, scaled to 0 to 1; raises GraphnavError outside of it."""
+    column = MetricExpression.parse(plan.metrics[0])
+    runs = (record for record in records if (record.graph, record.variant) == (case.graph, case.variant))
+    low, high = plan.metric(column.text).span or (0.0, 1.0)
+    values = values_of(plan, column, runs)
+    for seed, value in values.items():
+        if not low <= value <= high:
+            what = f"{case.graph}, {case.variant}, seed {seed}: {column.text} is {value:g}, outside of its bounds"
+            raise GraphnavError(f"{what} {low:g} to {high:g}\n  correct the bounds that its stage declares")
+    return {seed: (value - low) / (high - low) for seed, value in values.items()}

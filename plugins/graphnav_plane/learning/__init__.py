@@ -1,0 +1,1 @@
+"""The learned detector: what it looks at, the network, and its file."""

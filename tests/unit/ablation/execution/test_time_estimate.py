@@ -1,0 +1,62 @@
+"""The core-hours of a study before it starts, an upper bound."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from graphnav.ablation.execution import TaskFactory, TimeEstimate, estimate_time, local_workers
+from graphnav.ablation.plan import CheckedStudy, check_study
+from graphnav.ablation.results import Record
+from graphnav.ablation.study import parse_varies, study_of_command
+from graphnav.catalog import Catalog
+from graphnav.graph import parse_override
+
+
+@pytest.fixture
+def checked(study: Any) -> CheckedStudy:
+    catalog = Catalog()
+    catalog.add_file(Path(study.plugin))
+    varies = parse_varies(["robot.odd=fine,contact"], [])
+    overrides = [parse_override("robot.times=100")]
+    asked = study_of_command(["toy"], varies=varies, overrides=overrides, seeds="0:10")
+    return check_study(asked, catalog, "", [Path(study.plugin)])
+
+
+def estimate(checked: CheckedStudy, records: list[Record], scratch: Path) -> TimeEstimate:
+    with local_workers(1, scratch) as workers:
+        return estimate_time(list(checked.plan.jobs), records, TaskFactory(checked), workers)
+
+
+def test_existing_runs_tell_the_pace(checked: CheckedStudy, make_record: Any, tmp_path: Path) -> None:
+    """0.1 s of wall time for 0.9 simulated seconds, 20 runs of at most 5 s."""
+    found = estimate(checked, [make_record("robot.odd=fine", 0, graph="toy")], tmp_path)
+    assert (found.n_runs, found.n_unknown) == (20, 0)
+    assert found.core_s == pytest.approx(20 * 5 * 0.1 / 0.9)
+
+
+def test_else_a_short_run_does(checked: CheckedStudy, tmp_path: Path) -> None:
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    found = estimate(checked, [], scratch)
+    assert (found.n_runs, found.n_unknown) == (20, 0)
+    assert found.core_s > 0
+    assert list(scratch.iterdir()) == [], "nothing of it is kept"
+
+
+def test_a_large_study_says_it_and_a_small_one_does_not(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert study.run("--set", "run.until_s=0.3", seeds="0:51") == 0
+    said = capsys.readouterr().out
+    assert re.search(
+        r"^102 runs, 1 at once: at most \S+ core-hours \(\S+ \S+\) if each lasts until its", said, re.MULTILINE
+    )
+    assert study.run("--set", "run.until_s=0.3", seeds="0:52") == 0
+    assert "core-hours" not in capsys.readouterr().out
+
+
+def test_runs_without_a_limit_have_no_bound(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert study.run("--set", "run.until_s=null", seeds="0:51") == 0
+    assert "102 runs, 1 at once; they have no time limit" in capsys.readouterr().out

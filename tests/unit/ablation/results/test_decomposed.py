@@ -1,0 +1,120 @@
+"""Each oracle adds something alone, and behind those before it."""
+
+import dataclasses
+from collections.abc import Callable, Mapping
+
+import pytest
+
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.report.decomposition_chart import decomposition_picture
+from graphnav.ablation.report.decomposition_text import notes, rows, sentences
+from graphnav.ablation.results import Losses, losses
+from graphnav.ablation.results.records import Record
+from graphnav.ablation.study.study import Decomposition
+from graphnav.stage import Metric
+
+MakePlan = Callable[..., Plan]
+MakeRecord = Callable[..., Record]
+
+SPL: Mapping[str, tuple[float, ...]] = {
+    "none": (0.5, 0.6, 0.7),
+    "flow": (0.5, 0.7, 0.7),
+    "plane": (0.8, 0.8, 0.9),
+    "flow+plane": (0.7, 0.8, 0.9),
+}
+
+
+@pytest.fixture
+def plan(make_plan: MakePlan) -> Plan:
+    """Return the plan of a decomposition of two stages, in which a true plane leaves the flow unused."""
+    made = make_plan(tuple(SPL), metrics={"drive.spl": "higher"})
+    driving = {"none": ("flow", "plane"), "flow": ("flow", "plane"), "plane": ("plane",), "flow+plane": ("plane",)}
+    cases = tuple(dataclasses.replace(case, driving=driving[case.variant]) for case in made.cases)
+    oracles = Decomposition({"flow": "flow.truth", "plane": "plane.truth"}, has_common_drive=False)
+    return dataclasses.replace(made, cases=cases, decomposition=oracles)
+
+
+@pytest.fixture
+def found(plan: Plan, make_record: MakeRecord) -> Losses:
+    """Return what was lost where in three worlds."""
+    records = [
+        make_record(variant, seed, {"drive.spl": value})
+        for variant, values in SPL.items()
+        for seed, value in enumerate(values)
+    ]
+    (only,) = losses(plan, records)
+    return only
+
+
+def test_each_alone_is_compared_with_the_graph_as_it_is(found: Losses) -> None:
+    assert found.as_it_is.mean == pytest.approx(0.6)
+    gains = [swap.gain.mean for swap in found.single if swap.gain is not None]
+    assert gains == pytest.approx([0.1 / 3, 0.7 / 3])
+
+
+def test_each_step_is_compared_with_the_one_before(found: Losses) -> None:
+    assert [swap.stage for swap in found.cumulative] == ["flow", "plane"]
+    gains = [swap.gain.mean for swap in found.cumulative if swap.gain is not None]
+    assert gains == pytest.approx([0.1 / 3, 0.5 / 3])
+    last = found.cumulative[-1]
+    assert last.estimate is not None
+    assert found.as_it_is.mean + sum(gains) == pytest.approx(last.estimate.mean)
+
+
+def test_swaps_that_nothing_reads_are_told(plan: Plan, found: Losses) -> None:
+    assert [swap.unused for swap in found.cumulative] == [(), ("flow",)]
+    assert any("With the oracle of plane, flow no longer drives" in note for note in notes(plan, [found]))
+
+
+def test_the_sentence_names_the_largest_step(plan: Plan, found: Losses) -> None:
+    text = " ".join(sentences(plan, found))
+    assert text.startswith("drive.spl on corridor is 0.6")
+    assert "The largest step is that of plane, +0.17 [+0.02, +0.31]" in text
+    assert [cells[0] for cells in rows(found)] == ["nothing", "flow", "plane"]
+
+
+def test_a_step_without_runs_is_left_open(plan: Plan, make_record: MakeRecord) -> None:
+    records = [make_record("none", 0, {"drive.spl": 0.5}), make_record("flow", 0, {"drive.spl": 0.6})]
+    (partly,) = losses(plan, records)
+    assert [swap.estimate is None for swap in partly.cumulative] == [False, True]
+    assert decomposition_picture([partly]).startswith(b"\x89PNG")
+
+
+def test_other_studies_have_none(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    assert losses(make_plan(), [make_record("ica", 0, {"drive.spl": 1.0})]) == ()
+
+
+def test_the_picture_is_the_same_each_time(found: Losses) -> None:
+    assert decomposition_picture([found]) == decomposition_picture([found])
+    drawn = decomposition_picture([found], "svg").decode()
+    assert drawn == decomposition_picture([found], "svg").decode()
+    assert "+ flow" in drawn
+    assert "+0.167" in drawn
+
+
+def test_what_depends_on_frames_is_taken_on_the_common_drive(plan: Plan, make_record: MakeRecord) -> None:
+    auroc = Metric("auroc", help="Area.", better="higher", of_frames=True)
+    oracles = dataclasses.replace(plan.decomposition or Decomposition({}, has_common_drive=True), has_common_drive=True)
+    drives = {"corridor, own": "own drive", "corridor, oracle": "oracle's drive"}
+    cases = tuple(
+        dataclasses.replace(case, graph=graph, labels={"oracles": case.variant, "drive": label}, folder=f"{graph}/{n}")
+        for graph, label in drives.items()
+        for n, case in enumerate(plan.cases)
+    )
+    both = dataclasses.replace(
+        plan,
+        cases=cases,
+        graphs=tuple(drives),
+        metrics=("drive.spl", "sight.auroc"),
+        declared={**plan.declared, "sight.auroc": auroc},
+        decomposition=oracles,
+    )
+    values = {"corridor, own": 0.5, "corridor, oracle": 0.9}
+    records = [
+        make_record(variant, 0, {"drive.spl": value, "sight.auroc": value}, graph=graph)
+        for graph, value in values.items()
+        for variant in SPL
+    ]
+    spl, sight = losses(both, records)
+    assert (spl.is_common, spl.as_it_is.mean) == (False, 0.5)
+    assert (sight.is_common, sight.as_it_is.mean) == (True, 0.9)

@@ -1,0 +1,86 @@
+"""Metrics of the frames that a run meets are compared only where two variants drive alike."""
+
+import dataclasses
+import io
+from collections.abc import Callable
+
+import pytest
+from rich.console import Console
+
+from graphnav.ablation.plan import check_study
+from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.report.markdown import table_markdown
+from graphnav.ablation.report.terminal import print_comparison
+from graphnav.ablation.results import compare
+from graphnav.ablation.results.comparison import Comparison
+from graphnav.ablation.results.records import Record
+from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.study.vary import parse_varies
+from graphnav.catalog import Catalog
+from graphnav.errors import Problem
+from graphnav.stage import Metric
+
+MakePlan = Callable[..., Plan]
+MakeRecord = Callable[..., Record]
+CATALOG = Catalog()
+METRICS = ("drive.success", "sight.auroc")
+
+
+def drives(graph: str, *varies: str, within: tuple[str, ...] = ()) -> list[str]:
+    """Return whose drive each case has."""
+    problems: list[Problem] = []
+    axes = parse_varies(varies, problems)
+    study = study_of_command([graph], varies=axes, seeds="0:2", within=within, problems=problems)
+    return [case.drives_as for case in check_study(study, CATALOG, "graphnav ablate ...").plan.cases]
+
+
+@pytest.fixture
+def compared(make_plan: MakePlan, make_record: MakeRecord) -> tuple[Plan, Comparison]:
+    """Return a study of two variants that drive differently, and one that drives as the base does."""
+    auroc = Metric("auroc", help="Area.", better="higher", of_frames=True)
+    made = make_plan(("ica", "affine", "twin"), range(8), metrics=dict.fromkeys(METRICS, "higher"))
+    alike = {"ica": "ica", "affine": "affine", "twin": "ica"}
+    cases = tuple(dataclasses.replace(case, drives_as=alike[case.variant]) for case in made.cases)
+    plan = dataclasses.replace(made, cases=cases, declared={**made.declared, "sight.auroc": auroc})
+    values = {"ica": 0.5, "affine": 0.9, "twin": 0.8}
+    records = [
+        make_record(variant, seed, {"drive.success": 1.0, "sight.auroc": value + seed / 1000})
+        for variant, value in values.items()
+        for seed in range(8)
+    ]
+    return plan, compare(plan, records)
+
+
+def test_it_is_reported_but_not_compared(compared: tuple[Plan, Comparison]) -> None:
+    _, (base, affine, twin) = compared[0], compared[1].rows
+    assert affine.estimates["sight.auroc"].n == 8
+    assert set(affine.differences) == {"drive.success"}
+    assert set(twin.differences) == set(METRICS)
+    assert [sorted(row.own_frames) for row in (base, affine, twin)] == [[], ["sight.auroc"], []]
+
+
+def test_tables_say_so(compared: tuple[Plan, Comparison]) -> None:
+    text = table_markdown(*compared)
+    assert text.count("| own frames |") == 1
+    assert "Own frames: the variant drives differently" in text
+    shown = io.StringIO()
+    print_comparison(Console(file=shown, width=300), compared[1], compared[0])
+    assert shown.getvalue().count("own frames") == 1
+
+
+def test_detectors_that_drive_meet_their_own_frames() -> None:
+    assert drives("corridor_ccw", "plane=plane.ica,plane.affine") == ["plane.ica", "plane.affine"]
+
+
+def test_detectors_on_one_drive_meet_the_same_frames() -> None:
+    assert drives("measure_detectors", "flow=flow.lucas_kanade,flow.dis") == ["flow.lucas_kanade"] * 2
+
+
+def test_a_drive_by_true_data_does_not_depend_on_what_the_camera_shows() -> None:
+    assert drives("measure_conditions", "robot.tilt_deg=75,35") == ["robot.tilt_deg=75"] * 2
+    assert drives("corridor_ccw", "robot.tilt_deg=75,35") == ["robot.tilt_deg=75", "robot.tilt_deg=35"]
+
+
+def test_each_condition_has_its_own_drives() -> None:
+    found = drives("corridor_ccw", "plane=plane.ica,plane.affine", "robot.tilt_deg=75,70", within=("robot.tilt_deg",))
+    assert found == ["plane.ica", "plane.affine"] * 2

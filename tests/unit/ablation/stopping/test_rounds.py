@@ -1,0 +1,101 @@
+"""Which worlds are added, and what is reported of a study that was stopped by its results."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import pytest
+
+from graphnav.ablation.plan.plan import Job, Plan
+from graphnav.ablation.results.records import Record
+from graphnav.ablation.stopping.rounds import check_stopping, decisions, jobs_of_next_round
+from graphnav.ablation.stopping.stopping_report import stopping_texts
+from graphnav.errors import GraphnavError, UserError
+
+MakePlan = Callable[..., Plan]
+MakeRecord = Callable[..., Record]
+Success = Callable[[str, int], bool]
+
+
+@pytest.fixture
+def plan(make_plan: MakePlan) -> Plan:
+    plan = make_plan(variants=("ica", "worse", "alike"), seeds=range(100, 123), metrics={"drive.success": "higher"})
+    return dataclasses.replace(plan, until_clear=True)
+
+
+def rounds_of(
+    plan: Plan, make_record: MakeRecord, succeeds: Success
+) -> tuple[list[Record], list[set[tuple[str, int]]]]:
+    """Return the runs of a study of which each round is made at once, and the rounds."""
+    records: list[Record] = []
+    rounds: list[set[tuple[str, int]]] = []
+
+    def is_made(job: Job) -> bool:
+        return any((record.variant, record.seed) == (job.case.variant, job.seed) for record in records)
+
+    while jobs := jobs_of_next_round(plan, records, is_made):
+        rounds.append({(job.case.variant, job.seed) for job in jobs})
+        records += [
+            make_record(variant, seed, {"drive.success": float(succeeds(variant, seed))})
+            for variant, seed in sorted(rounds[-1])
+        ]
+    return records, rounds
+
+
+def test_a_decided_variant_gets_no_more_worlds_and_the_others_all(plan: Plan, make_record: MakeRecord) -> None:
+    records, rounds = rounds_of(plan, make_record, lambda variant, _: variant != "worse")
+    assert rounds[0] == {(variant, seed) for variant in plan.variants for seed in range(100, 105)}
+    assert rounds[1] == {(variant, seed) for variant in plan.variants for seed in range(105, 110)}
+    assert rounds[2] == {(variant, seed) for variant in ("ica", "alike") for seed in range(110, 115)}
+    assert rounds[4] == {(variant, seed) for variant in ("ica", "alike") for seed in range(120, 123)}
+    assert len(rounds) == 5
+    said = list(stopping_texts(plan, records))
+    assert said[0].startswith("Stopped by --until-clear: 5 worlds at a time were added until drive.success")
+    assert said[1:] == [
+        "corridor, worse: drive.success is clear after 10 worlds",
+        "corridor, alike: drive.success is not clear after 23 worlds",
+    ]
+
+
+def test_it_ends_when_all_are_decided(plan: Plan, make_record: MakeRecord) -> None:
+    records, _ = rounds_of(plan, make_record, lambda variant, _: variant == "ica")
+    assert len(records) == 30
+    assert [(one.worlds, one.is_clear) for one in decisions(plan, "corridor", records)] == [(10, True), (10, True)]
+
+
+def test_what_is_there_is_not_asked_for_and_does_not_change_the_decision(plan: Plan, make_record: MakeRecord) -> None:
+    records = [
+        make_record(variant, seed, {"drive.success": float(variant == "ica" and seed < 110)})
+        for variant in plan.variants
+        for seed in plan.seeds
+    ]
+    assert jobs_of_next_round(plan, records, lambda _: True) == []
+    assert {one.worlds for one in decisions(plan, "corridor", records)} == {10}
+
+
+def test_a_round_that_is_not_complete_decides_nothing(plan: Plan, make_record: MakeRecord) -> None:
+    records, _ = rounds_of(plan, make_record, lambda variant, _: variant == "ica")
+    assert [one.worlds for one in decisions(plan, "corridor", records[:-1])] == [5, 5]
+    assert [one.is_clear for one in decisions(plan, "corridor", records[:-1])] == [False, False]
+
+
+def test_other_studies_say_nothing(plan: Plan) -> None:
+    assert list(stopping_texts(dataclasses.replace(plan, until_clear=False), [])) == []
+
+
+def test_a_metric_without_bounds_is_refused(plan: Plan) -> None:
+    check_stopping(plan)
+    with pytest.raises(UserError) as error:
+        check_stopping(dataclasses.replace(plan, metrics=("drive.path_length_m",)))
+    assert str(error.value) == (
+        "--until-clear: 'drive.path_length_m' decides, and its stage declares no bounds\n"
+        "  metrics with bounds are drive.success; name one first in --metrics"
+    )
+    with pytest.raises(UserError, match="names no metric to decide by"):
+        check_stopping(dataclasses.replace(plan, metrics=()))
+
+
+def test_a_value_outside_of_its_bounds_ends_the_study(plan: Plan, make_record: MakeRecord) -> None:
+    with pytest.raises(GraphnavError, match=r"corridor, alike, seed 100: drive\.success is 2, outside of its bounds 0"):
+        jobs_of_next_round(plan, [make_record("alike", 100, {"drive.success": 2.0})], lambda _: False)

@@ -1,0 +1,62 @@
+"""A study in MLflow: a run for each case, read back by MLflow itself."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from graphnav.cli import main
+
+TOYS = Path(__file__).parents[1] / "ablation" / "execution" / "toy_stages.py"
+GRAPH = "run: {until_s: 5}\nstages:\n  robot: {use: toy.walker}\n  drive: {use: toy.distance, in: {twist: robot}}\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the folder of a finished toy study."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", (tmp_path / "store").as_uri())
+    monkeypatch.setenv("MLFLOW_ALLOW_FILE_STORE", "true")
+    (tmp_path / "toy.yaml").write_text(GRAPH)
+    words = ["ablate", "toy", "--plugin", str(TOYS), "--vary", "robot.odd=fine,contact", "--seeds", "0:4", "-o", "out"]
+    assert main([*words, "-j", "1", "--gallery", "0"]) == 0
+    return tmp_path / "out"
+
+
+@pytest.mark.filterwarnings("default")  # of MLflow itself
+def test_every_case_is_a_run_with_parameters_metrics_and_tables(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tracking = pytest.importorskip("mlflow.tracking")
+    assert main(["ablate", "--report", "out", "--export", "mlflow"]) == 0
+    uri = (folder.parent / "store").as_uri()
+    assert f"mlflow: {uri}" in capsys.readouterr().out
+    client: Any = tracking.MlflowClient(uri)
+    runs = client.search_runs([client.get_experiment_by_name("toy").experiment_id])
+    found = {run.data.params["variant"]: run for run in runs}
+    assert found.keys() == {"robot.odd=fine", "robot.odd=contact"}
+    contact = found["robot.odd=contact"]
+    assert contact.data.params["axis.robot.odd"] == "robot.odd=contact"
+    assert contact.data.params["use.drive"] == "toy.distance"
+    assert contact.data.metrics["drive.way_m"] == 4.5
+    assert contact.data.metrics["drive.way_m.difference"] == 4.5 - 10.75
+    assert contact.data.metrics["worlds"] == 4
+    assert {file.path for file in client.list_artifacts(contact.info.run_id)} == {"table.md", "results.csv"}
+    assert contact.info.status == "FINISHED"
+
+
+def test_without_the_package_the_extra_is_named(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "mlflow.tracking", None)
+    assert main(["ablate", "--report", str(folder), "--export", "mlflow"]) == 2
+    assert capsys.readouterr().err.startswith("--export mlflow needs MLflow\n  ")
+    monkeypatch.undo()
+    monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
+    assert main(["ablate", "--report", str(folder), "--export", "mlflow"]) == 2
+    assert "no MLflow server is named\n  start one by 'mlflow server'" in capsys.readouterr().err
+    assert main(["ablate", "toy", "--export", "mlflow"]) == 2
+    assert capsys.readouterr().err.startswith("--export is for --report")
