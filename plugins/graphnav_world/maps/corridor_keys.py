@@ -12,11 +12,7 @@ MAX_CORNER_DEG = 135.0
 
 
 class Walled(Record):
-<<<<<<< HEAD
-    """Keys of all corridors: walls, and the robot's start, at the origin along x."""
-=======
     """Keys that all corridors have: walls, and the robot's start, at the origin along x."""
->>>>>>> main
 
     half_width_m: Range[float] = key(gt=0.0, le=MAX_M, doc="from the middle line to either wall")
     start_offset_m: Range[float] = key(ge=-MAX_M, le=MAX_M, doc="of the robot from the middle line, to the left")
