@@ -118,7 +118,10 @@ def test_a_stage_that_kills_its_process_kills_no_worker_of_a_cluster(tmp_path: P
         command = [str(SCRIPTS / "graphnav"), "ablate", str(graph), "--plugin", str(plugin), "--seeds", "0:2"]
         command += ["--vary", "robot.after=1000,5", "-o", str(out), *words]
         done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
-        assert (done.returncode, done.stderr) == (0, "")
+        assert done.returncode == 0
+        said = done.stderr.splitlines()
+        assert len(said) == 4, "of each of two runs its cause, and where it is"
+        assert done.stderr.count("failed: ") == done.stderr.count("its process died, twice") == 2
         results.append((out / "results.csv").read_text())
     assert results[0] == results[1]
     assert results[0].count("its process died, twice") == 2

@@ -68,7 +68,7 @@ def _shorter(script: str) -> str:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
     fewer = re.sub(r"--seeds 0:(10|12)\b", lambda seeds: f"--seeds 0:{1 if seeds[1] == '10' else 2}", script)
-    short = re.sub(r"(graphnav ablate \w+(?:\.yaml)?)(?!.*until_s)", r"\1 --set run.until_s=3 --gallery 0", fewer)
+    short = re.sub(r"(graphnav ablate [\w/]+(?:\.yaml)?)(?!.*until_s)", r"\1 --set run.until_s=3 --gallery 0", fewer)
     return short.replace(":8786", f":{port}").replace("--port 8786", f"--port {port}")
 
 

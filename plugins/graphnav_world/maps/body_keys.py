@@ -14,7 +14,10 @@ class Door(Record):
     """An opening in a wall, from the floor up."""
 
     noun = "a door"
-    example = "doors: [{at_m: [1, 3], width_m: [0.5, 0.8]}]"
+    example = """
+    walls:
+      - {along: [[0, 0], [4, 0]], doors: [{at_m: [1, 3], width_m: [0.5, 0.8]}]}
+    """
 
     at_m: Range[float] = key(ge=0.0, le=MAX_M, doc="its middle, along the wall's line from its first point")
     width_m: Range[float] = key(gt=0.0, le=MAX_M, doc="along the line, from one end of the wall to the other")
