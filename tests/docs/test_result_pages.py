@@ -11,7 +11,7 @@ from result_pages.expression import evaluate
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
 
-HEADER = "graph,variant,method,condition,seed,outcome,failure,frames,sim_s,drive.success,sight.auroc"
+HEADER = "graph,variant,role,method,condition,seed,outcome,failure,frames,sim_s,drive.success,sight.auroc"
 
 
 @pytest.fixture
@@ -20,9 +20,9 @@ def folder(tmp_path: Path) -> Path:
     lines = [HEADER]
     for seed in range(10):
         arrives = seed < 8
-        lines.append(f"bend,ica,ica,dim,{seed},{'goal' if arrives else 'contact'},,9,1.0,{float(arrives)},0.9")
-        lines.append(f"bend,blind,blind,dim,{seed},contact,,9,1.0,0.0,")
-    lines.append("bend,broken,broken,dim,0,failed,raised,9,1.0,,")
+        lines.append(f"bend,ica,method,ica,dim,{seed},{'goal' if arrives else 'contact'},,9,1.0,{float(arrives)},0.9")
+        lines.append(f"bend,blind,baseline,blind,dim,{seed},contact,,9,1.0,0.0,")
+    lines.append("bend,broken,method,broken,dim,0,failed,raised,9,1.0,,")
     (tmp_path / "small").mkdir()
     (tmp_path / "small" / "results.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return tmp_path

@@ -20,7 +20,7 @@ RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results"
 FILE = "results.csv"
 FAILED = "failed"
 """The outcome of a run in which a stage failed: it does not count as a success."""
-_BEFORE_AXES, _AFTER_AXES = "variant", "seed"
+_BEFORE_AXES, _AFTER_AXES = "role", "seed"
 """The columns that enclose those of the axes."""
 
 Row = Mapping[str, str]
