@@ -35,7 +35,7 @@ TICK_US = 100_000
 
 
 def test_no_condition_of_seeing_changes_the_drive(drive: Drive) -> None:
-    model = "planar,gain_planar,true_planar.model=models/tilt_20.lcmlog"
+    model = "planar,subspace_planar,gain_planar,true_planar.model=models/tilt_20.lcmlog"
     _, plain = drive("measure_conditions", 5, "run.until_s=2")
     _, hard = drive(
         "measure_conditions",
