@@ -8,6 +8,7 @@ from graphnav.tuning.tuned_files import STUDY, TABLE, TRIALS, check_folder, writ
 from graphnav.tuning.tuned_table import OPTIMISTIC, conclusion, header, rows, trouble_texts
 from graphnav.tuning.tuning import Tuning, check_tuning, named_after
 from graphnav.tuning.tuning_run import TuningRun, run_tuning
+from graphnav.tuning.work_in import work_in
 
 __all__ = [
     "OPTIMISTIC",
@@ -30,5 +31,6 @@ __all__ = [
     "rows",
     "run_tuning",
     "trouble_texts",
+    "work_in",
     "write_tuning",
 ]

@@ -13,6 +13,7 @@ import pytest
 import graphnav
 from graphnav import UserError
 from graphnav.cli import main
+from graphnav.tuning import work_in
 
 from .conftest import WORDS
 
@@ -77,6 +78,21 @@ def test_a_tuning_is_resumed_as_it_would_have_gone_on(aim: dict[str, Any], tmp_p
     graphnav.tune(**aim | {"trials": 14}, folder="parts")
     assert {path: path.stat().st_mtime_ns for path in made} == made
     assert (tmp_path / "whole" / "trials.csv").read_bytes() == (tmp_path / "parts" / "trials.csv").read_bytes()
+
+
+def test_a_tuning_whose_process_was_killed_is_resumed(aim: dict[str, Any], tmp_path: Path) -> None:
+    graphnav.tune(**aim | {"trials": 2}, folder="out")
+    left = tmp_path / "out" / ".scratch" / "tmp1"
+    left.mkdir(parents=True)
+    (left / "run.lcmlog").touch()
+    assert len(graphnav.tune(**aim | {"trials": 3}, folder="out").trials) == 4
+    assert not left.parent.exists()
+
+
+def test_two_processes_do_not_work_in_one_folder(aim: dict[str, Any], tmp_path: Path) -> None:
+    graphnav.tune(**aim | {"trials": 1}, folder="out")
+    with work_in(tmp_path / "out"), pytest.raises(UserError, match="another 'graphnav tune' is at work in"):
+        graphnav.tune(**aim | {"trials": 1}, folder="out")
 
 
 def test_the_tuned_rivals_are_a_study(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
