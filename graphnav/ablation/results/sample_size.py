@@ -10,9 +10,10 @@ import numpy as np
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.comparison import Comparison, Difference
-from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
+from graphnav.ablation.results.metric_values import Values, is_binary, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
 from graphnav.ablation.results.statistics import min_worlds
+from graphnav.ablation.study import MetricExpression
 from graphnav.arrays import Doubles
 
 LEVEL = 0.05
@@ -52,12 +53,11 @@ def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -
 
 def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Record]) -> Iterator[str]:
     """Yield a sentence for each variant that the metric that decides does not tell from the base."""
-    ordered = in_plan_order(plan, records)
-    column = next(iter(table_metrics(plan, ordered)), None)
-    if column is None:
+    if comparison.primary is None:
         return
+    column = MetricExpression.parse(comparison.primary)
     runs: dict[tuple[str, str], list[Record]] = {}
-    for record in ordered:
+    for record in in_plan_order(plan, records):
         runs.setdefault((record.graph, record.variant), []).append(record)
     values = {key: values_of(plan, column, found) for key, found in runs.items()}
     binary = is_binary(plan, column, values.values())
