@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of, count
-from graphnav.cli.status import INTERRUPTED, OK
+from graphnav.cli.quantities import counted
+from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import Problem, UserError
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def main(args: argparse.Namespace) -> int:
         print("stopped: every finished run is kept; resume with the same command", file=sys.stderr)
         return INTERRUPTED
     _print_result(run, folder, console)
-    return OK
+    return FAILED if run.has_failed() else OK
 
 
 def _request(args: argparse.Namespace) -> TuningRequest:
@@ -125,7 +126,8 @@ def _print_search(tuning: Tuning, console: Console) -> None:
     for rival in tuning.rivals:
         found = [searched.text for searched in rival.space]
         console.print(
-            f"{rival.label}: {tuning.n_trials(rival)} trials of {', '.join(found) or 'nothing'}", markup=False
+            f"{rival.label}: {counted(tuning.n_trials(rival), 'trial')} of {', '.join(found) or 'nothing'}",
+            markup=False,
         )
         if rival.left:
             left = ", ".join(rival.left)
@@ -137,7 +139,7 @@ def _print_search(tuning: Tuning, console: Console) -> None:
 def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
     from rich.table import Table
 
-    from graphnav.tuning import OPTIMISTIC, STUDY, TABLE, TRIALS, conclusion, header, rows
+    from graphnav.tuning import OPTIMISTIC, STUDY, TABLE, TRIALS, conclusion, header, rows, trouble_texts
 
     table = Table(*header(run)[:-1], box=None, pad_edge=False)
     for *cells, _ in rows(run):
@@ -146,9 +148,14 @@ def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
     for label, *_, params in rows(run):
         console.print(f"{label}: {params}", markup=False)
     console.print(conclusion(run), markup=False)
+    for text in trouble_texts(run):
+        console.print(text, markup=False)
     console.print(OPTIMISTIC, markup=False)
     console.print(f"{folder}: {TABLE}, {TRIALS}, {STUDY}", markup=False)
-    console.print(f"graphnav ablate {folder / STUDY} --seeds 1000:1020", markup=False)
+    plugins = [word for path in run.tuning.request.plugins for word in ("--plugin", str(path))]
+    console.print(
+        shlex.join(["graphnav", "ablate", str(folder / STUDY), *plugins, "--seeds", "1000:1020"]), markup=False
+    )
 
 
 def _confirmed(n_runs: int, console: Console) -> bool:

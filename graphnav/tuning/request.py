@@ -86,6 +86,9 @@ def _problems(study: Study) -> list[Problem]:
         found.append(Problem(None, f"the study varies {len(study.axes)} axes: {names}", hint))
     elif study.within:
         found.append(Problem(None, "the axis of the study is a condition, and has no rivals", _AXIS))
+    if study.reference:
+        hint = "remove it, and tune for a metric of each drive, as drive.spl"
+        found.append(Problem(study.places.get(study.reference), "a tuning has no runs of a reference", hint))
     if not study.metrics:
         hint = "name it, then what tells equal trials apart: --metrics drive.success,drive.spl"
         found.append(Problem(None, "no metric to tune for is named", hint))

@@ -11,6 +11,7 @@ from graphnav.ablation.study import Study
 from graphnav.errors import Place, Problem, UserError, did_you_mean
 from graphnav.graph import Graph, Node, Override
 from graphnav.stage import Param, params_of
+from graphnav.tuning.fit_range import fitted
 from graphnav.tuning.search_range import SearchRange, range_of
 
 _NUMBERS = (int, float)
@@ -38,7 +39,7 @@ def rivals_of(study: Study, checked: CheckedStudy, searches: Sequence[SearchRang
     Raises
     ------
     UserError
-        No rival has a parameter that ``searches`` name.
+        No rival has a parameter that ``searches`` name, or may have the values that they name.
     """
     [axis] = study.axes
     stages = _stages(study)
@@ -67,7 +68,7 @@ def _rival(
     wanted = {search.target: search for search in searches}
     for target, param, values in _parameters(graphs, stages, wanted):
         if target in wanted:
-            space[target], center[target] = wanted[target], values[0]
+            space[target], center[target] = fitted(wanted[target], param), values[0]
         elif not any(f"{stage}.{param.name}" in fixed for stage in target.rpartition(".")[0].split(",")):
             found = range_of(target, param, values[0]) if all(value == values[0] for value in values) else None
             if found is not None:

@@ -55,7 +55,7 @@ def _distribution(searched: SearchRange) -> BaseDistribution:
     if searched.kind == "choice":
         return CategoricalDistribution(searched.choices)
     if searched.kind == "integer":
-        return IntDistribution(int(searched.low), int(searched.high))
+        return IntDistribution(int(searched.low), int(searched.high), log=searched.is_log)
     return FloatDistribution(searched.low, searched.high, log=searched.is_log)
 
 

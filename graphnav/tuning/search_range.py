@@ -42,7 +42,7 @@ class SearchRange:
         """The range as ``--search`` takes it."""
         if self.kind == "choice":
             return f"{self.target}={','.join(_shown(choice) for choice in self.choices)}"
-        return f"{self.target}={self.low:.{DIGITS}g}:{self.high:.{DIGITS}g}{':log' if self.is_log else ''}"
+        return f"{self.target}={_number(self.low)}:{_number(self.high)}{':log' if self.is_log else ''}"
 
     def clipped(self, value: Any) -> Any:
         """Return the value of the range that is nearest to ``value``, or the first choice."""
@@ -91,6 +91,8 @@ def parse_search(text: str, place: Place) -> SearchRange:
         choices = tuple(parse_value(one.strip(), place) for one in listed.split(","))
         if not all(isinstance(one, str | int | float) for one in choices):
             raise UserError.of("a choice is a string, a number, true or false", _HINT, place)
+        if len({(type(one), one) for one in choices}) < len(choices):
+            raise UserError.of("a choice is written twice", "keep one: each is tried as often as the others", place)
         return SearchRange(str(target), "choice", choices=choices)
     low, high = (parse_value(span[name].strip(), place) for name in ("low", "high"))
     for number in (low, high):
@@ -100,8 +102,7 @@ def parse_search(text: str, place: Place) -> SearchRange:
         raise UserError.of(f"the range ends at {high}, where it begins or before", _HINT, place)
     if span["log"] and low <= 0:
         raise UserError.of(f"a logarithmic range must begin above 0, not at {low}", _HINT, place)
-    is_integer = isinstance(low, int) and isinstance(high, int) and not span["log"]
-    return SearchRange(str(target), "integer" if is_integer else "number", low, high, is_log=bool(span["log"]))
+    return SearchRange(str(target), "number", low, high, is_log=bool(span["log"]))
 
 
 def range_of(target: str, param: Param, center: Any) -> SearchRange | None:
@@ -110,7 +111,7 @@ def range_of(target: str, param: Param, center: Any) -> SearchRange | None:
     A number without a sign is searched on a logarithmic scale by `FACTOR` to either side; zero and negative numbers
     between their bounds, if there are two. Paths, strings and lists are not searched, nor what is null.
     """
-    kind = _plain_type(param.type)
+    kind = plain_type(param.type)
     if kind is bool:
         return SearchRange(target, "choice", choices=(True, False))
     if get_origin(kind) is Literal:
@@ -144,12 +145,16 @@ def _inside(bound: float, other: float) -> float:
     return bound + math.copysign(1e-3 * width, other - bound)
 
 
-def _plain_type(kind: Any) -> Any:
+def plain_type(kind: Any) -> Any:
     """Return the type of what may be null without null, and any other type as it is."""
     if get_origin(kind) in (Union, UnionType):
         others = [one for one in get_args(kind) if one is not NoneType]
         return others[0] if len(others) == 1 else None
     return kind
+
+
+def _number(number: float) -> str:
+    return str(number) if isinstance(number, int) else f"{number:.12g}"
 
 
 def _shown(choice: Choice) -> str:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from graphnav.ablation.report import write_atomically
 from graphnav.errors import UserError
+from graphnav.graph import find_graph, shipped_graphs
 from graphnav.spec import write_value
 from graphnav.tuning.rivals import Rival
 from graphnav.tuning.tuned_table import table_markdown
@@ -61,7 +63,7 @@ def write_tuning(run: TuningRun, folder: Path) -> None:
         A file cannot be written; its old version is kept.
     """
     write_atomically(folder / TRIALS, _trials(run))
-    write_atomically(folder / STUDY, _study(run))
+    write_atomically(folder / STUDY, _study(run, folder))
     write_atomically(folder / TABLE, table_markdown(run))
 
 
@@ -71,7 +73,7 @@ def _trials(run: TuningRun) -> str:
     targets = list(dict.fromkeys(one.target for rival in run.tuning.rivals for one in rival.space))
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["rival", "trial", "refused", "graph", "seed", *metrics, *targets])
+    writer.writerow(["rival", "trial", "refused", "graph", "seed", "failed", *metrics, *targets])
     for rival in run.tuning.rivals:
         for trial in run.of(rival):
             params = rival.center if not trial.params else trial.params
@@ -80,12 +82,13 @@ def _trials(run: TuningRun) -> str:
                 for seed in run.tuning.study.seeds:
                     found = [trial.values[metric].get((graph, seed)) for metric in metrics]
                     values = ["" if value is None else repr(value) for value in found]
-                    writer.writerow([rival.label, trial.number, trial.refused, graph, seed, *values, *shown])
+                    failed = trial.failures.get((graph, seed), "")
+                    writer.writerow([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
     return text.getvalue()
 
 
-def _study(run: TuningRun) -> str:
-    """Return a study that compares every rival as it is and tuned."""
+def _study(run: TuningRun, folder: Path) -> str:
+    """Return a study in ``folder`` that compares every rival as it is and tuned."""
     study = run.tuning.study
     seeds = ", ".join(map(str, study.seeds))
     lines = [
@@ -94,7 +97,7 @@ def _study(run: TuningRun) -> str:
         f"# Tuned in the worlds {seeds}, with {run.tuning.request.trials} trials of each rival: judge them in others,",
         f"# graphnav ablate {STUDY} --seeds 1000:1050",
         "",
-        f"graphs: {write_value(list(study.graphs))}",
+        f"graphs: {write_value([_seen_from(folder, name) for name in study.graphs])}",
     ]
     if study.overrides:
         lines.append(f"set: {write_value({str(one.target): one.value for one in study.overrides})}")
@@ -102,6 +105,12 @@ def _study(run: TuningRun) -> str:
     lines += [f"    {write_value(label)}: {write_value(sets)}" for label, sets in _choices(run)]
     lines += ["", f"metrics: {write_value(list(run.tuning.metrics))}", ""]
     return "\n".join(lines)
+
+
+def _seen_from(folder: Path, graph: str) -> str:
+    """Return the path of a graph from a folder; the name of one that ships as it is."""
+    path = find_graph(graph)
+    return graph if path == shipped_graphs().get(graph) else os.path.relpath(path.resolve(), folder.resolve())
 
 
 def _choices(run: TuningRun) -> Iterator[tuple[str, Mapping[str, Any]]]:

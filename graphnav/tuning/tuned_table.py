@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from graphnav.spec import write_value
@@ -25,16 +26,32 @@ def rows(run: TuningRun) -> Iterator[list[str]]:
     """Yield the rivals, the best one after tuning first."""
     for rival in run.ranking(tuned=True):
         default, best = run.default(rival), run.best(rival)
-        values = [text for metric in run.tuning.metrics for text in (_mean(default, metric), _mean(best, metric))]
+        values = [_mean(run, trial, metric) for metric in run.tuning.metrics for trial in (default, best)]
         yield [rival.label, str(len(run.of(rival))), *values, str(best.number), _params(best)]
 
 
 def conclusion(run: TuningRun) -> str:
     """Return whether tuning moves the ranking."""
+    if run.has_failed():
+        return f"Every run failed or lacks {next(iter(run.tuning.metrics))}: nothing was tuned."
     before, after = ([rival.label for rival in run.ranking(tuned=tuned)] for tuned in (False, True))
     if before == after:
         return f"Tuning moves no rank: {_listed(after)}."
     return f"Tuning moves the ranking: as they are {_listed(before)}; tuned {_listed(after)}."
+
+
+def trouble_texts(run: TuningRun) -> Iterator[str]:
+    """Yield how many trials of each rival were refused and how many of its runs failed, with the cause of the most."""
+    for rival in run.tuning.rivals:
+        trials = run.of(rival)
+        refused = Counter(trial.refused for trial in trials if trial.refused)
+        failed = Counter(cause for trial in trials for cause in trial.failures.values())
+        n_runs = len(trials) * run.tuning.runs_per_trial
+        for causes, of in ((refused, f"{len(trials)} trials were refused"), (failed, f"{n_runs} runs failed")):
+            if causes:
+                [(cause, times)] = causes.most_common(1)
+                most = f"{times} of them: " if times < causes.total() else ""
+                yield f"{rival.label}: {causes.total()} of {of}: {most}{cause}"
 
 
 def table_markdown(run: TuningRun) -> str:
@@ -48,6 +65,7 @@ def table_markdown(run: TuningRun) -> str:
         f"{request.trials} trials of each rival on {', '.join(study.graphs)}; {seeds}.",
         "\n".join(lines),
         conclusion(run),
+        *(["\n".join(f"- {text}" for text in troubles)] if (troubles := list(trouble_texts(run))) else []),
         OPTIMISTIC,
         "## What was searched",
         "\n".join(line for rival in run.tuning.rivals for line in _searched(rival)),
@@ -67,9 +85,11 @@ def _params(trial: Trial) -> str:
     return ", ".join(f"{name}={write_value(value)}" for name, value in trial.params.items()) or "as it is"
 
 
-def _mean(trial: Trial, metric: str) -> str:
-    mean = trial.mean(metric)
-    return "undefined" if mean is None else f"{mean:.4g}"
+def _mean(run: TuningRun, trial: Trial, metric: str) -> str:
+    mean, n_runs = trial.mean(metric), trial.n_runs(metric)
+    if mean is None:
+        return "undefined"
+    return f"{mean:.4g}" if n_runs == run.tuning.runs_per_trial else f"{mean:.4g} (n {n_runs})"
 
 
 def _line(cells: Sequence[str]) -> str:

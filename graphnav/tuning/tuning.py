@@ -42,8 +42,13 @@ class Tuning:
     @property
     def n_runs(self) -> int:
         """The number of runs."""
-        worlds = len(self.checked.plan.graphs) * len(self.study.seeds)
-        return sum(self.n_trials(rival) for rival in self.rivals) * worlds
+        return sum(self.n_trials(rival) for rival in self.rivals) * self.runs_per_trial
+
+    @property
+    def runs_per_trial(self) -> int:
+        """The number of runs of each trial, one in every world of every graph."""
+        plan = self.checked.plan
+        return sum(len(plan.seeds_of(case)) for case in plan.cases if case.is_base)
 
     def n_trials(self, rival: Rival) -> int:
         """Return the number of trials of a rival: one where nothing of it is searched."""

@@ -11,6 +11,7 @@ from graphnav.ablation.plan import CheckedStudy, Job, Plan
 from graphnav.ablation.results import Record, read_records, values_of
 from graphnav.ablation.study import MetricExpression
 from graphnav.ablation.worker import Task
+from graphnav.runner import Outcome
 from graphnav.tuning.rivals import Rival
 from graphnav.tuning.sampler import propose
 from graphnav.tuning.trial import DEFAULT, Trial, in_order
@@ -39,13 +40,18 @@ class TuningRun:
 
     def best(self, rival: Rival) -> Trial:
         """Return the best trial of a rival; of equal ones the first, so that a default is kept unless one beats it."""
-        return in_order(self.of(rival), self.tuning.metrics)[0]
+        return in_order(self.of(rival), self.tuning.metrics, [self.default(rival)])[0]
 
     def ranking(self, *, tuned: bool) -> list[Rival]:
         """Return the rivals from the best to the worst, by their best trials or as they are."""
         rivals = {rival.label: rival for rival in self.tuning.rivals}
         chosen = [self.best(rival) if tuned else self.default(rival) for rival in self.tuning.rivals]
-        return [rivals[trial.rival] for trial in in_order(chosen, self.tuning.metrics)]
+        return [rivals[trial.rival] for trial in in_order(chosen, self.tuning.metrics, chosen)]
+
+    def has_failed(self) -> bool:
+        """Return whether no run of any trial tells anything: all failed or lack the metric that decides."""
+        decides = next(iter(self.tuning.metrics))
+        return all(len(trial.failures) >= trial.n_runs(decides) for trial in self.trials)
 
 
 def run_tuning(
@@ -135,4 +141,5 @@ def _with_results(trial: Trial, plan: Plan, records: Sequence[Record], refused: 
         }
         for metric in plan.metrics
     }
-    return replace(trial, values=values, refused=refused.get(label, ""))
+    failures = {(record.graph, record.seed): record.cause for record in own if record.outcome == Outcome.FAILED}
+    return replace(trial, values=values, refused=refused.get(label, ""), failures=failures)

@@ -27,6 +27,7 @@ class Agreement(Stage):
             "right_sign_ratio",
             unit="ratio",
             better="higher",
+            bounds=(0.0, 1.0),
             min_difference=0.02,
             help="Of the frames in which the oracle turns by at least `min_turn_deg`, the share in which the steering "
             "turns to the same side; straight ahead is wrong; left out without such a frame.",

@@ -25,7 +25,12 @@ class Flow(Stage):
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that were compared."),
         Metric(
-            "valid_ratio", unit="ratio", better="higher", min_difference=0.02, help="Share of vectors that are valid."
+            "valid_ratio",
+            unit="ratio",
+            better="higher",
+            bounds=(0.0, 1.0),
+            min_difference=0.02,
+            help="Share of vectors that are valid.",
         ),
         Metric(
             "epe_px",
@@ -38,6 +43,7 @@ class Flow(Stage):
             "outlier_ratio",
             unit="ratio",
             better="lower",
+            bounds=(0.0, 1.0),
             min_difference=0.01,
             help="Share of valid vectors that are off by more than `outlier_px`; left out without one.",
         ),

@@ -38,6 +38,7 @@ class Sighting(Stage):
             "never_sighted_ratio",
             unit="ratio",
             better="lower",
+            bounds=(0.0, 1.0),
             min_difference=0.02,
             help="Share of them that was never sighted; left out without any.",
         ),
@@ -74,6 +75,7 @@ class Sighting(Stage):
             "reacted_ratio",
             unit="ratio",
             better="neither",
+            bounds=(0.0, 1.0),
             help="Share of the obstacles sighted ahead to which the robot reacted; left out without any.",
         ),
     )

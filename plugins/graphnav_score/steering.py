@@ -29,6 +29,7 @@ class Steering(Stage):
             "right_sign_ratio",
             unit="ratio",
             better="higher",
+            bounds=(0.0, 1.0),
             min_difference=0.02,
             help="Share of them in which the force points to the freer side; no force to either side is wrong; left "
             "out without such a frame.",

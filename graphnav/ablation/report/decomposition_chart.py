@@ -60,7 +60,8 @@ def _figure(found: Sequence[Losses]) -> Figure:
         ]
         row[0].set_ylim(*_limits(shown))
     handles = _legend_handles()
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=8)
+    columns = len(handles) if len(graphs) > 1 else 2
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False, fontsize=8)
     return figure
 
 
@@ -77,8 +78,9 @@ def _draw(axes: Axes, of: Losses, *, has_ticks: bool) -> list[float]:
     axes.set_title(heading(of), loc="left", fontsize=10, color=_INK)
     steps = [swap for swap in of.cumulative if swap.estimate is not None]
     means = [of.as_it_is.mean, *(swap.estimate.mean for swap in steps if swap.estimate is not None)]
+    is_lower = of.better == "lower"
     for place, (before, after) in enumerate(pairwise(means), start=1):
-        axes.bar(place, after - before, _BAR, bottom=before, color=_GAIN if after >= before else _LOSS)
+        axes.bar(place, after - before, _BAR, bottom=before, color=_LOSS if (after < before) != is_lower else _GAIN)
         axes.hlines(before, place - 1 + _BAR / 2, place + _BAR / 2, colors=_QUIET, linewidth=0.8)
     labels = ["as it is", *(f"+ {swap.stage}" for swap in steps)]
     values = [f"{means[0]:.3f}", *(_change(swap, b - a) for swap, (a, b) in zip(steps, pairwise(means), strict=True))]
@@ -113,12 +115,12 @@ def _draw_single(axes: Axes, of: Losses) -> list[float]:
 
 
 def _bounds(of: Losses, swap: Swap, mean: float) -> tuple[float, float]:
-    """Return the interval of a swap's difference, from the graph as it is; of a share, the part between 0 and 1."""
+    """Return the interval of a swap's difference, from the graph as it is; it ends at the metric's bounds."""
     if swap.gain is None or not math.isfinite(swap.gain.low):
         return mean, mean
     low, high = of.as_it_is.mean + swap.gain.low, of.as_it_is.mean + swap.gain.high
-    if min(mean, of.as_it_is.mean) >= 0 and max(mean, of.as_it_is.mean) <= 1:
-        low, high = max(low, 0.0), min(high, 1.0)
+    if of.span is not None:
+        low, high = max(low, of.span[0]), min(high, of.span[1])
     return min(low, mean), max(high, mean)
 
 
@@ -128,7 +130,7 @@ def _legend_handles() -> list[Artist]:
 
     return [
         Line2D([], [], color=_LEVEL, linewidth=4, label="mean"),
-        Patch(color=_GAIN, label="one more oracle: higher"),
-        Patch(color=_LOSS, label="one more oracle: lower"),
+        Patch(color=_GAIN, label="one more oracle: better"),
+        Patch(color=_LOSS, label="one more oracle: worse"),
         Line2D([], [], marker="o", color=_INK, label="this oracle alone, 95 % interval of its difference", **_RING),
     ]

@@ -75,6 +75,7 @@ def pair_studies(
 def _rows(
     matched: Sequence[_Case], a: _Side, b: _Side, plans: Mapping[str, Plan], binary: set[str]
 ) -> Iterator[PairedRow]:
+    spans = {text: plan.metric(text).span for text, plan in plans.items()}
     for case in matched:
         (runs_a, of_a), (runs_b, of_b) = ((cases[case], values[case]) for cases, values in (a, b))
         seeds = tuple(seed for seed in runs_a if seed in runs_b)
@@ -98,8 +99,12 @@ def _rows(
             only_b=tuple(seed for seed in runs_b if seed not in runs_a),
             outcomes_a=Counter(runs_a[seed].outcome for seed in seeds),
             outcomes_b=Counter(runs_b[seed].outcome for seed in seeds),
-            estimates_a={text: estimate(old, is_binary=text in binary) for text, (old, _) in known.items()},
-            estimates_b={text: estimate(new, is_binary=text in binary) for text, (_, new) in known.items()},
+            estimates_a={
+                text: estimate(old, spans[text], is_binary=text in binary) for text, (old, _) in known.items()
+            },
+            estimates_b={
+                text: estimate(new, spans[text], is_binary=text in binary) for text, (_, new) in known.items()
+            },
             differences={text: found for text, found in differences.items() if found is not None},
         )
 

@@ -12,6 +12,7 @@ from graphnav.ablation.results.records import Record
 from graphnav.ablation.results.study_values import difference, estimate
 from graphnav.ablation.study import MetricExpression
 from graphnav.ablation.study.study import BASE, COMMON, CONDITION
+from graphnav.stage import Better
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,9 @@ class Losses:
     """One stage at a time, each compared with the graph as it is."""
     cumulative: tuple[Swap, ...]
     """One more stage each, compared with the step before."""
+    better: Better = "higher"
+    span: tuple[float, float] | None = None
+    """The bounds of the metric, if it has any."""
 
 
 def losses(plan: Plan, records: Iterable[Record]) -> tuple[Losses, ...]:
@@ -78,6 +82,8 @@ def _losses(plan: Plan, runs: dict[tuple[str, str], list[Record]]) -> Iterator[L
                 as_it_is,
                 tuple(found.swap(stage, stage, BASE) for stage in single),
                 tuple(found.swap(*of) for of in zip(single, steps, (BASE, *steps), strict=False)),
+                plan.better(metric.text),
+                plan.metric(metric.text).span,
             )
 
 
@@ -96,7 +102,8 @@ class _Compared:
 
     def estimate(self, variant: str) -> Estimate | None:
         values = self.values[variant]
-        return estimate(values, is_binary=self.is_binary) if values else None
+        span = self.plan.metric(self.metric.text).span
+        return estimate(values, span, is_binary=self.is_binary) if values else None
 
     def swap(self, stage: str, variant: str, before: str) -> Swap:
         assert self.plan.decomposition is not None

@@ -10,9 +10,10 @@ import numpy as np
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.comparison import Comparison, Difference
-from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
+from graphnav.ablation.results.metric_values import Values, is_binary, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
 from graphnav.ablation.results.statistics import min_worlds
+from graphnav.ablation.study import MetricExpression
 from graphnav.arrays import Doubles
 
 LEVEL = 0.05
@@ -51,27 +52,31 @@ def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -
 
 
 def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Record]) -> Iterator[str]:
-    """Yield a sentence for each variant that the metric that decides does not tell from the base."""
-    ordered = in_plan_order(plan, records)
-    column = next(iter(table_metrics(plan, ordered)), None)
-    if column is None:
+    """Yield sentences on the variants that the metric that decides does not tell from the base.
+
+    Variants of a graph on which the same is said share one.
+    """
+    if comparison.primary is None:
         return
+    column = MetricExpression.parse(comparison.primary)
     runs: dict[tuple[str, str], list[Record]] = {}
-    for record in ordered:
+    for record in in_plan_order(plan, records):
         runs.setdefault((record.graph, record.variant), []).append(record)
     values = {key: values_of(plan, column, found) for key, found in runs.items()}
     binary = is_binary(plan, column, values.values())
     for graph in plan.graphs:
         rows = [row for row in comparison.of_graph(graph) if column.text in row.differences and not row.case.same_as]
         base = next(case.variant for case in plan.cases if case.graph == graph and case.is_base)
+        variants: dict[tuple[int, str], list[str]] = {}
         for row in rows:
             found = row.differences[column.text]
             if found.is_clear or found.n < 2:
                 continue
             differences = _paired(values[graph, row.case.variant], values[graph, base])
             needed = worlds_needed(differences, binary=binary, comparisons=len(rows))
-            state = f"{graph}, {row.case.variant}: {column.text} is not clear after {found.n} worlds"
-            yield f"{state}; {_needs(needed, found)}"
+            variants.setdefault((found.n, _needs(needed, found)), []).append(row.case.variant)
+        for (n, needs), names in variants.items():
+            yield f"{graph}, {', '.join(names)}: {column.text} is not clear after {n} worlds; {needs}"
 
 
 def _needs(worlds: int | None, found: Difference) -> str:

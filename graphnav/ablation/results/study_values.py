@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -47,13 +47,9 @@ class StudyValues:
         return next((name for name in self.metrics if any(found[name] for found in self.values.values())), None)
 
     def estimate(self, key: CaseKey, metric: str) -> Estimate | None:
-        """Return the mean of a case, None where no run has the metric; its interval ends at the metric's bounds."""
+        """Return the mean of a case, None where no run has the metric."""
         values = self.values[key][metric]
-        found = estimate(values, is_binary=metric in self.binary) if values else None
-        span = self.plan.metric(metric).span
-        if found is None or span is None:
-            return found
-        return replace(found, low=float(np.clip(found.low, *span)), high=float(np.clip(found.high, *span)))
+        return estimate(values, self.plan.metric(metric).span, is_binary=metric in self.binary) if values else None
 
     def difference(self, key: CaseKey, base: CaseKey, metric: str) -> Difference | None:
         """Return how a case differs from another one in the worlds that both have.
@@ -80,13 +76,12 @@ def key_of(case: Case) -> CaseKey:
     return case.graph, case.variant
 
 
-def estimate(values: Values, *, is_binary: bool) -> Estimate:
-    """Return the mean of at least one world with its interval."""
+def estimate(values: Values, span: tuple[float, float] | None, *, is_binary: bool) -> Estimate:
+    """Return the mean of at least one world with its interval, which ends at the bounds of the metric if it has any."""
     array = np.array(list(values.values()))
     is_approximate = not is_binary and 1 < array.size < EXACT_BELOW
-    return Estimate(
-        float(array.mean()), *mean_interval(array, is_binary=is_binary), array.size, is_approximate=is_approximate
-    )
+    low, high = np.clip(mean_interval(array, is_binary=is_binary), *(span or (-np.inf, np.inf)))
+    return Estimate(float(array.mean()), float(low), float(high), array.size, is_approximate=is_approximate)
 
 
 def difference(

@@ -31,7 +31,7 @@ class Decision:
 
 
 def check_stopping(plan: Plan) -> None:
-    """Raise UserError unless the metric that decides has bounds, which the rule needs."""
+    """Raise UserError unless the metric that decides has bounds, which the rule needs, and compares all variants."""
     if not plan.metrics:
         raise UserError.of("--until-clear: the study names no metric to decide by", "add --metrics drive.success")
     column = MetricExpression.parse(plan.metrics[0])
@@ -40,6 +40,13 @@ def check_stopping(plan: Plan) -> None:
         known = f"metrics with bounds are {', '.join(bounded)}" if bounded else "no stage declares one"
         what = f"--until-clear: '{column.text}' decides, and its stage declares no bounds"
         raise UserError.of(what, f"{known}; name one first in --metrics")
+    bases = {case.graph: case for case in plan.cases if case.is_base}
+    for case in plan.cases:
+        if not plan.are_comparable(case, bases[case.graph], column.text):
+            what = f"--until-clear: '{column.text}' decides, and {case.variant} meets frames of its own on {case.graph}"
+            raise UserError.of(
+                what, "compare detectors on one drive, as measure_detectors does, or decide by the drive"
+            )
 
 
 def jobs_of_next_round(plan: Plan, records: Sequence[Record], is_made: Callable[[Job], bool]) -> list[Job]:

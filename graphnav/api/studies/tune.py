@@ -28,10 +28,9 @@ from graphnav.tuning import (
     conclusion,
     parse_search,
     run_tuning,
+    work_in,
     write_tuning,
 )
-
-_SCRATCH = ".scratch"
 
 
 @dataclass(frozen=True)
@@ -125,12 +124,8 @@ def tune_into(
 ) -> TuningRun:
     """Make the missing trials of a tuning in its folder; the files are written after every batch."""
     check_folder(tuning, folder)
-    scratch = folder / _SCRATCH
-    scratch.mkdir(exist_ok=True)
-    with workers_of(jobs, cluster, scratch) as workers:
-        run = run_tuning(tuning, folder, workers, on_made, lambda so_far: write_tuning(so_far, folder))
-    scratch.rmdir()
-    return run
+    with work_in(folder) as scratch, workers_of(jobs, cluster, scratch) as workers:
+        return run_tuning(tuning, folder, workers, on_made, lambda so_far: write_tuning(so_far, folder))
 
 
 def _searches(texts: object) -> tuple[SearchRange, ...]:

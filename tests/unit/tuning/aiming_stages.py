@@ -52,6 +52,15 @@ class Fixed(Stage):
         return Twist(v_mps=1.0 + twist.v_mps, omega_radps=0.0)
 
 
+class Frail(Near):
+    """As `Near`; with a gain above 2 it fails, but in the worlds in which it is nearest."""
+
+    def step(self, twist: Twist) -> Twist:
+        if self.gain > 2.0 and twist.v_mps > 0.0:
+            raise ValueError("out of range")
+        return super().step(twist)
+
+
 class Miss(Stage):
     """Scores the distance from the aim."""
 
@@ -72,4 +81,4 @@ class Miss(Stage):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Clock, Near, Fixed, Miss]
+    return [Clock, Near, Fixed, Frail, Miss]

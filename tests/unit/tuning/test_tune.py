@@ -13,6 +13,7 @@ import pytest
 import graphnav
 from graphnav import UserError
 from graphnav.cli import main
+from graphnav.tuning import work_in
 
 from .conftest import WORDS
 
@@ -79,12 +80,27 @@ def test_a_tuning_is_resumed_as_it_would_have_gone_on(aim: dict[str, Any], tmp_p
     assert (tmp_path / "whole" / "trials.csv").read_bytes() == (tmp_path / "parts" / "trials.csv").read_bytes()
 
 
+def test_a_tuning_whose_process_was_killed_is_resumed(aim: dict[str, Any], tmp_path: Path) -> None:
+    graphnav.tune(**aim | {"trials": 2}, folder="out")
+    left = tmp_path / "out" / ".scratch" / "tmp1"
+    left.mkdir(parents=True)
+    (left / "run.lcmlog").touch()
+    assert len(graphnav.tune(**aim | {"trials": 3}, folder="out").trials) == 4
+    assert not left.parent.exists()
+
+
+def test_two_processes_do_not_work_in_one_folder(aim: dict[str, Any], tmp_path: Path) -> None:
+    graphnav.tune(**aim | {"trials": 1}, folder="out")
+    with work_in(tmp_path / "out"), pytest.raises(UserError, match="another 'graphnav tune' is at work in"):
+        graphnav.tune(**aim | {"trials": 1}, folder="out")
+
+
 def test_the_tuned_rivals_are_a_study(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*WORDS, "--trials", "25", "-o", "tuned", "-j", "2"]) == 0
     out = capsys.readouterr().out
     assert "aim.near: 25 trials of aim.gain=0.25:4:log, aim.mode=coarse,fine, aim.steps=1:8" in out
     assert "not searched, because nothing says what they could be: aim.free" in out
-    assert "aim.fixed: 1 trials of nothing" in out
+    assert "aim.fixed: 1 trial of nothing" in out
     words = ["ablate", "tuned/tuned.yaml", "--plugin", "my_aims.py", "--seeds", "100:104", "-o", "judged", "-j", "1"]
     assert main(words) == 0
     with Path("judged/results.csv").open(newline="", encoding="utf-8") as lines:
@@ -112,6 +128,10 @@ def test_logs_of_trials_are_not_kept(aim: dict[str, Any]) -> None:
         (["--search", "aim.gain=2:1"], "the range ends at 1, where it begins or before"),
         (["--search", "aim.gain=0:1:log"], "a logarithmic range must begin above 0, not at 0"),
         (["--search", "aim.gain=a:b"], "'a' is not a number"),
+        (["--search", "aim.steps=0.5:3"], "'steps' must be an integer, not 0.5\n  'steps' is an integer, >= 1"),
+        (["--search", "aim.gain=50:200"], "'gain' is 200, but must be > 0 and <= 100"),
+        (["--search", "aim.mode=fine,coarze"], "not the string 'coarze'\n  did you mean 'coarse'?"),
+        (["--search", "aim.mode=fine,fine"], "a choice is written twice"),
         (["--search", "aim=1:2"], "this does not name a parameter and its values"),
         (["--search", "aim.gain=1:2", "--search", "aim.gain=1:3"], "'aim.gain' is searched twice"),
         (["--vary", "aim=aim.fixed"], "the rivals have no parameter that could be searched"),
@@ -142,6 +162,50 @@ def test_errors_say_where_what_and_what_to_do(
 def test_python_gets_the_same_errors(aim: dict[str, Any], change: dict[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
         graphnav.tune(**aim | change)
+
+
+def test_a_trial_that_fails_in_some_worlds_is_not_the_best(aim: dict[str, Any]) -> None:
+    vary = {"aim": ["aim.frail", "aim.fixed"]}
+    tuned = graphnav.tune(**aim | {"vary": vary, "trials": 25, "metrics": ["score.miss_m"], "seeds": range(8)})
+    frail = tuned.run.tuning.rivals[0]
+    default, best = tuned.run.default(frail), tuned.run.best(frail)
+    survivors = [trial for trial in tuned.run.of(frail) if 0 < trial.n_runs("score.miss_m") < 8]
+    means = [trial.mean("score.miss_m") for trial in (*survivors, best)]
+    assert survivors
+    assert min(mean for mean in means if mean is not None) != means[-1], "the mean of the runs that did not fail leads"
+    assert best.n_runs("score.miss_m") == default.n_runs("score.miss_m") == 8
+    assert 1.5 < best.params["aim.gain"] <= 2.0
+    failed = sum(len(trial.failures) for trial in tuned.run.of(frail))
+    text = (tuned.folder / "tuned.md").read_text()
+    assert f"- aim.frail: {failed} of 200 runs failed: stage 'aim' (aim.frail) failed: out of range" in text
+    assert sum(row["failed"] != "" for row in rows(tuned.folder)) == failed
+
+
+def test_a_tuning_whose_runs_all_fail_says_so(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["tune", "aim", "--vary", "aim=aim.frail", "--plugin", "my_aims.py", "--seeds", "1,2", "--trials", "2"]
+    more = ["--metrics", "score.hit,score.miss_m", "--set", "aim.gain=3", "-j", "1"]
+    assert main([*words, *more]) == 1
+    out = capsys.readouterr().out
+    assert "Every run failed or lacks score.hit: nothing was tuned." in out
+    assert "aim.frail: 4 of 4 runs failed: stage 'aim' (aim.frail) failed: out of range" in out
+
+
+def test_a_range_has_the_type_of_its_parameter(aim: dict[str, Any]) -> None:
+    tuned = graphnav.tune(**aim | {"trials": 8}, search=["aim.gain=1:3", "aim.steps=1:32:log"])
+    tried = [trial.params for trial in tuned.run.of(tuned.run.tuning.rivals[0]) if trial.params]
+    assert any(params["aim.gain"] % 1 for params in tried)
+    assert all(type(params["aim.steps"]) is int for params in tried)
+    assert not any(trial.refused for trial in tuned.trials)
+
+
+def test_the_study_finds_its_graph_from_any_folder(
+    aim: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graphnav.tune(**aim | {"trials": 1}, folder="deep/tuned")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    judged = graphnav.ablate("../deep/tuned/tuned.yaml", plugins=["../my_aims.py"], seeds=[100], jobs=1)
+    assert len(judged.runs) == 2
 
 
 def test_a_folder_of_another_tuning_is_refused(aim: dict[str, Any], tmp_path: Path) -> None:

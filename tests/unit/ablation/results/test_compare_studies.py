@@ -98,3 +98,13 @@ def test_what_is_the_same_graph_in_both_is_told_once(make_plan: MakePlan, runs: 
     assert pairing.only_a == pairing.only_b == ()
     other = make_plan(variants=("ica", "twin"))
     assert [row.variant for row in pair_studies(plan, records, other, records).rows] == ["ica", "twin"]
+
+
+def test_an_interval_ends_at_the_bounds_of_its_metric(make_plan: MakePlan, make_record: Callable[..., Record]) -> None:
+    made = make_plan(("ica",), range(2), metrics={"drive.spl": "higher"})
+    spl = dataclasses.replace(made.declared["drive.spl"], bounds=(0.0, 1.0))
+    plan = dataclasses.replace(made, declared={**made.declared, "drive.spl": spl})
+    records = [make_record("ica", seed, {"drive.spl": value}) for seed, value in enumerate((0.9, 1.0))]
+    (row,) = pair_studies(plan, records, plan, records).rows
+    assert row.estimates_a["drive.spl"].high == row.estimates_b["drive.spl"].high == 1.0
+    assert row.estimates_a["drive.spl"].low == pytest.approx(0.95 - 12.706 * 0.05, abs=1e-3)

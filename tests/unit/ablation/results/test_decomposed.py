@@ -4,9 +4,10 @@ import dataclasses
 from collections.abc import Callable, Mapping
 
 import pytest
+from matplotlib.colors import to_hex
 
 from graphnav.ablation.plan.plan import Plan
-from graphnav.ablation.report.decomposition_chart import decomposition_picture
+from graphnav.ablation.report.decomposition_chart import _bounds, _figure, decomposition_picture
 from graphnav.ablation.report.decomposition_text import notes, rows, sentences
 from graphnav.ablation.results import Losses, losses
 from graphnav.ablation.results.records import Record
@@ -118,3 +119,32 @@ def test_what_depends_on_frames_is_taken_on_the_common_drive(plan: Plan, make_re
     spl, sight = losses(both, records)
     assert (spl.is_common, spl.as_it_is.mean) == (False, 0.5)
     assert (sight.is_common, sight.as_it_is.mean) == (True, 0.9)
+
+
+def test_the_legend_fits_into_the_picture(found: Losses) -> None:
+    figure = _figure([found])
+    figure.set_dpi(100)
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert 0 <= box.x0 < box.x1 <= figure.bbox.width
+
+
+def test_intervals_end_at_the_bounds_of_the_metric_alone(found: Losses) -> None:
+    (swap,) = (swap for swap in found.single if swap.stage == "plane")
+    assert swap.gain is not None
+    assert swap.estimate is not None
+    high = found.as_it_is.mean + swap.gain.high
+    wide = dataclasses.replace(swap, gain=dataclasses.replace(swap.gain, high=1.5))
+    assert _bounds(found, swap, swap.estimate.mean)[1] == pytest.approx(high)
+    assert _bounds(found, wide, swap.estimate.mean)[1] == pytest.approx(found.as_it_is.mean + 1.5), "of metres"
+    shares = dataclasses.replace(found, span=(0.0, 1.0))
+    assert _bounds(shares, wide, swap.estimate.mean)[1] == 1.0
+
+
+def test_green_is_better_where_lower_is(found: Losses) -> None:
+    bars = []
+    for better in ("higher", "lower"):
+        (axes,) = _figure([dataclasses.replace(found, better=better)]).axes
+        bars.append([to_hex(patch.get_facecolor()) for patch in axes.patches])
+    assert bars == [["#2a9d8f"] * 2, ["#d1495b"] * 2]

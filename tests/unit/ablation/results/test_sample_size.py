@@ -96,3 +96,17 @@ def test_a_difference_that_does_not_matter_needs_no_worlds(make_plan: MakePlan, 
     ]
     (text,) = sample_size_texts(plan, compare(plan, records), records)
     assert text.endswith("after 40 worlds; the difference is smaller than 0.05, the smallest that matters")
+
+
+def test_a_first_metric_that_no_run_has_does_not_silence_it(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(seeds=range(3), metrics={"drive.path_length_m": "lower", "drive.success": "higher"})
+    records = [make_record(variant, seed, {"drive.success": 1.0}) for variant in plan.variants for seed in range(3)]
+    (text,) = sample_size_texts(plan, compare(plan, records), records)
+    assert text == "corridor, affine: drive.success is not clear after 3 worlds; they show no difference"
+
+
+def test_variants_on_which_the_same_is_said_share_a_sentence(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(("ica", "affine", "gain"), seeds=range(3), metrics={"drive.success": "higher"})
+    records = [make_record(variant, seed, {"drive.success": 1.0}) for variant in plan.variants for seed in range(3)]
+    (text,) = sample_size_texts(plan, compare(plan, records), records)
+    assert text == "corridor, affine, gain: drive.success is not clear after 3 worlds; they show no difference"

@@ -12,6 +12,7 @@ from graphnav.ablation.results.records import Record
 from graphnav.ablation.stopping.rounds import check_stopping, decisions, jobs_of_next_round
 from graphnav.ablation.stopping.stopping_report import stopping_texts
 from graphnav.errors import GraphnavError, UserError
+from graphnav.stage import Metric
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
@@ -94,6 +95,16 @@ def test_a_metric_without_bounds_is_refused(plan: Plan) -> None:
     )
     with pytest.raises(UserError, match="names no metric to decide by"):
         check_stopping(dataclasses.replace(plan, metrics=()))
+
+
+def test_a_metric_of_frames_that_differ_is_refused(plan: Plan) -> None:
+    auroc = Metric("auroc", help="Area.", better="higher", of_frames=True, bounds=(0.0, 1.0))
+    cases = tuple(dataclasses.replace(case, drives_as=case.variant) for case in plan.cases)
+    declared = {**plan.declared, "sight.auroc": auroc}
+    own = dataclasses.replace(plan, cases=cases, declared=declared, metrics=("sight.auroc",))
+    with pytest.raises(UserError, match=r"'sight\.auroc' decides, and worse meets frames of its own on corridor"):
+        check_stopping(own)
+    check_stopping(dataclasses.replace(own, cases=plan.cases))
 
 
 def test_a_value_outside_of_its_bounds_ends_the_study(plan: Plan, make_record: MakeRecord) -> None:

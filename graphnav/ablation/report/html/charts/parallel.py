@@ -60,7 +60,9 @@ def parallel_chart(
     xs = [_LEFT + k * (FULL_WIDTH - _LEFT - _RIGHT) / len(axes) for k in range(len(axes) + 1)]
     columns = [_column(name, x, labels, height) for (name, labels), x in zip(axes.items(), xs, strict=False)]
     points = [_points(ordered, axis, columns[axis], height / len(columns[axis].choices)) for axis in range(len(axes))]
-    paths = [_path(strand, place, points, xs, scale, len(ordered)) for place, strand in enumerate(ordered)]
+    paths = [
+        _path(strand, place, points, xs, scale, _rank(strand, strands, better)) for place, strand in enumerate(ordered)
+    ]
     return rendered(
         "parallel.svg",
         title=title,
@@ -95,7 +97,7 @@ def _points(ordered: Sequence[Strand], axis: int, column: _Column, room: float) 
 
 
 def _path(
-    strand: Strand, place: int, points: Sequence[Sequence[float]], xs: Sequence[float], scale: Scale, n: int
+    strand: Strand, place: int, points: Sequence[Sequence[float]], xs: Sequence[float], scale: Scale, rank: float
 ) -> _Path:
     heights = [*(column[place] for column in points), scale.at(strand.value)]
     curve = f"M{xs[0]:.1f},{heights[0]:.1f}"
@@ -103,7 +105,15 @@ def _path(
         middle = (x0 + x1) / 2
         curve += f"C{middle:.1f},{y0:.1f} {middle:.1f},{y1:.1f} {x1:.1f},{y1:.1f}"
     text = f"{strand.name}: {number(strand.value, '.4g')}"
-    return _Path(text, curve, _colour(place / (n - 1) if n > 1 else 1.0))
+    return _Path(text, curve, _colour(rank))
+
+
+def _rank(strand: Strand, strands: Sequence[Strand], better: Better) -> float:
+    """Return the share of the others that are worse, plus half of those that are equal."""
+    sign = -1 if better == "lower" else 1
+    worse = sum(sign * other.value < sign * strand.value for other in strands)
+    equal = sum(other.value == strand.value for other in strands) - 1
+    return (worse + equal / 2) / (len(strands) - 1) if len(strands) > 1 else 0.5
 
 
 def _colour(share: float) -> str:

@@ -120,3 +120,26 @@ def test_strands_end_at_their_metric_with_the_better_end_up(better: str) -> None
     assert colours == (
         {"low": "#d1495b", "high": "#2a9d8f"} if better == "higher" else {"low": "#2a9d8f", "high": "#d1495b"}
     )
+
+
+def test_equal_strands_have_one_colour() -> None:
+    strands = [Strand(name, [choice], value) for name, choice, value in (("a", "x", 0.0), ("b", "y", 0.0))]
+    svg = str(parallel_chart("corridor", {"plane": ["x", "y"]}, strands, "spl", "higher"))
+    assert len(set(re.findall(r'style="stroke:(#\w+)"', svg))) == 1
+    better = str(parallel_chart("c", {"plane": ["x", "y"]}, [*strands, Strand("c", ["x"], 1.0)], "spl", "higher"))
+    first, second, best = re.findall(r'style="stroke:(#\w+)"', better)
+    assert first == second != best == "#2a9d8f"
+
+
+def test_frames_of_their_own_have_no_profile(tmp_path: Path) -> None:
+    plan, records = with_spl(
+        plan_of(methods("ica", "affine"), seeds=range(2)), {"ica": [0.9, 0.8], "affine": [0.5] * 2}
+    )
+    spl = replace(plan.declared["drive.spl"], of_frames=True)
+    own = replace(
+        plan,
+        declared={**plan.declared, "drive.spl": spl},
+        cases=tuple(replace(case, drives_as=case.variant) for case in plan.cases),
+    )
+    assert "drive.spl of at least" in report(plan, records, tmp_path)
+    assert "drive.spl of at least" not in report(own, records, tmp_path)

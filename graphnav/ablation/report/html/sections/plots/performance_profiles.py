@@ -40,8 +40,13 @@ def profiles(study: StudyResults) -> Markup:
 
 
 def _is_graded_share(study: StudyResults, metric: str) -> bool:
-    """Return whether a metric is between 0 and 1, not only one of them, and better if higher."""
+    """Return whether a metric is between 0 and 1, not only one of them, and better if higher.
+
+    Not one of the frames that a run meets, where variants meet frames of their own.
+    """
     if study.plan.better(metric) != "higher" or study.plan.metric(metric).unit not in _UNITS:
+        return False
+    if any(metric in row.own_frames for row in study.comparison.rows):
         return False
     values = {value for key in study.runs for value in study.values(*key, metric).values()}
     return bool(values - {0.0, 1.0}) and min(values) >= 0.0 and max(values) <= 1.0
