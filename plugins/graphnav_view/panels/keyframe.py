@@ -16,6 +16,9 @@ MIN_RATIO, MAX_RATIO = 0.03, 0.5
 MAX_SPIN_RADPS = 0.05
 """Maximum turning rate of nearly straight driving."""
 
+MIN_SPEED_RATIO = 0.9
+"""Share of the median speed from which on a robot drives: from rest there is no flow to see."""
+
 
 @dataclass(frozen=True)
 class Frame:
@@ -45,7 +48,7 @@ class Frame:
 
 
 class _Glance(NamedTuple):
-    """The criteria for a keyframe; turn, push and spin are absolute values."""
+    """The criteria for a keyframe; turn, push, spin and speed are absolute values."""
 
     utime: int
     judged_ratio: float
@@ -53,6 +56,7 @@ class _Glance(NamedTuple):
     turn_rad: float
     push: float
     spin_radps: float
+    speed_mps: float
 
 
 def _glance(utime: int, plane: Plane, steering: Steering | None, state: State | None) -> _Glance:
@@ -63,6 +67,7 @@ def _glance(utime: int, plane: Plane, steering: Steering | None, state: State | 
         0.0 if steering is None else abs(steering.theta_rad),
         0.0 if steering is None else abs(float(steering.repulsive[0])),
         0.0 if state is None else abs(state.omega_radps),
+        0.0 if state is None else abs(state.v_mps),
     )
 
 
@@ -74,9 +79,9 @@ def keyframe_utime(signals: Signals) -> int | None:
     earliest of equals). Theta itself would favour frames in which the forces nearly cancel. Frames in which the robot
     still drives nearly straight are preferred: they show the cause of a turn, not its effect.
 
-    Without such a frame, the one whose share is nearest to a quarter. In either case frames with fewer judged
-    cells than 0.9 of the median frame do not count. Without a plane, the middle frame of the flow, else
-    of the images.
+    Without such a frame, the one whose share is nearest to a quarter, among those in which the robot drives. In either
+    case frames with fewer judged cells than 0.9 of the median frame do not count. Without a plane, the middle frame of
+    the flow, else of the images.
     """
     glances = [
         _glance(utime, plane, steering, state)
@@ -89,7 +94,9 @@ def keyframe_utime(signals: Signals) -> int | None:
         if shared:
             straight = [glance for glance in shared if glance.spin_radps <= MAX_SPIN_RADPS]
             return max(straight or shared, key=lambda g: (round(g.push, 2), -g.utime)).utime
-        return min(seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
+        driving_mps = MIN_SPEED_RATIO * median(glance.speed_mps for glance in seen)
+        driven = [glance for glance in seen if glance.speed_mps >= driving_mps]
+        return min(driven or seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
     for kind in (Flow, Image):
         stamps = signals.stamps(kind)
         if stamps:

@@ -31,7 +31,7 @@ def draw_corridor(draws: Draws, keys: CorridorKeys) -> Corridor | None:
     """Return a corridor, None if it cannot be one. The run-in begins at the origin, along x."""
     radius, half, thickness = (draws.number(one) for one in (keys.radius_m, keys.half_width_m, keys.thickness_m))
     if half + thickness >= radius:
-        draws.wrong(keys.place("half_width_m"), "the corridor is wider than its bend", "give a smaller half_width_m")
+        draws.unfit(keys.place("half_width_m"), "the corridor is wider than its bend", "give a smaller half_width_m")
         return None
     side, bend = turn_sign(draws, keys), math.radians(draws.number(keys.bend_deg))
     run_in, run_out = draws.number(keys.run_in_m), draws.number(keys.run_out_m)

@@ -16,12 +16,15 @@ _UNNAMED = {("pillars", 1, "field"), ("walls", 4, "arc")}
 class Draws:
     """Draws numbers from their ranges and collects problems.
 
+    ``problems`` are those of any draw, ``misfits`` those of this one: where numbers are drawn, others may do.
+
     Each draw depends on the seed, the attempt and on where in the map it is, not on other draws, so that a change in
     one place leaves the others as they are.
     """
 
     def __init__(self, seed: int, attempt: int) -> None:
         self.problems: list[Problem] = []
+        self.misfits: list[Problem] = []
         self.drew = False
         self._seed, self._attempt = seed, attempt
 
@@ -48,3 +51,7 @@ class Draws:
     def wrong(self, place: Place | None, what: str, hint: str | Suggestion = "") -> None:
         """Add a problem."""
         self.problems.append(Problem(place, what, hint))
+
+    def unfit(self, place: Place | None, what: str, hint: str) -> None:
+        """Add a problem of the numbers that were drawn."""
+        self.misfits.append(Problem(place, what, hint))

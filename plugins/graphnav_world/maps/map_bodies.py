@@ -14,7 +14,7 @@ from graphnav_world.maps.body_keys import Obstacle, Wall
 from graphnav_world.maps.draws import Draws
 from graphnav_world.maps.map_shapes import draw_line, draw_shape
 from graphnav_world.maps.mover_keys import Crosses, Moves
-from graphnav_world.maps.wall_doors import cut
+from graphnav_world.maps.wall_doors import Gap, cut, length_m
 
 
 def draw_wall(draws: Draws, wall: Wall) -> list[Body]:
@@ -30,17 +30,26 @@ def draw_wall(draws: Draws, wall: Wall) -> list[Body]:
     strips = [outlines.strip(points, thickness_m, closed=wall.closed)]
     if wall.doors:
         line = np.concatenate([points, points[:1]]) if wall.closed else points
-        strips = [outlines.strip(part, thickness_m, closed=False) for part in cut(line, _gaps(draws, wall))]
+        gaps = _gaps(draws, wall, length_m(line))
+        strips = [outlines.strip(part, thickness_m, closed=False) for part in cut(line, gaps)]
     if any(strip.is_folded for strip in strips):
         what = f"a wall {thickness_m:g} m thick cannot bend as sharply as this line"
-        draws.wrong(wall.place("along"), what, "give a smaller thickness_m, or a wider bend")
+        draws.unfit(wall.place("along"), what, "give a smaller thickness_m, or a wider bend")
         return []
     return [Body.wall(strip, height_m, wall.texture) for strip in strips]
 
 
-def _gaps(draws: Draws, wall: Wall) -> list[tuple[float, float]]:
-    middles = ((draws.number(door.at_m), draws.number(door.width_m) / 2) for door in wall.doors)
-    return [(at_m - half_m, at_m + half_m) for at_m, half_m in middles]
+def _gaps(draws: Draws, wall: Wall, end_m: float) -> list[Gap]:
+    """Return where the doors of a wall of this length are."""
+    gaps = []
+    for door in wall.doors:
+        at_m, half_m = draws.number(door.at_m), draws.number(door.width_m) / 2
+        if at_m > end_m:
+            what = f"this door is {at_m:.4g} m along a wall that is {end_m:.4g} m long"
+            draws.unfit(door.place("at_m"), what, "give a smaller at_m")
+        else:
+            gaps.append((at_m - half_m, at_m + half_m))
+    return gaps
 
 
 def draw_obstacle(draws: Draws, obstacle: Obstacle) -> Body | None:

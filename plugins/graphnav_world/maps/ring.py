@@ -18,11 +18,11 @@ def draw_ring(draws: Draws, keys: RingKeys) -> Corridor | None:
     length, width, radius = (draws.number(one) for one in (keys.length_m, keys.width_m, keys.radius_m))
     half, thickness, side = draws.number(keys.half_width_m), draws.number(keys.thickness_m), turn_sign(draws, keys)
     if half + thickness >= radius:
-        draws.wrong(keys.place("half_width_m"), "the ring is wider than its corners", "give a smaller half_width_m")
+        draws.unfit(keys.place("half_width_m"), "the ring is wider than its corners", "give a smaller half_width_m")
         return None
     if 2 * radius > min(length, width):
         what = "the corners of the ring are rounder than it is long or wide"
-        draws.wrong(keys.place("radius_m"), what, "give a smaller radius_m")
+        draws.unfit(keys.place("radius_m"), what, "give a smaller radius_m")
         return None
     flip = np.array([1.0, side])
     reach = half + thickness / 2

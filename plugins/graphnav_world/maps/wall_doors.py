@@ -10,11 +10,15 @@ Gap = tuple[float, float]
 """Where an opening begins and ends, in metres along the line."""
 
 
+def length_m(points: Doubles) -> float:
+    """Return the length of a line, (n, 2)."""
+    return float(_distances(points)[-1])
+
+
 def cut(points: Doubles, gaps: list[Gap]) -> list[Doubles]:
     """Return the parts of a line, each (n, 2), that lie outside all gaps, in order; the line is open."""
-    length_m = float(_distances(points)[-1])
     begins = [0.0, *(end for _, end in sorted(gaps))]
-    ends = [*(begin for begin, _ in sorted(gaps)), length_m]
+    ends = [*(begin for begin, _ in sorted(gaps)), length_m(points)]
     begins = list(np.maximum.accumulate(begins))  # gaps may overlap
     return [_part(points, begin, end) for begin, end in zip(begins, ends, strict=True) if end - begin > 1e-6]
 

@@ -53,10 +53,16 @@ def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float) -> Wor
         draws = Draws(seed, attempt)
         draw = draw_map(draws, keys)
         problems += draws.problems
-        if draw is None and not problems:  # the key has no value
+        if draw is None and not problems and not draws.misfits:  # the key has no value
             problems.append(Problem(keys.key_place("start"), "a map needs 'start'", START_HINT))
-        if problems or draw is None:
+        if problems:
+            problems += draws.misfits
             break
+        if draws.misfits or draw is None:
+            if not draws.drew or attempt == ATTEMPTS - 1:
+                problems = draws.misfits
+                break
+            continue
         largest = max(extent_m(draw))
         if largest > LARGEST_M:
             what = f"the map extends over {largest:.0f} m, but must fit into {LARGEST_M:.0f} m"

@@ -38,7 +38,7 @@ def draw_zigzag(draws: Draws, keys: ZigzagKeys) -> Corridor | None:
     loop = np.concatenate([right, left[::-1]])
     if strip.is_folded or outlines.crosses_itself(loop):
         hint = "give a greater straight_m, or a smaller half_width_m, corner_deg or dead_end_m"
-        draws.wrong(keys.place("straight_m"), "the zigzag crosses itself", hint)
+        draws.unfit(keys.place("straight_m"), "the zigzag crosses itself", hint)
         return None
     return Corridor([wall(draws, keys, loop)], start(draws, keys), across(ends[-1], along[-1], half))
 

@@ -73,6 +73,7 @@ class ZBuffer:
         self._cx, self._cy, self._focal = cx, cy, camera.focal_px
         self._row_shift = np.array([[-cy], [cy]]) + MARGIN_PX
         self._no_bound = np.array([[0, 0], [0, 1 - camera.cols]]).reshape(2, 2, 1, 1)
+        self._rim = np.array([[0], [1 - camera.cols]], np.float32)
         self._nearest_fragment = np.zeros(camera.rows * camera.cols, np.int64)
         half_x, half_y = (cx + 0.5) / camera.focal_px, (cy + 0.5) / camera.focal_px
         sides = np.array([[1, 0, half_x], [-1, 0, half_x], [0, 1, half_y], [0, -1, half_y]])
@@ -134,7 +135,9 @@ class ZBuffer:
             bound = slope.take(prim, axis=1)
             bound *= self._y.take(row)
             bound += offset.take(prim, axis=1)
-        first, minus_last = np.ceil(bound.reshape(2, 4, -1).max(axis=1))
+        bound = bound.reshape(2, 4, -1).max(axis=1)
+        np.maximum(bound, self._rim, out=bound)  # a prim that passes beside the eye has all its edges on one side
+        first, minus_last = np.ceil(bound)
         span = np.flatnonzero(first + minus_last <= 0)
         first = first.take(span)
         count = (1 - minus_last.take(span) - first).astype(np.intp)

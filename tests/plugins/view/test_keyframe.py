@@ -1,7 +1,10 @@
 """The frame of the panels is the one that tells most, and always the same one."""
 
 from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
+import yaml
 from graphnav_view.panels.keyframe import (
     MAX_RATIO,
     MAX_SPIN_RADPS,
@@ -13,8 +16,9 @@ from graphnav_view.panels.keyframe import (
 )
 from graphnav_view.signals import Signals
 
-from graphnav import Plane, State, Steering
-from graphnav.record import Recording
+from graphnav import About, Plane, State, Steering
+from graphnav.codec import encode
+from graphnav.record import ABOUT, LogWriter, Recording
 
 Record = Callable[..., Recording]
 
@@ -33,6 +37,23 @@ def test_it_is_pushed_aside_hardest_of_those_that_show_ground_and_obstacle_on_a_
     assert len(pushes) > 5
     assert utime in pushes
     assert pushes[utime] >= max(pushes.values()) - 0.01
+
+
+def test_where_nothing_was_detected_it_is_one_in_which_the_robot_drives(tmp_path: Path) -> None:
+    """As the paper's detector often does: every share is 0, so that all frames are equally far from a quarter."""
+    nothing = np.zeros((3, 4), np.uint8)
+    plane = Plane(obstacle=nothing, score=nothing.astype(np.float32), valid=nothing + 1, step_px=4, obstacle_ratio=0.0)
+    with LogWriter(tmp_path / "run.lcmlog") as log:
+        graph = {"stages": {"robot": {"use": "world.pymunk"}, "plane": {"use": "plane.ica"}}}
+        types = ("graphnav_lcm.state_t", "graphnav_lcm.plane_t")
+        log.write(
+            ABOUT, 0, encode(About(yaml.safe_dump(graph), "", "", 7, ("robot.state", "plane.plane"), types), 0, 0)
+        )
+        for k, speed_mps in enumerate((0.0, 0.05, 0.14, 0.2, 0.3, 0.3, 0.3, 0.3)):
+            state = State(0.0, 0.0, 0.0, speed_mps, 0.0, 0.2, contact=False, at_goal=False, moving=np.zeros((0, 3)))
+            log.write("robot.state", k * 100_000, encode(state, k * 100_000, k))
+            log.write("plane.plane", k * 100_000, encode(plane, k * 100_000, k))
+    assert keyframe_utime(Signals(Recording(tmp_path / "run.lcmlog"))) == 400_000
 
 
 def test_without_planes_it_is_the_middle_one(record: Record) -> None:

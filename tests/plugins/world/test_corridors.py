@@ -118,6 +118,17 @@ def test_a_room_may_have_a_door(tmp_path: Path) -> None:
     assert world.shortest_m == pytest.approx(3.0, abs=0.4)
 
 
+def test_a_draw_that_crosses_itself_is_drawn_again(tmp_path: Path) -> None:
+    """In many draws of this zigzag the corridor runs into itself: no seed is an error for that."""
+    keys = {**ZIGZAG, "corners": 3, "corner_deg": [20, 135], "straight_m": [0.5, 3], "half_width_m": [0.3, 0.9]}
+    keys |= {"dead_ends": [0, 3]}
+    for seed in range(20):
+        world = drawn(tmp_path, seed, zigzag=keys)
+        (loop,) = (body.outline for body in world.draw.bodies)
+        assert len(loop) >= 6
+        assert Passage(world.draw.bodies, world.draw.start, world.draw.goal_m).leads_to_goal(RADIUS_M)
+
+
 @pytest.mark.parametrize(
     ("keys", "said"),
     [

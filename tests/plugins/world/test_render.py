@@ -52,6 +52,25 @@ def test_a_low_camera_that_sees_the_horizon_and_walls_behind_it_is_exact_too(
     assert np.abs(frame.flow_px).max() < 1e-3, "what does not move does not flow, the sky neither"
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0], ids=["right", "left"])
+@pytest.mark.parametrize("few", [0, 32])
+def test_a_wall_that_fills_rows_and_passes_beside_the_eye_is_exact(
+    side: float, few: int, world: Make, cast: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All its edges bound it on one side: nothing else ends its spans at the rim of the picture."""
+    monkeypatch.setattr(visibility, "FEW_PRIMS", few)
+    camera = Camera(height_m=0.5, tilt_deg=20.0, fov_deg=30.0, cols=40, rows=30)
+    line = outlines.strip(np.array([[-2.0, side * 0.3], [4.0, side * 0.3]]), 0.1, closed=False)
+    faces, renderer = world(camera, [Body.wall(line, 1.2, "wall")])
+    for yaw in (0.3, 0.5, 1.0):
+        placed = Placed.at(camera, faces, 0.0, 0.0, side * yaw)
+        frame = renderer.render(placed, None)
+        face, depth = cast(camera, placed, faces)
+        assert (face >= 0).any()
+        assert np.array_equal(frame.face, face)
+        np.testing.assert_allclose(frame.depth_m, depth, rtol=1e-5)
+
+
 @pytest.mark.parametrize("tilt_deg", [75.0, 15.0])
 def test_a_view_of_many_bodies_is_that_of_few(
     tilt_deg: float, world: Make, random_bodies: Callable[[int], list[Body]], monkeypatch: pytest.MonkeyPatch
