@@ -209,6 +209,18 @@ def test_a_range_has_the_type_of_its_parameter(aim: dict[str, Any]) -> None:
     assert not any(trial.refused for trial in tuned.trials)
 
 
+@pytest.mark.parametrize("words", [["--set", "aim.gain=2"], ["--vary", "aim.gain=1,2"]])
+def test_a_parameter_that_is_set_is_not_searched(
+    aim: dict[str, Any], capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    rivals = [] if words[0] == "--vary" else ["--vary", "aim=aim.near"]
+    common = ["tune", "aim", "--plugin", "my_aims.py", "--seeds", "0:2", "--metrics", "score.hit", "--trials", "2"]
+    assert main([*common, *rivals, *words, "--search", "aim.gain=1:3"]) == 2
+    err = capsys.readouterr().err
+    assert f"--search aim.gain=1:3: 'aim.gain' is searched, but {words[0]} aim.gain" in err
+    assert "keep one of the two" in err
+
+
 def test_the_study_finds_its_graph_from_any_folder(
     aim: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
