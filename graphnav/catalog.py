@@ -231,6 +231,16 @@ class Catalog:
         return "write family.stage, as 'graphnav stages' lists them"
 
 
+def _check_role(cls: type[Stage], origin: str) -> None:
+    role: object = cls.role
+    if role in get_args(Role):
+        return
+    near = did_you_mean(role, get_args(Role), former_names.ROLES) if isinstance(role, str) else ""
+    shown = f"'{role}'" if isinstance(role, str) else f"a {type(role).__name__}"
+    hint = near or f"roles are {', '.join(get_args(Role))}"
+    raise CatalogError(f"{origin}: the role of {cls.__qualname__} is {shown}", hint)
+
+
 def _check_declaration(cls: type[Stage], origin: str) -> None:
     try:
         params_of(cls)
@@ -238,10 +248,7 @@ def _check_declaration(cls: type[Stage], origin: str) -> None:
         plain = [port.name for port in ports_of(cls).inputs if port.is_plain]
     except DeclarationError as error:
         raise CatalogError(f"{origin}: {error}") from error
-    if cls.role not in get_args(Role):
-        near = did_you_mean(cls.role, get_args(Role), former_names.ROLES)
-        hint = near or f"roles are {', '.join(get_args(Role))}"
-        raise CatalogError(f"{origin}: the role of {cls.__qualname__} is '{cls.role}'", hint)
+    _check_role(cls, origin)
     if issubclass(cls, Source) and plain:
         raise CatalogError(
             f"{origin}: {cls.__qualname__} is a Source, but its input '{plain[0]}' is not sampled",

@@ -132,8 +132,8 @@ def _print_search(tuning: Tuning, console: Console) -> None:
         if rival.left:
             left = ", ".join(rival.left)
             console.print(f"  not searched, because nothing says what they could be: {left}", markup=False)
-    worlds = f"{len(tuning.study.seeds)} worlds of {', '.join(tuning.study.graphs)}"
-    console.print(f"{tuning.n_runs} runs, each trial in {worlds}", markup=False)
+    runs = f"{counted(tuning.n_runs, 'run')}, {tuning.runs_per_trial} of each trial"
+    console.print(f"{runs}, on {', '.join(tuning.study.graphs)}", markup=False)
 
 
 def _print_result(run: TuningRun, folder: Path, console: Console) -> None:

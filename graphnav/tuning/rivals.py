@@ -9,7 +9,7 @@ from typing import Any
 from graphnav.ablation.plan import CheckedStudy
 from graphnav.ablation.study import Study
 from graphnav.errors import Place, Problem, UserError, did_you_mean
-from graphnav.graph import Graph, Node, Override
+from graphnav.graph import Graph, Node, Override, Target
 from graphnav.stage import Param, params_of
 from graphnav.tuning.fit_range import fitted
 from graphnav.tuning.search_range import SearchRange, range_of
@@ -39,7 +39,7 @@ def rivals_of(study: Study, checked: CheckedStudy, searches: Sequence[SearchRang
     Raises
     ------
     UserError
-        No rival has a parameter that ``searches`` name, or may have the values that they name.
+        No rival has a parameter that ``searches`` name, or may have the values that they name, or it is set already.
     """
     [axis] = study.axes
     stages = _stages(study)
@@ -49,7 +49,7 @@ def rivals_of(study: Study, checked: CheckedStudy, searches: Sequence[SearchRang
         graphs = _graphs(checked, choice.label)
         own = {str(one) for override in choice.overrides for one in override.target.each}
         rivals.append(_rival(choice.label, choice.overrides, graphs, stages, fixed | own, searches))
-    if wrong := list(_unknown(searches, rivals)):
+    if wrong := [*_unknown(searches, rivals), *_fixed(searches, study)]:
         raise UserError(wrong)
     return tuple(rivals)
 
@@ -117,3 +117,14 @@ def _unknown(searches: Sequence[SearchRange], rivals: Sequence[Rival]) -> Iterat
             hint = did_you_mean(search.target, known) or "graphnav stages STAGE lists the parameters of a stage"
             what = f"no rival has the parameter '{search.target}'"
             yield Problem(Place(f"--search {search.text}"), what, hint)
+
+
+def _fixed(searches: Sequence[SearchRange], study: Study) -> Iterator[Problem]:
+    """Yield the searched parameters that the study or a rival sets: every trial would be refused."""
+    overrides = [*study.overrides, *(override for choice in study.axes[0].choices for override in choice.overrides)]
+    for search in searches:
+        place = Place(f"--search {search.text}")
+        searched = {str(one) for one in Target.parse(search.target, place).each}
+        if found := next((one for one in overrides if searched & {str(each) for each in one.target.each}), None):
+            what = f"'{search.target}' is searched, but {found.place} sets it"
+            yield Problem(place, what, "keep one of the two")

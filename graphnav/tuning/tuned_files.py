@@ -78,12 +78,11 @@ def _trials(run: TuningRun) -> str:
         for trial in run.of(rival):
             params = rival.center if not trial.params else trial.params
             shown = [write_value(params[target]) if target in params else "" for target in targets]
-            for graph in run.tuning.checked.plan.graphs:
-                for seed in run.tuning.study.seeds:
-                    found = [trial.values[metric].get((graph, seed)) for metric in metrics]
-                    values = ["" if value is None else repr(value) for value in found]
-                    failed = trial.failures.get((graph, seed), "")
-                    writer.writerow([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
+            for graph, seed in run.tuning.worlds:
+                found = [trial.values[metric].get((graph, seed)) for metric in metrics]
+                values = ["" if value is None else repr(value) for value in found]
+                failed = trial.failures.get((graph, seed), "")
+                writer.writerow([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
     return text.getvalue()
 
 

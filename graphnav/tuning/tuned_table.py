@@ -50,8 +50,8 @@ def trouble_texts(run: TuningRun) -> Iterator[str]:
         for causes, of in ((refused, f"{len(trials)} trials were refused"), (failed, f"{n_runs} runs failed")):
             if causes:
                 [(cause, times)] = causes.most_common(1)
-                most = f"{times} of them: " if times < causes.total() else ""
-                yield f"{rival.label}: {causes.total()} of {of}: {most}{cause}"
+                share = f"{times} of them: " if times < causes.total() else ""
+                yield f"{rival.label}: {causes.total()} of {of}: {share}{cause}"
 
 
 def table_markdown(run: TuningRun) -> str:

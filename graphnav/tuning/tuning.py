@@ -45,10 +45,15 @@ class Tuning:
         return sum(self.n_trials(rival) for rival in self.rivals) * self.runs_per_trial
 
     @property
-    def runs_per_trial(self) -> int:
-        """The number of runs of each trial, one in every world of every graph."""
+    def worlds(self) -> tuple[tuple[str, int], ...]:
+        """Graph and seed of every run of a trial."""
         plan = self.checked.plan
-        return sum(len(plan.seeds_of(case)) for case in plan.cases if case.is_base)
+        return tuple((case.graph, seed) for case in plan.cases if case.is_base for seed in plan.seeds_of(case))
+
+    @property
+    def runs_per_trial(self) -> int:
+        """The number of runs of each trial."""
+        return len(self.worlds)
 
     def n_trials(self, rival: Rival) -> int:
         """Return the number of trials of a rival: one where nothing of it is searched."""

@@ -88,7 +88,7 @@ def run_tuning(
         records: Sequence[Record] = ()
         if checked is not None:
             records = _made(checked, folder / TRIALS_FOLDER / f"{first:05d}", workers, on_made)
-        on_made(len(refused) * len(tuning.study.seeds) * len(tuning.checked.plan.graphs))
+        on_made(len(refused) * tuning.runs_per_trial)
         plan = tuning.checked.plan
         run.trials += [_with_results(trial, plan, records, refused) for trial in proposed]
         on_batch(run)

@@ -21,12 +21,22 @@ TESTS = (
     "Student's t test from there on, and McNemar's exact test for metrics that are 0 or 1; it is adjusted for all "
     "variants of a table by Holm's procedure."
 )
+_ANYTIME = (
+    "p is the chance of such evidence for a difference where none is, however often it was looked at (betting "
+    "e-process), because the results decided the number of worlds; it is adjusted for all variants of a table by "
+    "Holm's procedure."
+)
 UNTESTED = (
     "Other metrics are not tested and never bold: their intervals hold each for itself, and where nothing differs one "
     "in twenty still leaves out 0."
 )
 OWN_FRAMES = "own frames"
 """In place of a difference of what depends on the frames met, between variants that drive differently."""
+
+
+def tests(plan: Plan) -> str:
+    """Return what p is."""
+    return _ANYTIME if plan.until_clear else TESTS
 
 
 def deciding(plan: Plan, metric: str | None, called: str = "bold") -> str:
@@ -41,7 +51,12 @@ def deciding(plan: Plan, metric: str | None, called: str = "bold") -> str:
 
 
 def too_few_worlds(plan: Plan, comparison: Comparison) -> str:
-    """Return how many worlds it takes to separate the variants of the largest table, empty if all have as many."""
+    """Return how many worlds it takes to separate the variants of the largest table, empty if all have as many.
+
+    Empty also where the results decide the number of worlds.
+    """
+    if plan.until_clear:
+        return ""
     tables = {
         (plan.n_worlds(row.case), difference.significance.family)
         for row in comparison.rows
@@ -85,7 +100,7 @@ def legend(plan: Plan, comparison: Comparison) -> tuple[str, ...]:
     if any(plan.better(metric) == "neither" for metric in shown_metrics(plan, comparison)):
         reading += " Of metrics without an arrow neither is better: in how many worlds it was higher–alike–lower."
     few = too_few_worlds(plan, comparison)
-    sentences = [reading, *([few] if few else []), INTERVALS, TESTS, UNTESTED]
+    sentences = [reading, *([few] if few else []), INTERVALS, tests(plan), UNTESTED]
     sentences.append(counting(plan, shown_metrics(plan, comparison)))
     if any(row.own_frames.intersection(shown_metrics(plan, comparison)) for row in comparison.rows):
         sentences.append(

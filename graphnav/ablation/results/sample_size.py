@@ -54,7 +54,7 @@ def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -
 def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Record]) -> Iterator[str]:
     """Yield sentences on the variants that the metric that decides does not tell from the base.
 
-    Variants of a graph on which the same is said share one.
+    Variants of a graph with the same sentence share it.
     """
     if comparison.primary is None:
         return

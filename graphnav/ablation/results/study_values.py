@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.results.comparison import Difference, Estimate
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
-from graphnav.ablation.results.statistics import EXACT_BELOW, difference_interval, mean_interval, p_value
+from graphnav.ablation.results.statistics import EXACT_BELOW, anytime_p, difference_interval, mean_interval, p_value
 from graphnav.stage import Better
 
 CaseKey = tuple[str, str]
@@ -54,17 +54,24 @@ class StudyValues:
     def difference(self, key: CaseKey, base: CaseKey, metric: str) -> Difference | None:
         """Return how a case differs from another one in the worlds that both have.
 
-        None if they share none, or met frames of their own that the metric depends on.
+        None if they share none, or met frames of their own that the metric depends on. In a study that its results
+        stopped, the p-value of what decides is one that holds at any time.
         """
         if not self.are_comparable(key, base, metric):
             return None
-        return difference(
-            self.values[key][metric],
-            self.values[base][metric],
+        values, others = self.values[key][metric], self.values[base][metric]
+        found = difference(
+            values,
+            others,
             self.plan.better(metric),
             is_binary=metric in self.binary,
             min_difference=self.plan.min_difference(metric),
         )
+        span = self.plan.metric(metric).span
+        if found is None or span is None or not self.plan.until_clear or metric != self.primary:
+            return found
+        shares = [(values[seed] - others[seed]) / (span[1] - span[0]) for seed in values if seed in others]
+        return replace(found, p=anytime_p(np.array(shares)))
 
     def are_comparable(self, key: CaseKey, base: CaseKey, metric: str) -> bool:
         """Return whether two cases may be compared by a metric."""

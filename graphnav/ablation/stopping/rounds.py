@@ -8,16 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphnav.ablation.plan import Case, Job, Plan
-from graphnav.ablation.results import Record, Values, values_of
-from graphnav.ablation.stopping.e_process import e_process, holm
+from graphnav.ablation.results import Record, Values, anytime_p, holm, values_of
 from graphnav.ablation.study import MetricExpression
 from graphnav.arrays import Doubles
 from graphnav.errors import GraphnavError, UserError
 
 ROUND = 5
 """Worlds that are added at once."""
-LEVEL = 0.05
-"""Probability of any false decision on the variants of a graph, at any time."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +98,9 @@ class _Graph:
         """Return the variants that are told from the base by their first worlds."""
         p_values = {}
         for variant, number in worlds.items():
-            evidence = e_process(self._differences(variant, self.seeds[:number]))
-            p_values[variant] = 1 / max(1.0, float(evidence.max(initial=0.0)))
-        return holm(p_values, LEVEL)
+            p_values[variant] = anytime_p(self._differences(variant, self.seeds[:number]))
+        judged = zip(p_values, holm(list(p_values.values()), len(p_values)), strict=True)
+        return {variant for variant, found in judged if found.is_significant}
 
     def _differences(self, variant: str, seeds: Sequence[int]) -> Doubles:
         own, base = self._values[variant], self._values[self.base.variant]

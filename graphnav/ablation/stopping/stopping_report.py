@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.results import Record
-from graphnav.ablation.stopping.rounds import LEVEL, ROUND, decisions
+from graphnav.ablation.results import ALPHA, Record
+from graphnav.ablation.stopping.rounds import ROUND, decisions
 
 
 def stopping_texts(plan: Plan, records: Sequence[Record]) -> Iterator[str]:
@@ -16,7 +16,7 @@ def stopping_texts(plan: Plan, records: Sequence[Record]) -> Iterator[str]:
     metric = plan.metrics[0]
     yield (
         f"Stopped by --until-clear: {ROUND} worlds at a time were added until {metric} told each variant from the "
-        f"base, with at most {LEVEL:.0%} for any false decision on a graph at any time (betting e-process, Holm). The "
+        f"base, with at most {ALPHA:.0%} for any false decision on a graph at any time (betting e-process, Holm). The "
         "intervals of the tables are for a number of worlds that was set before; means at a stop lean away from 0."
     )
     for graph in plan.graphs:

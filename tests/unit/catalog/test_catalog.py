@@ -49,11 +49,19 @@ def test_only_the_family_that_is_asked_for_is_imported() -> None:
     assert done.stdout == "[]\n"
 
 
-def test_a_role_that_is_not_one_is_told(tmp_path: Path) -> None:
-    text = STAGE.format(name="Same").replace("    def step", "    role = 'control'\n\n    def step")
+@pytest.mark.parametrize(
+    ("role", "message"),
+    [
+        ("role = 'control'", r"the role of Same is 'control'\n  did you mean 'baseline'\?"),
+        ("role = property(lambda self: 'oracle')", r"the role of Same is a property\n  roles are method, baseline"),
+        ("role = ['oracle']", r"the role of Same is a list\n  roles are method, baseline"),
+    ],
+)
+def test_a_role_that_is_not_one_is_told(tmp_path: Path, role: str, message: str) -> None:
+    text = STAGE.format(name="Same").replace("    def step", f"    {role}\n\n    def step")
     catalog = Catalog()
     catalog.add_file(plugin(tmp_path, text))
-    with pytest.raises(CatalogError, match=r"the role of Same is 'control'\n  did you mean 'baseline'\?"):
+    with pytest.raises(CatalogError, match=message):
         catalog.stage("my_stage.same")
 
 

@@ -47,6 +47,17 @@ def test_every_rival_gets_the_same_trials_in_the_same_worlds(aim: dict[str, Any]
     assert {one.target for rival in tuned.run.tuning.rivals for one in rival.space} == {"aim.gain", "aim.steps"}
 
 
+def test_a_study_keeps_its_number_of_worlds_and_may_have_no_reference(aim: dict[str, Any]) -> None:
+    text = "graph: aim\nseeds: 0:3\nworlds: {aim: 2}\nvary: {aim: [aim.near, aim.fixed]}\nmetrics: [score.miss_m]\n"
+    Path("rivals.yaml").write_text(text)
+    tuned = graphnav.tune("rivals.yaml", trials=1, plugins=aim["plugins"], jobs=1)
+    assert [(row["trial"], row["seed"]) for row in rows(tuned.folder)] == [("0", "0"), ("0", "1")] * 2
+    assert "(n " not in (tuned.folder / "tuned.md").read_text()
+    Path("rivals.yaml").write_text(text + "reference: aim.near\n")
+    with pytest.raises(UserError, match=r"rivals.yaml:6:12: a tuning has no runs of a reference"):
+        graphnav.tune("rivals.yaml", trials=1, plugins=aim["plugins"], jobs=1)
+
+
 def test_the_first_trial_changes_nothing_and_is_kept_unless_one_is_better(aim: dict[str, Any]) -> None:
     tuned = graphnav.tune(**aim | {"trials": 6}, search=["aim.gain=90:100", "aim.steps=1:3", "aim.mode=coarse"])
     assert tuned.best == {"aim.near": {}, "aim.fixed": {}}
@@ -196,6 +207,18 @@ def test_a_range_has_the_type_of_its_parameter(aim: dict[str, Any]) -> None:
     assert any(params["aim.gain"] % 1 for params in tried)
     assert all(type(params["aim.steps"]) is int for params in tried)
     assert not any(trial.refused for trial in tuned.trials)
+
+
+@pytest.mark.parametrize("words", [["--set", "aim.gain=2"], ["--vary", "aim.gain=1,2"]])
+def test_a_parameter_that_is_set_is_not_searched(
+    aim: dict[str, Any], capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    rivals = [] if words[0] == "--vary" else ["--vary", "aim=aim.near"]
+    common = ["tune", "aim", "--plugin", "my_aims.py", "--seeds", "0:2", "--metrics", "score.hit", "--trials", "2"]
+    assert main([*common, *rivals, *words, "--search", "aim.gain=1:3"]) == 2
+    err = capsys.readouterr().err
+    assert f"--search aim.gain=1:3: 'aim.gain' is searched, but {words[0]} aim.gain" in err
+    assert "keep one of the two" in err
 
 
 def test_the_study_finds_its_graph_from_any_folder(

@@ -1,5 +1,6 @@
 """Intervals and tests of paired differences."""
 
+from graphnav.ablation.results.statistics.e_process import anytime_p
 from graphnav.ablation.results.statistics.hypothesis_tests import (
     ALPHA,
     EXACT_BELOW,
@@ -20,6 +21,7 @@ __all__ = [
     "ALPHA",
     "EXACT_BELOW",
     "Significance",
+    "anytime_p",
     "bonett_price",
     "difference_interval",
     "holm",

@@ -8,6 +8,8 @@ from collections.abc import Callable
 import pytest
 
 from graphnav.ablation.plan.plan import Job, Plan
+from graphnav.ablation.report.markdown import table_markdown
+from graphnav.ablation.results import compare
 from graphnav.ablation.results.records import Record
 from graphnav.ablation.stopping.rounds import check_stopping, decisions, jobs_of_next_round
 from graphnav.ablation.stopping.stopping_report import stopping_texts
@@ -110,3 +112,23 @@ def test_a_metric_of_frames_that_differ_is_refused(plan: Plan) -> None:
 def test_a_value_outside_of_its_bounds_ends_the_study(plan: Plan, make_record: MakeRecord) -> None:
     with pytest.raises(GraphnavError, match=r"corridor, alike, seed 100: drive\.success is 2, outside of its bounds 0"):
         jobs_of_next_round(plan, [make_record("alike", 100, {"drive.success": 2.0})], lambda _: False)
+
+
+def test_tables_call_clear_what_the_rule_decides(plan: Plan, make_record: MakeRecord) -> None:
+    lost = {"worse": 14, "alike": 6}
+    records = [
+        make_record(variant, seed, {"drive.success": float(seed - 100 >= lost.get(variant, 0))})
+        for variant in plan.variants
+        for seed in plan.seeds
+    ]
+    at_end = {one.case.variant: one.is_clear for one in decisions(plan, "corridor", records)}
+    assert at_end == {"worse": True, "alike": False}
+    for until_clear, clear in ((False, {"worse", "alike"}), (True, {"worse"})):
+        study = dataclasses.replace(plan, until_clear=until_clear)
+        rows = compare(study, records).rows
+        assert {
+            row.case.variant
+            for row in rows
+            if "drive.success" in row.differences and row.differences["drive.success"].is_clear
+        } == clear
+        assert ("e-process" in table_markdown(study, compare(study, records))) == until_clear

@@ -13,6 +13,9 @@ from graphnav.ablation.report.html.sections.variant_lists import reference_value
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.legend import too_few_worlds, worlds_of_graphs
 
+_MAX_NAMED = 6
+"""Variants that a warning names."""
+
 
 def overview(study: StudyResults) -> Markup:
     """Return the head of the page."""
@@ -37,9 +40,25 @@ def overview(study: StudyResults) -> Markup:
         verdicts=verdicts_drawn,
         references=references,
         setup=_setup(study),
-        too_few=too_few_worlds(study.plan, study.comparison),
+        warnings=[text for text in (too_few_worlds(study.plan, study.comparison), _fewer_worlds(study)) if text],
         charts=charts,
     )
+
+
+def _fewer_worlds(study: StudyResults) -> str:
+    """Return of which variants the deciding metric tells fewer worlds than were run, as where stages failed."""
+    metric = study.deciding
+    rows = [row for graph in study.plan.graphs for row in study.own_rows(graph)] if metric is not None else []
+    fewer = [
+        f"{row.case.variant} {found.n} of {row.runs}" + (f" on {row.case.graph}" if len(study.plan.graphs) > 1 else "")
+        for row in rows
+        if (found := row.estimates.get(metric or "")) is not None and found.n < row.runs
+    ]
+    if not fewer:
+        return ""
+    more = f", and {len(fewer) - _MAX_NAMED} more" if len(fewer) > _MAX_NAMED else ""
+    names = ", ".join(fewer[:_MAX_NAMED])
+    return f"{metric} is known in fewer worlds than were run, its mean is of these alone: {names}{more}."
 
 
 def _setup(study: StudyResults) -> list[tuple[str, str]]:

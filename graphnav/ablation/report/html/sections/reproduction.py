@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
-from graphnav.ablation.report.legend import INTERVALS, TESTS, counting, deciding, worlds_of_graphs
+from graphnav.ablation.report.legend import INTERVALS, counting, deciding, tests, worlds_of_graphs
 
 _MEANING = """\
 A world is a seed: map, start, textures and noise are drawn from it, and every variant meets the same ones.
@@ -44,4 +44,4 @@ def reproduce(study: StudyResults) -> Markup:
 def _meaning(study: StudyResults) -> list[str]:
     worlds, *rest = _MEANING.split("\n\n")
     decides = deciding(study.plan, study.comparison.primary, "called better or worse")
-    return [worlds, INTERVALS, decides, TESTS, *rest, counting(study.plan, study.metrics), *study.notes]
+    return [worlds, INTERVALS, decides, tests(study.plan), *rest, counting(study.plan, study.metrics), *study.notes]

@@ -143,3 +143,19 @@ def test_frames_of_their_own_have_no_profile(tmp_path: Path) -> None:
     )
     assert "drive.spl of at least" in report(plan, records, tmp_path)
     assert "drive.spl of at least" not in report(own, records, tmp_path)
+
+
+def test_a_mean_of_fewer_worlds_than_were_run_is_told_first(tmp_path: Path) -> None:
+    made = plan_of(methods("ica", "affine"), seeds=range(4))
+    length = Metric("length_m", unit="m", better="lower", help="Length.")
+    plan = replace(made, metrics=("drive.length_m",), declared={**made.declared, "drive.length_m": length})
+    records = [
+        record_of(case, seed, "goal", drive__length_m=5.0)
+        if case.is_base or seed < 1
+        else record_of(case, seed, "failed")
+        for case in plan.cases
+        for seed in plan.seeds
+    ]
+    warning = "drive.length_m is known in fewer worlds than were run, its mean is of these alone: affine 1 of 4."
+    assert warning in report(plan, records, tmp_path)
+    assert "fewer worlds than were run" not in report(plan, [r for r in records if r.outcome == "goal"], tmp_path)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from graphnav.arrays import Doubles
@@ -32,20 +30,13 @@ def e_process(differences: Doubles) -> Doubles:
     return wealth / (2 * BETS.size)
 
 
-def holm(p_values: Mapping[str, float], level: float) -> set[str]:
-    """Return the names whose hypotheses are rejected, with at most ``level`` for any false one [Holm].
+def anytime_p(differences: Doubles) -> float:
+    """Return a p-value that holds whenever it is looked at, from paired differences in [-1, 1]; 1 without any.
 
-    References
-    ----------
-    .. [Holm] S. Holm, A Simple Sequentially Rejective Multiple Test Procedure, Scandinavian Journal of Statistics 6(2),
-       1979.
+    One over the most evidence so far: where the mean is 0, it is ever below ``level`` with a probability of at most
+    ``level``.
     """
-    rejected: set[str] = set()
-    for name in sorted(p_values, key=lambda name: p_values[name]):
-        if p_values[name] > level / (len(p_values) - len(rejected)):
-            break
-        rejected.add(name)
-    return rejected
+    return 1 / max(1.0, float(e_process(differences).max(initial=0.0)))
 
 
 _MAX_LOG = 600.0
