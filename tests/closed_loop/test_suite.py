@@ -81,6 +81,12 @@ def test_every_world_is_under_its_main_condition(graph: str, target: str, value:
     assert param(f"suite/{graph}", target, catalog) == value
 
 
+def test_where_walls_fill_the_picture_its_frames_count(tmp_path: Path) -> None:
+    """At seed 3 more than half of every frame is wall, which `score.plane` leaves out by default."""
+    run = graphnav.run("suite/crowd", seed=3, until_s=4.0, folder=tmp_path / "run", pictures=False)
+    assert run.metrics["sight.counted_frames_ratio"] > 0.9
+
+
 @pytest.mark.parametrize("name", ["suite", *SWEEPS])
 def test_every_graph_of_a_study_with_every_method_is_right(name: str, catalog: Catalog) -> None:
     checked = check_study(replace(load_study(name), seeds=(0,)), catalog, "")

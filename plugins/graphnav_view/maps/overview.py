@@ -30,6 +30,7 @@ _LONG_SIDE_IN = 7.0
 _SHORTEST_SIDE_IN = 2.6
 _LEFT_IN, _RIGHT_IN, _TOP_IN, _BOTTOM_IN = 0.75, 1.15, 0.95, 1.15
 _MIN_WIDTH_IN = 6.6
+_LETTERS_PER_IN = 15
 _MARGIN_M = 0.3
 _TIMES = 6
 """Number of drawn positions of a moving obstacle."""
@@ -143,7 +144,7 @@ def _title(figure: Figure, signals: Signals, world: Map, track: Track) -> None:
     facts = [] if signals.seed is None else [f"seed {signals.seed}"]
     facts += drive_texts(world, track)
     about = str(signals.graph.get("about") or "").strip()
-    columns = int(figure.get_figwidth() * 12.5)
+    columns = int(figure.get_figwidth() * _LETTERS_PER_IN)
     figure.text(
         0.5,
         1 - 0.13 / height,
@@ -154,8 +155,8 @@ def _title(figure: Figure, signals: Signals, world: Map, track: Track) -> None:
         fontweight="bold",
     )
     figure.text(0.5, 1 - 0.40 / height, " · ".join(facts), ha="center", va="top", fontsize=9.5)
-    about = textwrap.shorten(about, columns, placeholder=" …")
-    figure.text(0.5, 1 - 0.62 / height, about, ha="center", va="top", fontsize=9, color=style.QUIET)
+    about = "\n".join(textwrap.wrap(about, columns, max_lines=2, placeholder=" …"))
+    figure.text(0.5, 1 - 0.60 / height, about, ha="center", va="top", fontsize=9, color=style.QUIET)
 
 
 class _ArrowKey(HandlerPatch):
