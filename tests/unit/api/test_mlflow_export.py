@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,7 @@ def test_every_case_is_a_run_with_parameters_metrics_and_tables(
 def test_without_the_package_the_extra_is_named(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    importlib.import_module("mlflow.tracking")
     monkeypatch.setitem(sys.modules, "mlflow.tracking", None)
     assert main(["ablate", "--report", str(folder), "--export", "mlflow"]) == 2
     assert capsys.readouterr().err.startswith("--export mlflow needs MLflow\n  ")

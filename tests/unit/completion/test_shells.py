@@ -100,7 +100,10 @@ def test_tab_completes(shell: Terminal, typed: str, completed: str) -> None:
     [
         ("graphnav dra", {"draw"}),
         ("graphnav run corridor_", {"corridor_ccw", "corridor_cw"}),
-        ("graphnav run corridor_ccw --set plane=plane.a", {"plane=plane.affine", "plane=plane.all_ground"}),
+        (
+            "graphnav run corridor_ccw --set plane=plane.a",
+            {"plane=plane.affine", "plane=plane.all_ground", "plane=plane.appearance"},
+        ),
         ("graphnav run mine.yaml --set s", {"see=", "see."}),
         ("graphnav info runs/f", {"runs/first"}),
     ],
