@@ -77,7 +77,8 @@ def test_the_flame_graph_is_written(graph: str, capsys: pytest.CaptureFixture[st
 def test_without_pyinstrument_the_flame_graph_ends_at_the_steps(
     graph: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    found = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pyinstrument" else found(name))
     assert main(["profile", graph, "--flame", "flame.svg"]) == 0
     assert capsys.readouterr().err == (
         "the functions inside of the steps cannot be sampled: pyinstrument is not installed\n"
