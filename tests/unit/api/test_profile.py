@@ -67,6 +67,7 @@ def test_arguments_are_checked_before_the_run(graph: Path, monkeypatch: pytest.M
         graphnav.profile(graph, tap="thick")  # type: ignore[arg-type]
     with pytest.raises(graphnav.UserError, match=r"clock must be \"wall\" or \"cpu\", not 'sun' \(str\)"):
         graphnav.profile(graph, clock="sun")  # type: ignore[arg-type]
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    found = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pyinstrument" else found(name))
     with pytest.raises(graphnav.UserError, match="pyinstrument is not installed\n  install it: pip install"):
         graphnav.profile(graph, functions=True)
