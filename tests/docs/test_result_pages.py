@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from gen_results import PAGE as PAGE_OF_RESULTS
 from gen_results import problems
-from result_pages.claims import claims, unchecked
+from result_pages.claims import Claim, claims, unchecked
 from result_pages.expression import evaluate
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
@@ -120,6 +121,13 @@ def test_a_claim_that_does_not_hold_is_named_with_its_value(results: ShippedResu
 def test_a_number_that_nothing_checks_is_named(results: ShippedResults) -> None:
     [claim] = claims(PAGE.replace("0.5 degrees", "0.6 degrees"))
     assert list(claim.problems(results)) == ["line 5: the number 0.6 is not in the check"]
+
+
+@pytest.mark.parametrize(
+    "claim", list(claims(PAGE_OF_RESULTS.read_text(encoding="utf-8"))), ids=lambda claim: claim.text[:40]
+)
+def test_what_the_results_claim_is_borne_out_by_those_that_ship(claim: Claim) -> None:
+    assert not list(claim.problems(ShippedResults.read(claim.study)))
 
 
 def test_a_table_is_made_from_the_results_and_noticed_when_it_is_not_fresh(folder: Path) -> None:

@@ -52,6 +52,12 @@ def difference(results: ShippedResults, graph: str, a: str, b: str, metric: str,
     return float((first - second).mean())
 
 
+def alike(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUCCESS, *, at: str = "") -> int:
+    """Return in how many worlds two variants have the same value."""
+    first, second = results.paired(Cell(graph, a, at), Cell(graph, b, at), metric)
+    return int((first == second).sum())
+
+
 def clear(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUCCESS, *, at: str = "") -> bool:
     """Return whether the 95 % interval of ``a - b`` leaves out 0; not corrected for several comparisons."""
     first, second = results.paired(Cell(graph, a, at), Cell(graph, b, at), metric)
@@ -97,6 +103,7 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "low": low,
     "high": high,
     "difference": difference,
+    "alike": alike,
     "clear": clear,
     "graphs_where_clear": graphs_where_clear,
     "n_graphs": n_graphs,
