@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
-from graphnav import Flow, Planar, Plane, Role, Stamp, param
-from graphnav.arrays import Doubles
+from graphnav import param
+from graphnav.arrays import Bools, Doubles, Floats
 from graphnav_plane.agreement import median
-from graphnav_plane.detector import MIN_VECTORS, Detector, compared
+from graphnav_plane.residual import Residual
 
 _ITERATIONS = 10
 _MIN_PX2 = 1e-12
 
 
-class OneGain(Detector):
+class OneGain(Residual):
     """Obstacle is where the flow differs from a multiple of the planar flow: ``|u - a û|``.
 
     The baseline of `plane.ica`, whose obstacle component is such a difference too: it shows how much of the result is
@@ -24,8 +22,6 @@ class OneGain(Detector):
     count (Geman and McClure's estimator). A robot at rest has no planar flow; its gain is 0.
     """
 
-    role: ClassVar[Role] = "baseline"
-
     noise_px: float = param(
         0.1,
         gt=0.0,
@@ -33,21 +29,10 @@ class OneGain(Detector):
         "much none",
     )
 
-    def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> Plane:
-        """Return the plane on the grid of ``planar``; nothing is judged where fewer than 6 vectors are valid.
-
-        Raises
-        ------
-        ValueError
-            Flow and planar flow are of different image sizes or cover different times.
-        """
-        self._begin(stamp)
-        cells, valid = compared(flow, planar)
-        if np.count_nonzero(valid) < MIN_VECTORS:
-            return self._unjudged(cells)
-        gain = robust_gain(cells.uv_px[valid].astype(float), planar.planar_uv_px[valid].astype(float), self.noise_px)
-        left_px = cells.uv_px - np.float32(gain) * planar.planar_uv_px
-        return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
+    def _ground_px(self, flow_px: Floats, planar_px: Floats, valid: Bools) -> Floats:
+        """Return the multiple of the planar flow that most of the valid vectors agree with."""
+        gain = robust_gain(flow_px[valid].astype(float), planar_px[valid].astype(float), self.noise_px)
+        return np.float32(gain) * planar_px
 
 
 def robust_gain(flow_px: Doubles, planar_px: Doubles, noise_px: float) -> float:

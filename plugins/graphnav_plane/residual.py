@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphnav import Flow, Planar, Plane, Role, Stamp
+from graphnav.arrays import Bools, Floats
 from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 
 
@@ -30,5 +31,9 @@ class Residual(Detector):
         cells, valid = compared(flow, planar)
         if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
-        left_px = cells.uv_px - planar.planar_uv_px
+        left_px = cells.uv_px - self._ground_px(cells.uv_px, planar.planar_uv_px, valid)
         return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
+
+    def _ground_px(self, flow_px: Floats, planar_px: Floats, valid: Bools) -> Floats:  # noqa: ARG002
+        """Return the flow that the ground has, (rows, cols, 2): the planar flow as it is."""
+        return planar_px
