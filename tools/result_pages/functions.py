@@ -7,8 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.ablation.results.statistics import difference_interval, mean_interval
+from graphnav.ablation.results.comparison import Difference, as_family
+from graphnav.ablation.results.statistics import ALPHA, mean_interval
+from graphnav.ablation.results.study_values import difference as of_worlds
 from graphnav.arrays import Doubles
+from graphnav.errors import UserError
 from result_pages.shipped_results import Cell, ShippedResults
 
 SUCCESS = "drive.success"
@@ -58,18 +61,33 @@ def alike(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUC
     return int((first == second).sum())
 
 
-def clear(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUCCESS, *, at: str = "") -> bool:
-    """Return whether the 95 % interval of ``a - b`` leaves out 0; not corrected for several comparisons."""
-    first, second = results.paired(Cell(graph, a, at), Cell(graph, b, at), metric)
-    interval = difference_interval(first, second, is_binary=_is_binary(first) and _is_binary(second))
-    return bool(interval.low > 0 or interval.high < 0)
+def apart(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUCCESS, *, at: str = "") -> bool:
+    """Return whether two variants are told apart, as the only question asked: p at most 0.05, and what matters."""
+    found = _difference(results, Cell(graph, a, at), Cell(graph, b, at), metric)
+    return bool(found.p <= ALPHA and found.matters and (found.low > 0 or found.high < 0))
 
 
-def graphs_where_clear(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> int:
-    """Return on how many graphs ``a`` has a clearly higher value than ``b``."""
-    return sum(
-        clear(results, graph, a, b, metric) and difference(results, graph, a, b, metric) > 0 for graph in results.graphs
-    )
+def clear(results: ShippedResults, graph: str, variant: str, metric: str = SUCCESS, *, at: str = "") -> bool:
+    """Return whether a variant differs from the base as the bold ones of ``table.md`` do, with all others considered.
+
+    The base is the first variant. Variants with the same runs are one of the family.
+    """
+    base = Cell(graph, results.variants[0], at)
+    cells = {results.measured(cell): cell for cell in results.cells(graph, at)}
+    cells.pop(results.measured(base))
+    found = [_difference(results, cell, base, metric) for cell in cells.values()]
+    judged = dict(zip(cells, as_family(found, len(found)), strict=True))
+    return judged[results.measured(Cell(graph, variant, at))].is_clear
+
+
+def graphs_above(results: ShippedResults, variant: str, metric: str = SUCCESS) -> int:
+    """Return on how many graphs a variant has a clearly higher value than the base."""
+    return _graphs_where(results, variant, metric, 1)
+
+
+def graphs_below(results: ShippedResults, variant: str, metric: str = SUCCESS) -> int:
+    """Return on how many graphs a variant has a clearly lower value than the base."""
+    return _graphs_where(results, variant, metric, -1)
 
 
 def n_graphs(results: ShippedResults) -> int:
@@ -85,6 +103,23 @@ def n_runs(results: ShippedResults) -> int:
 def rounded(_: ShippedResults, value: float, digits: int) -> float:
     """Return a value as it is printed."""
     return round(value, digits)
+
+
+def _graphs_where(results: ShippedResults, variant: str, metric: str, sign: int) -> int:
+    base = results.variants[0]
+    return sum(
+        clear(results, graph, variant, metric) and sign * difference(results, graph, variant, base, metric) > 0
+        for graph in results.graphs
+    )
+
+
+def _difference(results: ShippedResults, cell: Cell, base: Cell, metric: str) -> Difference:
+    this, that = results.values(cell, metric), results.values(base, metric)
+    binary = _is_binary(np.array([*this.values(), *that.values()]))
+    found = of_worlds(this, that, "higher", is_binary=binary, min_difference=results.min_difference(metric))
+    if found is None:
+        raise UserError.of(f"{cell} and {base} have no world in common with '{metric}'", "compare others")
+    return found
 
 
 def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: str) -> Doubles:
@@ -104,8 +139,10 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "high": high,
     "difference": difference,
     "alike": alike,
+    "apart": apart,
     "clear": clear,
-    "graphs_where_clear": graphs_where_clear,
+    "graphs_above": graphs_above,
+    "graphs_below": graphs_below,
     "n_graphs": n_graphs,
     "n_runs": n_runs,
     "round": rounded,

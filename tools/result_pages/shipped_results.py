@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +18,7 @@ from graphnav.errors import UserError
 RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results"
 """Each study has a folder of its own here."""
 FILE = "results.csv"
+METRICS = "metrics.csv"
 FAILED = "failed"
 """The outcome of a run in which a stage failed: it does not count as a success."""
 _BEFORE_AXES, _AFTER_AXES = "role", "seed"
@@ -40,6 +41,8 @@ class ShippedResults:
 
     name: str
     rows: tuple[Row, ...]
+    min_differences: Mapping[str, float] = field(default_factory=dict)
+    """By metric: what matters."""
 
     @classmethod
     def read(cls, name: str, folder: Path = RESULTS) -> ShippedResults:
@@ -54,8 +57,8 @@ class ShippedResults:
         if not path.is_file():
             known = ", ".join(sorted(one.parent.name for one in folder.glob(f"*/{FILE}"))) or "none"
             raise UserError.of(f"no results of a study '{name}' ship", f"studies with results: {known}")
-        with path.open(newline="", encoding="utf-8") as lines:
-            return cls(name, tuple(csv.DictReader(lines)))
+        metrics = _rows(path.with_name(METRICS)) if path.with_name(METRICS).is_file() else ()
+        return cls(name, _rows(path), {row["metric"]: float(row["min_difference"]) for row in metrics})
 
     @property
     def graphs(self) -> tuple[str, ...]:
@@ -88,6 +91,19 @@ class ShippedResults:
                 f"the results of '{self.name}' have several runs a world of {cell}", "name the condition, at=..."
             )
         return found
+
+    def cells(self, graph: str, at: str = "") -> tuple[Cell, ...]:
+        """Return the cells of a graph, under one condition."""
+        found = (row for row in self.rows if row["graph"] == graph and (not at or at in self._conditions_of(row)))
+        return tuple(Cell(graph, variant, at) for variant in dict.fromkeys(row["variant"] for row in found))
+
+    def measured(self, cell: Cell) -> tuple[tuple[str, ...], ...]:
+        """Return all that the runs of a cell gave, world by world: variants that share their runs have the same."""
+        return tuple(tuple(row.values())[list(row).index(_AFTER_AXES) :] for row in self.runs(cell))
+
+    def min_difference(self, metric: str) -> float:
+        """Return the smallest difference of a metric that matters."""
+        return self.min_differences.get(metric, 0.0)
 
     def values(self, cell: Cell, metric: str) -> Mapping[int, float]:
         """Return a metric by seed, where it is known; a run in which a stage failed is not a success.
@@ -122,3 +138,8 @@ class ShippedResults:
         for row in self.rows:
             found.setdefault((row["graph"], row["variant"]), []).append(row)
         return found
+
+
+def _rows(path: Path) -> tuple[Row, ...]:
+    with path.open(newline="", encoding="utf-8") as lines:
+        return tuple(csv.DictReader(lines))
