@@ -1,6 +1,6 @@
 """Checked graphs: wiring, firing order, swaps."""
 
-from graphnav.graph.find import find_graph, shipped_folder, shipped_graphs
+from graphnav.graph.find import find_graph, shipped_folder, shipped_graphs, suggest_graph
 from graphnav.graph.graph import Graph
 from graphnav.graph.load import graph_of, load_graph
 from graphnav.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
@@ -34,4 +34,5 @@ __all__ = [
     "shipped_folder",
     "shipped_graphs",
     "stop_fields",
+    "suggest_graph",
 ]

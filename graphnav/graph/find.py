@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import importlib.resources
+from collections.abc import Iterable
 from pathlib import Path
 
-from graphnav.errors import Place, UserError, did_you_mean
+from graphnav.errors import Place, Suggestion, UserError, did_you_mean
 
 SHIPPED = "graphnav_graphs"
 """The data package with graphs, maps and planar models."""
 
 _SUFFIXES = (".yaml", ".yml")
-_NO_GRAPHS = ("maps", "studies")
+_STUDIES = "studies"
+_NO_GRAPHS = ("maps", _STUDIES)
 """Folders of the data package whose YAML files are no graphs."""
 
 
@@ -49,8 +51,23 @@ def find_graph(name: str | Path, folder: Path = Path()) -> Path:
         raise UserError.of("it is a folder, not a graph", hint, Place(str(name)))
     beside = path.parent if _exists(path.parent) else Path()
     known = {*shipped, *(_from(folder, p) for suffix in _SUFFIXES for p in beside.glob(f"*{suffix}"))}
-    known_hint = did_you_mean(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
-    raise UserError.of("there is no such graph", known_hint, Place(str(name)))
+    hint = _if_study(str(name)) or suggest_graph(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
+    raise UserError.of("there is no such graph", hint, Place(str(name)))
+
+
+def suggest_graph(name: str, known: Iterable[str]) -> Suggestion:
+    """Return the hint for an unknown graph: one of that name in a folder, else the nearest name; false if neither."""
+    names = sorted(known)
+    in_folders = {one.rpartition("/")[2]: one for one in names if "/" in one}
+    if name in in_folders:
+        return Suggestion((in_folders[name],), f"did you mean '{in_folders[name]}'?")
+    return did_you_mean(name, names)
+
+
+def _if_study(name: str) -> str:
+    """Return the hint for the name of a study."""
+    studies = {path.stem for path in (shipped_folder() / _STUDIES).glob("*.yaml")}
+    return f"it is a study; run it with 'graphnav ablate {name}'" if name in studies else ""
 
 
 def _from(folder: Path, path: Path) -> str:

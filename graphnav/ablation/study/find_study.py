@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Literal
 
 from graphnav.ablation.study.study_keys import StudyKeys
-from graphnav.errors import Place, UserError, did_you_mean, shown_path
-from graphnav.graph import find_graph, shipped_folder, shipped_graphs
+from graphnav.errors import Place, UserError, shown_path
+from graphnav.graph import find_graph, shipped_folder, shipped_graphs, suggest_graph
 from graphnav.spec import Value, keys_of, parse_yaml, read_bytes
 
 _ONLY_IN_STUDIES = (keys_of(StudyKeys).keys() | StudyKeys.renamed.keys()) - {"about"}
@@ -35,7 +35,7 @@ def find(name: str | Path) -> Path:
         if _is_folder(Path(name)):
             raise
         near = sorted(str(p) for suffix in ("yaml", "yml") for p in Path().glob(f"*.{suffix}"))
-        hint = did_you_mean(str(name), {*studies, *shipped_graphs(), *near})
+        hint = suggest_graph(str(name), {*studies, *shipped_graphs(), *near})
         known = f"studies that ship: {', '.join(studies)}\ngraphs that ship: {', '.join(shipped_graphs())}"
         raise UserError.of("there is no such study or graph", hint or known, Place(str(name))) from None
     is_shipped_graph = path == shipped_graphs().get(str(name))

@@ -23,7 +23,13 @@ def test_a_file_in_the_working_folder_comes_before_a_graph_that_ships() -> None:
 
 @pytest.mark.parametrize(
     ("name", "hint"),
-    [("vidoe_plane", "did you mean 'video_plane'?"), ("mine.yml", "did you mean 'mine.yaml'?"), ("qqqq", "that ship")],
+    [
+        ("vidoe_plane", "did you mean 'video_plane'?"),
+        ("mine.yml", "did you mean 'mine.yaml'?"),
+        ("tight", "did you mean 'suite/tight'?"),
+        ("suite", "it is a study; run it with 'graphnav ablate suite'"),
+        ("qqqq", "that ship"),
+    ],
 )
 def test_a_missing_graph_is_told_with_what_is_near(name: str, hint: str) -> None:
     Path("mine.yaml").touch()
