@@ -139,3 +139,26 @@ def test_a_table_is_made_from_the_results_and_noticed_when_it_is_not_fresh(folde
     assert "|  | bend |\n| --- | --- |\n| ica | 8 |\n| blind | 0 |\n| broken | 0 |" in made
     page.write_text(made, encoding="utf-8")
     assert not list(problems(page, folder))
+
+
+@pytest.mark.parametrize(
+    ("body", "header", "first"),
+    [
+        ("mean(graph, variant, metric); metrics sight.auroc; as AUROC; digits 2", "|  | AUROC |", "| ica | 0.90 |"),
+        ("arrive(graph, variant, at=condition)", "|  | dim | bright |", "| ica | 8 | 8 |"),
+        (
+            'interval(graph, variant, "sight.auroc", 1, at=condition)',
+            "|  | dim | bright |",
+            "| ica | 0.9 [0.9, 0.9] | 0.9 [0.9, 0.9] |",
+        ),
+    ],
+)
+def test_a_table_has_a_column_a_metric_or_a_condition(
+    results: ShippedResults, body: str, header: str, first: str
+) -> None:
+    if "condition" in body:
+        more = [{**row, "condition": "bright"} for row in results.rows]
+        results = ShippedResults("small", (*results.rows, *more))
+    lines = with_tables(f"<!-- table small: {body} -->\n<!-- end of table -->", lambda _: results).split("\n")
+    assert lines[2] == header
+    assert lines[4] == first

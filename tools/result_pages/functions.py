@@ -49,6 +49,13 @@ def high(results: ShippedResults, graph: str, variant: str, metric: str, *, at: 
     return mean_interval(values, is_binary=_is_binary(values)).high
 
 
+def interval(results: ShippedResults, graph: str, variant: str, metric: str, digits: int, *, at: str = "") -> str:
+    """Return the mean with its 95 % interval as they are printed."""
+    values = _values(results, graph, variant, metric, at)
+    ends = mean_interval(values, is_binary=_is_binary(values))
+    return f"{values.mean():.{digits}f} [{ends.low:.{digits}f}, {ends.high:.{digits}f}]"
+
+
 def difference(results: ShippedResults, graph: str, a: str, b: str, metric: str, *, at: str = "") -> float:
     """Return the mean of ``a - b`` over the worlds that both have."""
     first, second = results.paired(Cell(graph, a, at), Cell(graph, b, at), metric)
@@ -123,7 +130,10 @@ def _difference(results: ShippedResults, cell: Cell, base: Cell, metric: str) ->
 
 
 def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: str) -> Doubles:
-    return np.array(list(results.values(Cell(graph, variant, at), metric).values()))
+    found = list(results.values(Cell(graph, variant, at), metric).values())
+    if not found:
+        raise UserError.of(f"no run of '{variant}' on '{graph}' has '{metric}'", "name another metric")
+    return np.array(found)
 
 
 def _is_binary(values: Doubles) -> bool:
@@ -137,6 +147,7 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "mean": mean,
     "low": low,
     "high": high,
+    "interval": interval,
     "difference": difference,
     "alike": alike,
     "apart": apart,

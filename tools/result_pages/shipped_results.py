@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -92,6 +92,14 @@ class ShippedResults:
             )
         return found
 
+    def conditions(self, graph: str) -> tuple[str, ...]:
+        """Return the choices of the axis within which variants are compared: a variant was run under all of them."""
+        rows = [row for row in self.rows if row["graph"] == graph and row["variant"] == self.variants[0]]
+        for choices in zip(*map(self._conditions_of, rows), strict=True):
+            if len(set(choices)) > 1:
+                return tuple(dict.fromkeys(choices))
+        return ()
+
     def cells(self, graph: str, at: str = "") -> tuple[Cell, ...]:
         """Return the cells of a graph, under one condition."""
         found = (row for row in self.rows if row["graph"] == graph and (not at or at in self._conditions_of(row)))
@@ -128,7 +136,7 @@ class ShippedResults:
         if text and math.isfinite(float(text)):
             yield float(text)
 
-    def _conditions_of(self, row: Row) -> Iterable[str]:
+    def _conditions_of(self, row: Row) -> Sequence[str]:
         columns = list(row)
         return [row[axis] for axis in columns[columns.index(_BEFORE_AXES) + 1 : columns.index(_AFTER_AXES)]]
 
