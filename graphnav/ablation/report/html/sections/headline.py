@@ -68,35 +68,55 @@ def headline(study: StudyResults, metric: str, found: Found) -> Markup:
 
 
 def _clauses(study: StudyResults, found: Found, rivals: Sequence[str]) -> list[_Clause]:
-    sides = {side: [v for v in rivals if _side(found, v) == side] for side in ("better", "mixed", "worse")}
-    clauses = []
-    if sides["better"]:
-        clauses.append(_statement(sides["better"], "better"))
-    if sides["mixed"]:
-        clauses.append(_statement(sides["mixed"], f"better on some {_places(study)} and worse on others"))
+    """Return who is better where, most places first, then who is only worse."""
     if found and all(verdict == "unknown" for verdict, _ in found.values()):
         return [_Clause(f"There are too few worlds to tell the {len(rivals)} others apart")]
+    counts = {rival: _counts(found, rival) for rival in rivals}
+    leading = sorted((rival for rival in rivals if counts[rival].better), key=lambda rival: -counts[rival].better)
+    alike = {text: [r for r in leading if _text(study, counts[r]) == text] for text in _texts(study, counts, leading)}
+    clauses = [_statement(variants, text) for text, variants in alike.items()]
     if rivals and not clauses:
         clauses.append(_Clause(f"None of the {len(rivals)} others is better"))
-    n = len(sides["worse"])
-    if 0 < n <= _MAX_NAMES:
-        clauses.append(_statement(sides["worse"], "worse"))
-    elif n:
-        clauses.append(_Clause(f"{n} of {len(rivals)} are worse" if n < len(rivals) else "all are worse"))
-    return clauses
+    trailing = [rival for rival in rivals if counts[rival].worse and not counts[rival].better]
+    if len(trailing) > _MAX_NAMES:
+        where = f" on some {_places(study)}" if len(study.plan.graphs) > 1 else ""
+        is_all = len(trailing) == len(rivals)
+        clauses.append(_Clause(f"{'all' if is_all else f'{len(trailing)} of {len(rivals)}'} are worse{where}"))
+        return clauses
+    return [*clauses, *(_statement([rival], _text(study, counts[rival])) for rival in trailing)]
+
+
+@dataclass(frozen=True)
+class _Counts:
+    """In how many places a variant is better than the base, and worse."""
+
+    better: int
+    worse: int
+
+
+def _counts(found: Found, variant: str) -> _Counts:
+    sides = [verdict for (called, _), (verdict, _) in found.items() if called == variant]
+    return _Counts(sides.count("better"), sides.count("worse"))
+
+
+def _texts(study: StudyResults, counts: Mapping[str, _Counts], variants: Sequence[str]) -> list[str]:
+    return list(dict.fromkeys(_text(study, counts[variant]) for variant in variants))
+
+
+def _text(study: StudyResults, counts: _Counts) -> str:
+    """Return on how many graphs or conditions a variant is better or worse; the word alone where there is but one."""
+    sides = {word: n for word, n in (("better", counts.better), ("worse", counts.worse)) if n}
+    places = len(study.plan.graphs)
+    if places == 1:
+        return next(iter(sides))
+    if list(sides.values()) == [places]:
+        return f"{next(iter(sides))} everywhere"
+    return f"{' and '.join(f'{word} on {n}' for word, n in sides.items())} of {places} {_places(study)}"
 
 
 def _statement(variants: Sequence[str], text: str) -> _Clause:
     verb = "is" if len(variants) == 1 else "are"
     return _Clause(f"{verb} {text}", variants[:_MAX_NAMES], max(len(variants) - _MAX_NAMES, 0))
-
-
-def _side(found: Found, variant: str) -> str:
-    """Return what a variant is over all graphs: better or worse somewhere, both ("mixed"), or neither."""
-    sides = {verdict for (called, _), (verdict, _) in found.items() if called == variant}
-    if {"better", "worse"} <= sides:
-        return "mixed"
-    return next((side for side in ("better", "worse") if side in sides), "neither")
 
 
 def _rival(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> _Rival:

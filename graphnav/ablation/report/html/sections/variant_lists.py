@@ -18,6 +18,7 @@ from graphnav.stage import Role
 
 _MAX_NAMED = 6
 _MAX_CHECKS = 3
+_MAX_PLACES = 3
 _MAX_INTERVALS = 8
 """Of more differences the means stand alone; the chart and the tables have the intervals."""
 _UNBEATEN: frozenset[Verdict] = frozenset({"better", "small", "unclear"})
@@ -90,12 +91,19 @@ def _entries(study: StudyResults, metric: str, found: Found, verdict: Verdict, *
         if not here:
             continue
         if is_brief:
-            text = _brief(here.values(), metric) + ("" if len(here) == len(graphs) else f" on {', '.join(here)}")
+            text = f"{_brief(here.values(), metric)}{_where(list(here), len(graphs))}"
         else:
             text = ", ".join(
                 _change(row, metric) + (f" on {graph}" if len(graphs) > 1 else "") for graph, row in here.items()
             )
         yield _Entry(variant, text)
+
+
+def _where(graphs: Sequence[str], n_all: int) -> str:
+    """Return the places by name, or how many of all they are; empty for all."""
+    if len(graphs) == n_all:
+        return ""
+    return f" on {', '.join(graphs)}" if len(graphs) <= _MAX_PLACES else f" on {len(graphs)} of {n_all}"
 
 
 def _change(row: Row, metric: str) -> str:

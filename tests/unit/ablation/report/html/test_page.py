@@ -55,6 +55,24 @@ def test_many_graphs_and_methods_are_told_in_short(tmp_path: Path) -> None:
     text = page(plan, records_of(plan, SHARES), tmp_path).text
     assert "ica has drive.success 0.90 on 7 graphs." in text
     assert "Worse than the base bad −0.80 For scale" in text
+    some = [r for r in records_of(plan, SHARES) if r.variant == "affine" and r.graph < "graph_4"]
+    better = [replace(r, metrics={**r.metrics, SUCCESS: 1.0}) for r in some]
+    worse = [replace(r, metrics={**r.metrics, SUCCESS: 0.3}) for r in records_of(plan, SHARES) if r.variant == "ica"]
+    text = page(plan, [*better, *worse], tmp_path).text
+    assert "affine is better on 4 of 7 graphs." in text
+    assert "Better than the base affine +0.70 on 4 of 7" in text
+
+
+def test_on_how_many_graphs_a_variant_is_better_is_told(tmp_path: Path) -> None:
+    plan = plan_of({"ica": "method", "affine": "method", "bad": "method"}, graphs=("bend", "hall", "door", "room"))
+    records = [
+        *(r for r in records_of(plan, {"ica": 0.5, "affine": 0.5, "bad": 0.0}) if r.graph in ("bend", "hall")),
+        *(r for r in records_of(plan, {"ica": 0.5, "affine": 1.0, "bad": 0.0}) if r.graph == "door"),
+        *(r for r in records_of(plan, {"ica": 1.0, "affine": 0.0, "bad": 0.0}) if r.graph == "room"),
+    ]
+    text = page(plan, records, tmp_path).text
+    assert "affine is better on 1 and worse on 1 of 4 graphs; bad is worse everywhere." in text
+    assert "No difference that 20 worlds can tell affine 0.00 [" in text
 
 
 def test_conditions_have_tables_of_their_own_and_lines_run_across_them(tmp_path: Path) -> None:
