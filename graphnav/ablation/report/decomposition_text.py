@@ -33,7 +33,7 @@ def sentences(plan: Plan, of: Losses) -> Iterator[str]:
     if gains:
         swap, gain = max(gains, key=lambda one: sign * one[1].mean)
         yield f"The largest step is that of {swap.stage}, {difference_text(gain)}{_doubt(gain)}."
-    else:
+    elif all(swap.is_same or swap.gain is not None for swap in of.cumulative):
         yield "No oracle improves it."
 
 

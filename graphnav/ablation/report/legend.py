@@ -76,7 +76,7 @@ def counting(plan: Plan, columns: Iterable[str]) -> str:
     """Return how failed runs count for the metrics of some columns, as declared; plain text."""
     names = dict.fromkeys(name for column in columns for name in MetricExpression.parse(column).operands)
     declared = {name: plan.metric(name).if_failed for name in names}
-    with_value = [f"{name} {value:g}" for name, value in declared.items() if isinstance(value, float)]
+    with_value = [f"{name} {value:g}" for name, value in declared.items() if not isinstance(value, str)]
     undefined = [name for name, value in declared.items() if value == UNDEFINED]
     sentences = [
         f"A run in which a stage failed counts as {', '.join(with_value)}; its other metrics do not count."

@@ -3,7 +3,7 @@
 from graphnav.ablation.results.compare_pairs import AllPairs, Contrast, Pair, all_pairs, contrasts
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
-from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
+from graphnav.ablation.results.comparison import Comparison, Difference, Estimate, Row
 from graphnav.ablation.results.decomposed import Losses, Swap, losses
 from graphnav.ablation.results.fail_condition import (
     FailCondition,
@@ -35,7 +35,6 @@ from graphnav.ablation.results.statistics import (
 __all__ = [
     "ALPHA",
     "EXACT_BELOW",
-    "MIN_WORLDS",
     "AllPairs",
     "Comparison",
     "Contrast",

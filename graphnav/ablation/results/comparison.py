@@ -7,10 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan import Case
-from graphnav.ablation.results.statistics import Significance, bonett_price, holm, min_worlds
+from graphnav.ablation.results.statistics import Significance, bonett_price, holm
 
-MIN_WORLDS = min_worlds(1)
-"""Worlds from which on a single difference may be clear."""
 _ROUNDING = 1e-9
 
 
