@@ -63,7 +63,7 @@ class Difference:
     @property
     def matters(self) -> bool:
         """Whether the mean is not smaller than the smallest difference that matters."""
-        return abs(self.mean) >= self.min_difference * (1 - _ROUNDING)
+        return matters(self.mean, self.min_difference)
 
     @property
     def probability_better(self) -> Estimate:
@@ -79,6 +79,11 @@ class Difference:
     def reversed(self) -> Difference:
         """Return the difference of the other variant from this one."""
         return replace(self, mean=-self.mean, low=-self.high, high=-self.low, won=self.lost, lost=self.won)
+
+
+def matters(mean: float, min_difference: float) -> bool:
+    """Return whether a mean difference is not smaller than the smallest that matters."""
+    return abs(mean) >= min_difference * (1 - _ROUNDING)
 
 
 def as_family(differences: Sequence[Difference], family: int) -> list[Difference]:

@@ -111,7 +111,9 @@ class _Compared:
         is_same = self.cases[variant].folder == self.cases[before].folder
         driving = self.cases[variant].driving
         unused = [name for name in self.plan.decomposition.stages_of(variant) if name not in driving]
-        return Swap(stage, self.estimate(variant), None if is_same else self.gain(variant, before), is_same, tuple(unused))
+        return Swap(
+            stage, self.estimate(variant), None if is_same else self.gain(variant, before), is_same, tuple(unused)
+        )
 
     def gain(self, variant: str, before: str) -> Difference | None:
         if not self.plan.are_comparable(self.cases[variant], self.cases[before], self.metric.text):

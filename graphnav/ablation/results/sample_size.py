@@ -10,7 +10,7 @@ import numpy as np
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.comparison import Comparison, Difference
-from graphnav.ablation.results.metric_values import Values, is_binary, values_of
+from graphnav.ablation.results.metric_values import is_binary, paired_differences, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
 from graphnav.ablation.results.statistics import ALPHA, min_worlds
 from graphnav.ablation.study import MetricExpression
@@ -71,7 +71,7 @@ def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Reco
             found = row.differences[column.text]
             if found.is_clear or found.n < 2 or found.significance is None:
                 continue
-            differences = _paired(values[graph, row.case.variant], values[graph, base])
+            differences = paired_differences(values[graph, row.case.variant], values[graph, base])
             needed = worlds_needed(differences, binary=binary, comparisons=found.significance.family)
             variants.setdefault((found.n, _needs(needed, found)), []).append(row.case.variant)
         for (n, needs), names in variants.items():
@@ -86,7 +86,3 @@ def _needs(worlds: int | None, found: Difference) -> str:
     if worlds is None:
         return f"a difference this small needs more than {MAX_WORLDS}"
     return f"a difference of this size would be clear in 4 of 5 studies of about {worlds}"
-
-
-def _paired(values: Values, base: Values) -> Doubles:
-    return np.array([value - base[seed] for seed, value in values.items() if seed in base])
