@@ -48,9 +48,10 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console,
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
     for note in files.notes:
         console.print(note, style="dim", markup=False)
-    missing = plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as)
-    if missing and not plan.until_clear:
-        console.print(f"{missing} of {plan.n_jobs} runs are pending")
+    if comparison.pending and plan.until_clear:
+        console.print(f"{comparison.pending} of the runs of the next round are pending")
+    elif comparison.pending:
+        console.print(f"{comparison.pending} of {plan.n_jobs} runs are pending")
     for of in files.losses:
         console.print(" ".join(sentences(plan, of)), markup=False)
     written = [RESULTS, METRICS, TIMING, TABLE, *([PICTURE] if files.losses else []), files.report.name]

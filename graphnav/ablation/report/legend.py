@@ -147,10 +147,9 @@ def outcome_counts(outcomes: Mapping[str, int]) -> str:
     return ", ".join(f"{outcome} {times}" for outcome, times in ordered)
 
 
-def worlds_text(row: Row, plan: Plan) -> str:
-    """Return the number of runs, and of how many if the study is not finished."""
-    wanted = plan.n_worlds(row.case)
-    return str(row.runs) if row.runs == wanted else f"{row.runs} of {wanted}"
+def worlds_text(row: Row) -> str:
+    """Return the number of runs, and of how many if some are still to be made."""
+    return f"{row.runs} of {row.runs + row.pending}" if row.pending else str(row.runs)
 
 
 def worlds_of_graphs(plan: Plan) -> str:

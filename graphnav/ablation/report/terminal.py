@@ -126,7 +126,7 @@ def difference_cell(found: Difference | None, better: Better) -> Text:
 def _cells(row: Row, metrics: Sequence[str], plan: Plan) -> list[Text]:
     name = Text(row.case.variant, style="bold" if row.case.is_base else "")
     name.append("".join(f" ({mark})" for mark in marks(row)), style="dim not bold")
-    cells = [name, Text(worlds_text(row, plan)), Text(outcome_counts(row.outcomes))]
+    cells = [name, Text(worlds_text(row)), Text(outcome_counts(row.outcomes))]
     for metric in metrics:
         found = row.estimates.get(metric)
         cells.append(Text("" if found is None else estimate_text(found, row.runs)))

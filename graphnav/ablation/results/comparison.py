@@ -98,7 +98,7 @@ class Row:
 
     case: Case
     runs: int
-    """The number of existing runs; fewer than the plan's seeds while a study is not finished."""
+    """The number of existing runs."""
     outcomes: Mapping[str, int]
     failures: Mapping[str, int]
     """Reasons of failed runs and how many failed so."""
@@ -110,6 +110,8 @@ class Row:
     """By stage: the median over runs of each run's median step."""
     own_frames: frozenset[str] = frozenset()
     """Metrics that are not compared with the base: they depend on the frames met, and this one drives differently."""
+    pending: int = 0
+    """The number of runs that are still to be made; of a study that its results stop, in its next round."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,16 @@ class Comparison:
     rows: tuple[Row, ...]
     primary: str | None = None
     """The metric that decides: the first that any run has; None where there is none."""
+
+    @property
+    def runs(self) -> int:
+        """The number of existing runs, shared ones counted once."""
+        return sum(row.runs for row in self.rows if not row.case.same_as)
+
+    @property
+    def pending(self) -> int:
+        """The number of runs that are still to be made; 0: the study is finished."""
+        return sum(row.pending for row in self.rows if not row.case.same_as)
 
     def has_metric(self, metric: str) -> bool:
         """Return whether any run has a metric."""

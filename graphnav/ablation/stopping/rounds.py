@@ -67,6 +67,18 @@ def jobs_of_next_round(plan: Plan, records: Sequence[Record], is_made: Callable[
     return [job for graph in plan.graphs for job in _next_of_graph(plan, graph, records, is_made)]
 
 
+def pending_runs(plan: Plan, records: Sequence[Record]) -> list[Job]:
+    """Return the runs that a study still needs, given those that it has; none: it is finished."""
+    made = {(record.graph, record.variant, record.seed) for record in records}
+
+    def is_made(job: Job) -> bool:
+        return (job.case.graph, job.case.variant, job.seed) in made
+
+    if plan.until_clear:
+        return jobs_of_next_round(plan, records, is_made)
+    return [job for job in plan.jobs if not is_made(job)]
+
+
 def decisions(plan: Plan, graph: str, records: Sequence[Record]) -> list[Decision]:
     """Return the state of each variant of a graph after the rounds that are complete."""
     made = {(record.graph, record.variant, record.seed) for record in records}
