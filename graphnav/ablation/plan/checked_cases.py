@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from graphnav.ablation.plan.case_problems import CaseProblems, Origin
 from graphnav.ablation.plan.upstream import driving_stages
 from graphnav.ablation.plan.variants import Variant
-from graphnav.ablation.study import Study
+from graphnav.ablation.study import Study, without_replaced
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, UserError
 from graphnav.graph import Graph, Node, Override, load_graph
@@ -97,7 +97,10 @@ def check_cases(
 
 
 def _load(study: Study, name: str, variant: Variant, catalog: Catalog) -> CheckedCase:
-    overrides = (*study.overrides, *variant.overrides)
+    of_all = study.overrides
+    if study.decomposition is not None:
+        of_all = without_replaced(of_all, variant.overrides)
+    overrides = (*of_all, *variant.overrides)
     graph = load_graph(name, catalog, overrides)
     _refuse_live(graph)
     nodes = {node.name: node for node in graph.nodes}
