@@ -94,6 +94,8 @@ def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, fail_if: Se
 
 def _failed_case_text(case: FailedCase) -> str:
     where = f"{case.condition.text}: {case.graph}, {case.variant}"
+    if case.is_of_frames:
+        return f"{where}: this depends on the frames, and the plans do not show that the drive is the same in both"
     if case.difference is None:
         return f"{where}: no world of both studies has this metric"
     return f"{where}: B - A is {difference_text(case.difference)}"

@@ -67,7 +67,7 @@ def _reference(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
 
 
 def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem]]:
-    """Yield targets that an axis sets, and 'set' or another axis, too; an oracle replaces the stage that 'set' put in."""
+    """Yield what an axis sets, and 'set' or another axis, too; an oracle replaces a stage that 'set' put in."""
     who = {
         target: ("'set'", override.value)
         for override in study.overrides

@@ -140,7 +140,8 @@ def _pair_cells(row: PairedRow, metrics: Sequence[str], pairing: PairedStudies) 
     for metric in metrics:
         sides = (row.estimates_a, row.estimates_b)
         cells += [Text(estimate_text(side[metric], len(row.seeds)) if metric in side else "") for side in sides]
-        cells.append(difference_cell(row.differences.get(metric), pairing.metrics[metric]))
+        change = difference_cell(row.differences.get(metric), pairing.metrics[metric])
+        cells.append(Text(OWN_FRAMES, style="dim") if metric in row.own_frames else change)
     return cells
 
 

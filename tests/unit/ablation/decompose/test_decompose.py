@@ -133,7 +133,7 @@ def test_one_at_a_time_is_refused_by_its_name() -> None:
     with pytest.raises(UserError) as error:
         decomposed_study(asked, CATALOG)
     assert str(error.value) == (
-        "--decompose: one at a time is for axes, and a decomposition has its own: one stage at a time, and cumulatively\n"
+        "--decompose: one at a time is for axes; a decomposition swaps one stage at a time, and cumulatively\n"
         "  leave out --one-at-a-time"
     )
 
