@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from graphnav.ablation.plan import driving_stages
-from graphnav.ablation.study import without_replaced
 from graphnav.catalog import Catalog
 from graphnav.errors import Place
-from graphnav.graph import Graph, Override, Target, load_graph
+from graphnav.graph import Graph, Override, Target, load_graph, without_replaced
 from graphnav.messages import Message
 from graphnav.stage import ports_of
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from graphnav.ablation.plan.case_problems import CaseProblems, Origin
 from graphnav.ablation.plan.upstream import driving_stages
 from graphnav.ablation.plan.variants import Variant
-from graphnav.ablation.study import Study, without_replaced
+from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, UserError
-from graphnav.graph import Graph, Node, Override, load_graph
+from graphnav.graph import Graph, Node, Override, load_graph, without_replaced
 from graphnav.graph.paths import has_path
 from graphnav.stage import Role, Stage, params_of
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from graphnav.ablation.plan import Case, Plan, shows_same_drive
+from graphnav.ablation.plan import Plan, shows_same_drive
 from graphnav.ablation.results.comparison import as_family
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies, declaring_plan
@@ -62,8 +62,7 @@ def pair_studies(
     binary = {c.text for c, plan in plans.items() if is_binary(plan, c, (found[c.text] for found in everything))}
     by_name = {column.text: plan for column, plan in plans.items()}
     of_frames = frozenset(name for name, plan in by_name.items() if plan.is_of_frames(name))
-    changed = {case for case in matched if of_frames and not shows_same_drive(*_both(plan_a, plan_b, case))}
-    own_frames = {case: of_frames if case in changed else frozenset() for case in matched}
+    own_frames = {case: frozenset() if _is_same_drive(plan_a, plan_b, case) else of_frames for case in matched}
     rows = list(_rows(own_frames, (cases_a, values_a), (cases_b, values_b), by_name, binary))
     known = {name: plan for name, plan in by_name.items() if any(name in row.estimates_a for row in rows)}
     return PairedStudies(
@@ -76,8 +75,8 @@ def pair_studies(
     )
 
 
-def _both(plan_a: Plan, plan_b: Plan, case: _Case) -> tuple[Plan, Case, Plan, Case]:
-    return plan_a, plan_a.case(*case), plan_b, plan_b.case(*case)
+def _is_same_drive(plan_a: Plan, plan_b: Plan, case: _Case) -> bool:
+    return shows_same_drive(plan_a, plan_a.case(*case), plan_b, plan_b.case(*case))
 
 
 def _rows(

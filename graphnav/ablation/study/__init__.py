@@ -2,7 +2,6 @@
 
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
-from graphnav.ablation.study.replaced_stages import without_replaced
 from graphnav.ablation.study.study import Axis, Choice, Decomposition, Study
 from graphnav.ablation.study.study_keys import STUDY
 from graphnav.ablation.study.vary import Vary, parse_varies, vary_of
@@ -20,5 +19,4 @@ __all__ = [
     "parse_worlds",
     "study_of_command",
     "vary_of",
-    "without_replaced",
 ]

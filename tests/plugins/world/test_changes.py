@@ -20,7 +20,7 @@ WITH: dict[str, dict[str, Any]] = {
     "exposure_step_s": {"exposure_step_ratio": 0.5},
     "exposure_step_ratio": {"exposure_step_s": 0.1},
 }
-"""What it takes that a parameter does anything."""
+"""Other parameters without which one does nothing."""
 OTHER: dict[str, Any] = {
     "size": (24, 16),
     "neutral": True,
@@ -44,7 +44,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def outputs_of(kind: type[Pymunk] | type[Robot], maps: Path, **params: Any) -> dict[str, list[Any]]:
+def outputs_of(kind: type[Pymunk | Robot], maps: Path, **params: Any) -> dict[str, list[Any]]:
     """Return every output of a short drive in a curve, by port."""
     world = kind(map=maps / "crossing.yaml", **SMALL | params)
     world.reset(3)
@@ -54,7 +54,7 @@ def outputs_of(kind: type[Pymunk] | type[Robot], maps: Path, **params: Any) -> d
 
 
 @pytest.mark.parametrize("kind", [Pymunk, Robot])
-def test_only_the_declared_outputs_change(kind: type[Pymunk] | type[Robot], maps: Path) -> None:
+def test_only_the_declared_outputs_change(kind: type[Pymunk | Robot], maps: Path) -> None:
     ports = {port.name for port in ports_of(kind).outputs}
     declared = {name: param for name, param in params_of(kind).items() if param.changes}
     assert {"tilt_deg", "noise_sigma_gray", "odometry_noise_ratio", "goal_distance_ratio"} <= declared.keys()

@@ -8,10 +8,10 @@ import graphnav
 from graphnav.ablation.decompose import decomposed_study
 from graphnav.ablation.plan import Plan, check_study
 from graphnav.ablation.results import losses
-from graphnav.ablation.study import Study, study_of_command, without_replaced
+from graphnav.ablation.study import Study, study_of_command
 from graphnav.catalog import Catalog
 from graphnav.errors import Problem, UserError
-from graphnav.graph import parse_overrides
+from graphnav.graph import parse_overrides, without_replaced
 
 CATALOG = Catalog()
 STAGES = ("flow", "planar", "plane", "steer")
