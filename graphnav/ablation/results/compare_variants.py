@@ -14,17 +14,17 @@ from graphnav.ablation.results.records import Record
 from graphnav.ablation.results.study_values import StudyValues, key_of
 
 
-def compare(plan: Plan, records: Iterable[Record], pending: Iterable[Job] | None = None) -> Comparison:
+def compare(plan: Plan, records: Iterable[Record], pending: Iterable[Job] = ()) -> Comparison:
     """Return the table of a study: the plan's metrics, or all metrics where it names none.
 
     A world counts for a metric if its run has it, and for a difference if both runs have it: n is how many did. How
     failed runs count is described at `Record.counted`. A case that shares the base's runs has no differences, and a
     metric of the frames that a run meets has none where the two drive differently. All variants of a graph that may be
     compared with the base by the metric that decides, under one condition, are one family of comparisons. ``pending``:
-    the runs that are still to be made; None: all of the plan that no record is of.
+    the runs that are still to be made.
     """
     study = StudyValues.of(plan, records)
-    missing = None if pending is None else Counter(job.case.folder for job in pending)
+    missing = Counter(job.case.folder for job in pending)
     primary = study.primary
     bases = {case.graph: case for case in plan.cases if case.is_base}
     rows = []
@@ -48,7 +48,7 @@ def _judged(rows: Sequence[Row], primary: str, base: Case) -> list[Row]:
     ]
 
 
-def _row(study: StudyValues, case: Case, base: Case, missing: Mapping[str, int] | None) -> Row:
+def _row(study: StudyValues, case: Case, base: Case, missing: Mapping[str, int]) -> Row:
     key = key_of(case)
     runs = study.runs[key]
     own_frames = frozenset(name for name in study.metrics if not study.plan.are_comparable(case, base, name))
@@ -63,7 +63,7 @@ def _row(study: StudyValues, case: Case, base: Case, missing: Mapping[str, int] 
     return Row(
         case=case,
         runs=len(runs),
-        pending=study.plan.n_worlds(case) - len(runs) if missing is None else missing.get(case.folder, 0),
+        pending=missing.get(case.folder, 0),
         outcomes=Counter(run.outcome for run in runs),
         failures=Counter(run.cause for run in runs if run.cause),
         estimates={metric: found for metric, found in estimates.items() if found is not None},
