@@ -26,7 +26,7 @@ class Plane(Stage):
     of its true picture is obstacle: beyond one half the ground is not the dominant plane; and if something in it moved
     by ``min_motion_px``: where the camera stands still there is no flow, and no detector can tell. That is motion in
     the true picture, not of the robot: while the robot stands, frames of a camera that shakes count, and so do those in
-    which something moves past, such as a person who walks.
+    which a person walks past.
 
     What that leaves out is told by ``counted_frames_ratio`` and ``unjudged_obstacle_ratio``, and counts in
     ``auroc_all`` and ``balanced_accuracy_all_ratio``: all frames with motion, whatever share of them is obstacle, and
