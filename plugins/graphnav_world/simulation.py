@@ -67,7 +67,7 @@ class Simulation(Source):
         0.0, ge=0.0, le=1.0, doc="share by which brightness rises and falls in time, as a sine; 0 is constant light"
     )
     light_period_s: float = param(
-        2.0, gt=0.0, le=1000.0, doc="period of the light's oscillation; less changes it faster"
+        2.0, ge=0.001, le=1000.0, doc="period of the light's oscillation; less changes it faster"
     )
     exposure_step_ratio: float = param(
         0.0,
@@ -77,7 +77,7 @@ class Simulation(Source):
         "1 + this; 0 never jumps",
     )
     exposure_step_s: float = param(
-        2.0, gt=0.0, le=1000.0, doc="mean time between jumps of the exposure, each 0.5 to 1.5 times as long; seeded"
+        2.0, ge=0.001, le=1000.0, doc="mean time between jumps of the exposure, each 0.5 to 1.5 times as long; seeded"
     )
     lamp_ratio: float = param(
         0.0,
