@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
+from graphnav.ablation.study import listed
 from graphnav.spec import write_value
 from graphnav.tuning.rivals import Rival
 from graphnav.tuning.trial import Trial
@@ -34,10 +35,10 @@ def conclusion(run: TuningRun) -> str:
     """Return whether tuning moves the ranking."""
     if run.has_failed():
         return f"Every run failed or lacks {next(iter(run.tuning.metrics))}: nothing was tuned."
-    before, after = ([rival.label for rival in run.ranking(tuned=tuned)] for tuned in (False, True))
+    before, after = (", then ".join(map(_rank, run.ranks(tuned=tuned))) for tuned in (False, True))
     if before == after:
-        return f"Tuning moves no rank: {_listed(after)}."
-    return f"Tuning moves the ranking: as they are {_listed(before)}; tuned {_listed(after)}."
+        return f"Tuning moves no rank: {after}."
+    return f"Tuning moves the ranking: as they are {before}; tuned {after}."
 
 
 def trouble_texts(run: TuningRun) -> Iterator[str]:
@@ -97,5 +98,6 @@ def _line(cells: Sequence[str]) -> str:
     return f"| {' | '.join(escaped)} |"
 
 
-def _listed(labels: Sequence[str]) -> str:
-    return ", then ".join(labels)
+def _rank(equal: Sequence[Rival]) -> str:
+    labels = listed(rival.label for rival in equal)
+    return f"{labels} (equal)" if len(equal) > 1 else labels

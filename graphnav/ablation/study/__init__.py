@@ -1,6 +1,6 @@
 """A study: its file or command line, axes, seeds, metrics."""
 
-from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.study.command_line import listed, study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
 from graphnav.ablation.study.study import Axis, Choice, Decomposition, Study
 from graphnav.ablation.study.study_keys import STUDY
@@ -15,6 +15,7 @@ __all__ = [
     "MetricExpression",
     "Study",
     "Vary",
+    "listed",
     "parse_varies",
     "parse_worlds",
     "study_of_command",
