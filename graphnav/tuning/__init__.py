@@ -2,7 +2,7 @@
 
 from graphnav.tuning.request import TuningRequest
 from graphnav.tuning.rivals import Rival
-from graphnav.tuning.search_range import SearchRange, parse_search, parse_searches
+from graphnav.tuning.search_range import SearchRange, parse_searches
 from graphnav.tuning.trial import Trial
 from graphnav.tuning.tuned_files import STUDY, TABLE, TRIALS, check_folder, write_tuning
 from graphnav.tuning.tuned_table import OPTIMISTIC, conclusion, header, rows, trouble_texts
@@ -26,7 +26,6 @@ __all__ = [
     "conclusion",
     "header",
     "named_after",
-    "parse_search",
     "parse_searches",
     "rows",
     "run_tuning",

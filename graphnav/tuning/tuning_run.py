@@ -43,7 +43,7 @@ class TuningRun:
         return in_order(self.of(rival), self.tuning.metrics, [self.default(rival)])[0]
 
     def ranks(self, *, tuned: bool) -> list[list[Rival]]:
-        """Return the rivals from the best to the worst, by their best trials or as they are; equal ones share a rank."""
+        """Return the rivals from the best to the worst, tuned or as they are; equal ones share a rank."""
         rivals = {rival.label: rival for rival in self.tuning.rivals}
         chosen = [self.best(rival) if tuned else self.default(rival) for rival in self.tuning.rivals]
         return [[rivals[trial.rival] for trial in equal] for equal in in_ranks(chosen, self.tuning.metrics)]

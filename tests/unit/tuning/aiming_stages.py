@@ -28,6 +28,7 @@ class Near(Stage):
     mode: Literal["coarse", "fine"] = param("coarse", doc="fine is better by 0.01")
     steps: int = param(2, ge=1, doc="changes nothing")
     free: float = param(0.0, doc="dimensionless: changes nothing, and nothing says what it could be")
+    far: float | None = param(None, gt=0.0, doc="dimensionless: changes nothing")
     note: Path | None = param(None, doc="changes nothing")
 
     def check(self) -> None:
