@@ -46,7 +46,7 @@ def rivals_of(study: Study, checked: CheckedStudy, searches: Sequence[SearchRang
     fixed = {str(one) for override in study.overrides for one in override.target.each}
     rivals = []
     for choice in axis.choices:
-        graphs = _graphs(checked, choice.label)
+        graphs = graphs_of(checked, choice.label)
         own = {str(one) for override in choice.overrides for one in override.target.each}
         rivals.append(_rival(choice.label, choice.overrides, graphs, stages, fixed | own, searches))
     if wrong := [*_unknown(searches, rivals), *_fixed(searches, study)]:
@@ -99,7 +99,7 @@ def _node(graph: Graph, stage: str) -> Node | None:
     return next((node for node in graph.nodes if node.name == stage), None)
 
 
-def _graphs(checked: CheckedStudy, label: str) -> list[Graph]:
+def graphs_of(checked: CheckedStudy, label: str) -> list[Graph]:
     """Return the graphs of a rival, one of each that the study names."""
     cases = {(case.graph, case.variant): case for case in checked.plan.cases}
     return [checked.graphs[cases[graph, label].folder] for graph in checked.plan.graphs]

@@ -2,6 +2,7 @@
 
 from graphnav.ablation.study.command_line import listed, study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
+from graphnav.ablation.study.seeds import seeds_words
 from graphnav.ablation.study.study import Axis, Choice, Decomposition, Study
 from graphnav.ablation.study.study_keys import STUDY
 from graphnav.ablation.study.vary import Vary, parse_varies, vary_of
@@ -18,6 +19,7 @@ __all__ = [
     "listed",
     "parse_varies",
     "parse_worlds",
+    "seeds_words",
     "study_of_command",
     "vary_of",
 ]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from graphnav.ablation.execution import LockedFolder
 from graphnav.api.arguments import PathLike, overrides_of, paths_of, texts_of, wrong_type
 from graphnav.api.load import add_plugins
 from graphnav.api.parameters import documented
@@ -17,17 +18,17 @@ from graphnav.catalog import Catalog
 from graphnav.errors import Problem, UserError
 from graphnav.tuning import (
     STUDY,
+    TUNING,
     Rival,
     Trial,
     Tuning,
     TuningRequest,
     TuningRun,
-    check_folder,
+    begin_tuning,
     check_tuning,
     conclusion,
     parse_searches,
     run_tuning,
-    work_in,
     write_tuning,
 )
 
@@ -124,9 +125,11 @@ def tune_into(
     tuning: Tuning, folder: Path, jobs: int | None, cluster: str | None, on_made: Callable[[int], None] = lambda _: None
 ) -> TuningRun:
     """Make the missing trials of a tuning in its folder; the files are written after every batch."""
-    check_folder(tuning, folder)
-    with work_in(folder) as scratch, workers_of(jobs, cluster, scratch) as workers:
-        return run_tuning(tuning, folder, workers, on_made, lambda so_far: write_tuning(so_far, folder))
+    with LockedFolder(folder, TUNING, "tuning", "graphnav tune") as held:
+        begin_tuning(tuning, folder)
+        held.empty_scratch()
+        with workers_of(jobs, cluster, held.scratch) as workers:
+            return run_tuning(tuning, folder, workers, on_made, lambda so_far: write_tuning(so_far, folder))
 
 
 def _at_least(name: str, value: object, minimum: int) -> int:
