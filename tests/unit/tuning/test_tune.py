@@ -113,9 +113,10 @@ def test_an_interrupted_resume_keeps_the_files_of_more_trials(
     def stop(*args: Any) -> None:
         raise KeyboardInterrupt
 
-    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+    with monkeypatch.context() as patched:
         patched.setattr(tuning_run, "execute", stop)
-        graphnav.tune(**aim | {"trials": 20}, folder="out")
+        with pytest.raises(KeyboardInterrupt):
+            graphnav.tune(**aim | {"trials": 20}, folder="out")
     assert {name: (tmp_path / "out" / name).read_bytes() for name in names} == before
     graphnav.tune(**aim | {"trials": 20}, folder="out")
     assert len(rows(tmp_path / "out")) == (20 + 1) * 3
@@ -290,6 +291,18 @@ def test_a_folder_that_cannot_be_written_is_an_error(aim: dict[str, Any], tmp_pa
     (tmp_path / "locked").mkdir(mode=0o500)
     with pytest.raises(UserError, match="cannot work in"):
         graphnav.tune(**aim | {"trials": 2}, folder="locked")
+
+
+def test_labels_are_not_markup(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    Path("rivals.yaml").write_text(
+        "graph: aim\nseeds: 0:1\nmetrics: [score.miss_m]\n"
+        "vary:\n  mode:\n    as is [old]: {aim.mode: coarse}\n    'new <b> [/old]': {aim.mode: fine}\n"
+    )
+    assert main(["tune", "rivals.yaml", "--plugin", "my_aims.py", "--trials", "1", "-o", "out", "-j", "1"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("as is [old] ") for line in lines)
+    assert any(line.startswith("new <b> [/old] ") for line in lines)
+    assert "| new &lt;b> [/old] |" in Path("out/tuned.md").read_text()
 
 
 def test_many_runs_need_a_confirmation(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
