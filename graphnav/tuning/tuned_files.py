@@ -43,7 +43,9 @@ def begin_tuning(tuning: Tuning, folder: Path) -> None:
         if begun.get(key) != value:
             raise UserError.of(f"{folder} holds another tuning: its '{key}' differs", _ELSEWHERE)
     if n_trials < n_begun:
-        what = f"{folder} holds a tuning with {n_begun} trials of each rival, and this asks for {n_trials}"
+        what = (
+            f"{folder} holds a tuning that was begun with {n_begun} trials of each rival, and this asks for {n_trials}"
+        )
         raise UserError.of(what, f"continue it with {n_begun} trials or more, or {_ELSEWHERE}")
     write_atomically(path, json.dumps(settings | {_N_TRIALS: n_trials}, indent=1) + "\n")
 

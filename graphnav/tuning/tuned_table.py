@@ -60,8 +60,8 @@ def trouble_texts(run: TuningRun) -> Iterator[str]:
 def trials_text(run: TuningRun) -> str:
     """Return how many trials were made of each rival; a rival with nothing to search has one."""
     numbers = {len(run.of(rival)) for rival in run.tuning.rivals}
-    most = max(numbers)
-    return f"{'up to ' if len(numbers) > 1 else ''}{most} {'trial' if most == 1 else 'trials'} of each rival"
+    n_trials = max(numbers)
+    return f"{'up to ' if len(numbers) > 1 else ''}{n_trials} trial{'s' if n_trials > 1 else ''} of each rival"
 
 
 def worlds_text(tuning: Tuning) -> str:

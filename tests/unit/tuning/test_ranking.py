@@ -1,4 +1,4 @@
-"""What a tuning concludes of its trials."""
+"""Ranks of rivals, and whether a tuning has failed."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ def test_fewer_trials_than_were_asked_for_are_refused(aim: dict[str, Any], tmp_p
     before = {path: path.read_bytes() for path in (tmp_path / "out").iterdir() if path.is_file()}
     with pytest.raises(UserError) as caught:
         graphnav.tune(**aim | {"trials": 3}, folder="out")
-    assert "holds a tuning with 7 trials of each rival, and this asks for 3" in str(caught.value)
+    assert "holds a tuning that was begun with 7 trials of each rival, and this asks for 3" in str(caught.value)
     assert "continue it with 7 trials or more, or choose another folder with -o" in str(caught.value)
     assert "remove" not in str(caught.value)
     assert {path: path.read_bytes() for path in before} == before
