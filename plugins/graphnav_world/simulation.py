@@ -85,7 +85,7 @@ class Simulation(Source):
         changes=_OF_PICTURE,
     )
     light_period_s: float = param(
-        2.0, gt=0.0, le=1000.0, doc="period of the light's oscillation; less changes it faster", changes=_OF_PICTURE
+        2.0, ge=0.001, le=1000.0, doc="period of the light's oscillation; less changes it faster", changes=_OF_PICTURE
     )
     exposure_step_ratio: float = param(
         0.0,
@@ -97,7 +97,7 @@ class Simulation(Source):
     )
     exposure_step_s: float = param(
         2.0,
-        gt=0.0,
+        ge=0.001,
         le=1000.0,
         doc="mean time between jumps of the exposure, each 0.5 to 1.5 times as long; seeded",
         changes=_OF_PICTURE,

@@ -74,9 +74,10 @@ def print_contrasts(console: Console, found: Iterable[Contrast], plan: Plan) -> 
 def _contrast_cells(pair: Contrast, metric: str, plan: Plan) -> list[Text]:
     difference = pair.differences[metric]
     chance = difference.probability_better
+    worlds = [plan.n_worlds(plan.case(pair.graph, variant)) for variant in (pair.first, pair.second)]
     return [
         Text(_heading(plan, metric)),
-        *(Text(estimate_text(found, len(plan.seeds))) for found in pair.estimates[metric]),
+        *(Text(estimate_text(found, n)) for found, n in zip(pair.estimates[metric], worlds, strict=True)),
         difference_cell(difference, plan.better(metric)),
         Text("" if plan.better(metric) == "neither" else estimate_text(chance, chance.n)),
     ]
