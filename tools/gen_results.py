@@ -1,6 +1,6 @@
 """Take over the results of finished studies into docs/results, and make the tables of its page again.
 
-python tools/gen_results.py study/suite study/paper    take over results.csv, metrics.csv and table.md of studies
+python tools/gen_results.py study/suite study/paper    take over what ships of studies
 python tools/gen_results.py                            make the tables again
 python tools/gen_results.py --check                    say what the page claims and the results do not bear out
 """
@@ -18,8 +18,14 @@ from result_pages.shipped_results import RESULTS, ShippedResults
 from result_pages.tables import with_tables
 
 PAGE = RESULTS / "README.md"
+"""Every statement of it that gives a number or compares has a check."""
+_ROOT = RESULTS.parents[1]
+ALSO_CLAIM = (_ROOT / "README.md", _ROOT / "docs" / "explanation" / "limits.md")
+"""Pages of which the statements with a check are checked, too."""
 FILES = ("results.csv", "metrics.csv", "table.md")
 """Files of a study's folder that ship."""
+PICTURE = "decompose.png"
+"""Ships, too, where a study has it."""
 
 
 def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
@@ -30,8 +36,9 @@ def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
 
     text = page.read_text(encoding="utf-8")
     yield from unchecked(text)
-    for claim in claims(text):
-        yield from claim.problems(read(claim.study))
+    for one in (page, *(ALSO_CLAIM if page == PAGE else ())):
+        for claim in claims(one.read_text(encoding="utf-8")):
+            yield from (f"{one.name}, {problem}" for problem in claim.problems(read(claim.study)))
     if with_tables(text, read) != text:
         yield "the tables are not fresh; run python tools/gen_results.py"
 
@@ -49,7 +56,7 @@ def main() -> int:
     for study in args.study:
         target = RESULTS / study.resolve().name
         target.mkdir(exist_ok=True)
-        for name in FILES:
+        for name in (*FILES, *([PICTURE] if (study / PICTURE).is_file() else [])):
             shutil.copyfile(study / name, target / name)
     PAGE.write_text(with_tables(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     return 0

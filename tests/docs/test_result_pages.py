@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from gen_results import PAGE as PAGE_OF_RESULTS
 from gen_results import problems
-from result_pages.claims import Claim, claims, unchecked
+from result_pages.claims import claims, unchecked
 from result_pages.expression import evaluate
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
@@ -123,11 +123,9 @@ def test_a_number_that_nothing_checks_is_named(results: ShippedResults) -> None:
     assert list(claim.problems(results)) == ["line 5: the number 0.6 is not in the check"]
 
 
-@pytest.mark.parametrize(
-    "claim", list(claims(PAGE_OF_RESULTS.read_text(encoding="utf-8"))), ids=lambda claim: claim.text[:40]
-)
-def test_what_the_results_claim_is_borne_out_by_those_that_ship(claim: Claim) -> None:
-    assert not list(claim.problems(ShippedResults.read(claim.study)))
+def test_what_the_pages_claim_is_borne_out_by_the_results_that_ship() -> None:
+    assert len(list(claims(PAGE_OF_RESULTS.read_text(encoding="utf-8")))) > 20
+    assert not list(problems())
 
 
 def test_a_table_is_made_from_the_results_and_noticed_when_it_is_not_fresh(folder: Path) -> None:

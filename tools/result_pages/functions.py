@@ -37,6 +37,11 @@ def mean(results: ShippedResults, graph: str, variant: str, metric: str, *, at: 
     return float(_values(results, graph, variant, metric, at).mean())
 
 
+def total(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
+    """Return the sum over the worlds that have a metric: of one that is 0 or 1, how many."""
+    return float(_values(results, graph, variant, metric, at).sum())
+
+
 def low(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
     """Return the lower end of the mean's 95 % interval."""
     values = _values(results, graph, variant, metric, at)
@@ -97,6 +102,16 @@ def graphs_below(results: ShippedResults, variant: str, metric: str = SUCCESS) -
     return _graphs_where(results, variant, metric, -1)
 
 
+def graphs_apart(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> int:
+    """Return on how many graphs two variants are told apart."""
+    return sum(apart(results, graph, a, b, metric) for graph in results.graphs)
+
+
+def graphs_alike(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> int:
+    """Return on how many graphs two variants have the same value in every world."""
+    return sum(alike(results, graph, a, b, metric) == worlds(results, graph, a) for graph in results.graphs)
+
+
 def n_graphs(results: ShippedResults) -> int:
     """Return the number of graphs."""
     return len(results.graphs)
@@ -145,6 +160,7 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "arrive": arrive,
     "outcomes": outcomes,
     "mean": mean,
+    "total": total,
     "low": low,
     "high": high,
     "interval": interval,
@@ -154,6 +170,8 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "clear": clear,
     "graphs_above": graphs_above,
     "graphs_below": graphs_below,
+    "graphs_apart": graphs_apart,
+    "graphs_alike": graphs_alike,
     "n_graphs": n_graphs,
     "n_runs": n_runs,
     "round": rounded,
