@@ -17,6 +17,8 @@ from result_pages.claims import claims, unchecked
 from result_pages.shipped_results import RESULTS, ShippedResults
 from result_pages.tables import with_tables
 
+from graphnav.errors import UserError
+
 PAGE = RESULTS / "README.md"
 FILES = ("results.csv", "metrics.csv", "table.md")
 """Files of a study's folder that ship."""
@@ -32,8 +34,13 @@ def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
     yield from unchecked(text)
     for claim in claims(text):
         yield from claim.problems(read(claim.study))
-    if with_tables(text, read) != text:
-        yield "the tables are not fresh; run python tools/gen_results.py"
+    try:
+        fresh = with_tables(text, read)
+    except UserError as error:
+        yield str(error)
+    else:
+        if fresh != text:
+            yield "the tables are not fresh; run python tools/gen_results.py"
 
 
 def main() -> int:
