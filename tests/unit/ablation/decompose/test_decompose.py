@@ -11,6 +11,7 @@ from graphnav.ablation.results import losses
 from graphnav.ablation.study import Study, study_of_command
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
+from graphnav.graph import parse_override
 
 CATALOG = Catalog()
 STAGES = ("flow", "planar", "plane", "steer")
@@ -40,9 +41,48 @@ def graphnav_stages() -> list[type[Stage]]:
     return [Second]
 '''
 
+TWO_PLANES = '''
+"""A detector, and an oracle whose two planes could both take its place."""
 
-def study_of(*graphs: str, metrics: tuple[str, ...] = (), catalog: Catalog = CATALOG) -> Study:
-    asked = study_of_command(graphs, seeds="0:2", metrics=metrics, may_vary_nothing=True)
+from typing import ClassVar, NamedTuple
+
+from graphnav import Flow, Plane, Role, Stage, Truth, hookimpl
+
+FAMILY = "twice"
+
+
+class Planes(NamedTuple):
+    plane: Plane
+    far: Plane
+
+
+class Detector(Stage):
+    """A plane of a flow."""
+
+    def step(self, flow: Flow) -> Plane | None:
+        return None
+
+
+class Oracle(Stage):
+    """Two planes of the truth."""
+
+    role: ClassVar[Role] = "oracle"
+
+    def step(self, truth: Truth) -> Planes:
+        raise NotImplementedError
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    return [Detector, Oracle]
+'''
+
+
+def study_of(
+    *graphs: str, metrics: tuple[str, ...] = (), catalog: Catalog = CATALOG, changes: tuple[str, ...] = ()
+) -> Study:
+    overrides = tuple(parse_override(change) for change in changes)
+    asked = study_of_command(graphs, seeds="0:2", metrics=metrics, overrides=overrides, may_vary_nothing=True)
     return decomposed_study(asked, catalog)
 
 
@@ -106,6 +146,24 @@ def test_a_family_of_two_oracles_is_refused(tmp_path: Path) -> None:
     catalog.add_file(tmp_path / "second.py")
     with pytest.raises(UserError, match=r"the family 'plane' has 2 oracles: plane\.second, plane\.truth"):
         study_of("corridor_ccw", catalog=catalog)
+
+
+def test_without_a_graph_there_is_nothing_to_swap() -> None:
+    with pytest.raises(UserError, match="--decompose: no graph is named"):
+        study_of()
+
+
+def test_each_variant_drives_itself_where_no_oracle_can_drive_for_all(tmp_path: Path) -> None:
+    (tmp_path / "twice.py").write_text(TWO_PLANES)
+    catalog = Catalog()
+    catalog.add_file(tmp_path / "twice.py")
+    study = study_of("corridor_ccw", catalog=catalog, changes=("plane=twice.detector",))
+    assert study.decomposition is not None
+    assert study.decomposition.oracles["plane"] == "twice.oracle"
+    assert not study.decomposition.has_common_drive, "the guard would not know which of the oracle's planes to read"
+    assert [axis.name for axis in study.axes] == ["oracles"]
+    assert study.within == ()
+    assert "sight.auroc" in study.metrics
 
 
 def test_runs_show_the_same_drive_and_what_each_oracle_adds(tmp_path: Path) -> None:
