@@ -11,7 +11,6 @@ from graphnav.ablation.results import losses
 from graphnav.ablation.study import Study, study_of_command
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
-from graphnav.graph import parse_override
 
 CATALOG = Catalog()
 STAGES = ("flow", "planar", "plane", "steer")
@@ -78,11 +77,8 @@ def graphnav_stages() -> list[type[Stage]]:
 '''
 
 
-def study_of(
-    *graphs: str, metrics: tuple[str, ...] = (), catalog: Catalog = CATALOG, changes: tuple[str, ...] = ()
-) -> Study:
-    overrides = tuple(parse_override(change) for change in changes)
-    asked = study_of_command(graphs, seeds="0:2", metrics=metrics, overrides=overrides, may_vary_nothing=True)
+def study_of(*graphs: str, metrics: tuple[str, ...] = (), catalog: Catalog = CATALOG) -> Study:
+    asked = study_of_command(graphs, seeds="0:2", metrics=metrics, may_vary_nothing=True)
     return decomposed_study(asked, catalog)
 
 
@@ -157,7 +153,9 @@ def test_each_variant_drives_itself_where_no_oracle_can_drive_for_all(tmp_path: 
     (tmp_path / "twice.py").write_text(TWO_PLANES)
     catalog = Catalog()
     catalog.add_file(tmp_path / "twice.py")
-    study = study_of("corridor_ccw", catalog=catalog, changes=("plane=twice.detector",))
+    graph = tmp_path / "mine.yaml"
+    graph.write_text("extends: corridor_ccw\nstages: {plane: {use: twice.detector}}\n")
+    study = study_of(str(graph), catalog=catalog)
     assert study.decomposition is not None
     assert study.decomposition.oracles["plane"] == "twice.oracle"
     assert not study.decomposition.has_common_drive, "the guard would not know which of the oracle's planes to read"
