@@ -104,9 +104,9 @@ def _check_declaration(cls: type[Stage]) -> None:
         "the first line of the docstring is not a sentence: end it with a period",
     )
     ports = ports_of(cls)
-    plain = [port.name for port in ports.inputs if port.is_plain]
     if issubclass(cls, Source):
-        _require(not plain, cls, f"is a Source, but its input '{plain[:1]}' is not sampled")
+        for port in ports.inputs:
+            _require(not port.is_plain, cls, f"is a Source, but its input '{port.name}' is not sampled")
     else:
         needed = [port.name for port in ports.inputs if not port.may_be_open]
         _require(bool(needed), cls, "is not a Source and has no plain input that must be wired: nothing fires it")
@@ -119,9 +119,10 @@ def _check_declaration(cls: type[Stage]) -> None:
             except ParamError as error:
                 raise AssertionError(f"{cls.__qualname__}: invalid default: {error}") from error
     _check_metrics(cls)
-    truth = [port.name for port in ports.inputs if port.message.is_truth]
-    what = f'input \'{truth[:1]}\' is true data, but the role is {cls.role}: write role = "score" or role = "oracle"'
-    _require(not truth or cls.role in MAY_READ_TRUTH, cls, what)
+    wanted = f'the role is {cls.role}: write role = "score" or role = "oracle"'
+    for port in ports.inputs:
+        may_read = not port.message.is_truth or cls.role in MAY_READ_TRUTH
+        _require(may_read, cls, f"input '{port.name}' is true data, but {wanted}")
 
 
 def _check_unit(cls: type[Stage], param: Param) -> None:

@@ -34,13 +34,8 @@ def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
     yield from unchecked(text)
     for claim in claims(text):
         yield from claim.problems(read(claim.study))
-    try:
-        fresh = with_tables(text, read)
-    except UserError as error:
-        yield str(error)
-    else:
-        if fresh != text:
-            yield "the tables are not fresh; run python tools/gen_results.py"
+    if with_tables(text, read) != text:
+        yield "the tables are not fresh; run python tools/gen_results.py"
 
 
 def main() -> int:
@@ -63,4 +58,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except UserError as error:
+        sys.exit(str(error))

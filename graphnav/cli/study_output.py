@@ -48,9 +48,10 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console,
             console.print(f"'{metric}' is undefined in all runs", style="yellow", markup=False)
     for note in files.notes:
         console.print(note, style="dim", markup=False)
-    missing = plan.n_jobs - sum(row.runs for row in comparison.rows if not row.case.same_as)
-    if missing and not plan.until_clear:
-        console.print(f"{missing} of {plan.n_jobs} runs are pending")
+    if comparison.pending and plan.until_clear:
+        console.print(f"{comparison.pending} of the runs of the next round are pending")
+    elif comparison.pending:
+        console.print(f"{comparison.pending} of {plan.n_jobs} runs are pending")
     for of in files.losses:
         console.print(" ".join(sentences(plan, of)), markup=False)
     written = [RESULTS, METRICS, TIMING, TABLE, *([PICTURE] if files.losses else []), files.report.name]
@@ -93,6 +94,8 @@ def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, fail_if: Se
 
 def _failed_case_text(case: FailedCase) -> str:
     where = f"{case.condition.text}: {case.graph}, {case.variant}"
+    if case.is_of_frames:
+        return f"{where}: this depends on the frames, and the plans do not show that the drive is the same in both"
     if case.difference is None:
         return f"{where}: no world of both studies has this metric"
     return f"{where}: B - A is {difference_text(case.difference)}"

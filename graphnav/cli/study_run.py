@@ -82,10 +82,21 @@ def _estimate_text(found: TimeEstimate, at_once: int) -> str:
     """Return the core-hours of runs, an upper bound."""
     begin = f"{found.n_runs} runs, {at_once} at once"
     if found.n_unknown == found.n_runs:
-        return f"{begin}; they have no time limit"
+        return f"{begin}; {_unknown_text(found)}"
     unknown = f", without {found.n_unknown} runs of which none is known" if found.n_unknown else ""
     bound = f"at most {found.core_s / 3600:.2g} core-hours ({duration_text(found.core_s / at_once)})"
     return f"{begin}: {bound} if each lasts until its time limit{unknown}"
+
+
+def _unknown_text(found: TimeEstimate) -> str:
+    """Return why the time of no run is known."""
+    if found.n_unlimited == found.n_runs:
+        return "they have no time limit"
+    what = "how long they take is not known"
+    if not found.n_unlimited:
+        return f"{what}, because the run that measures it failed"
+    have = "has" if found.n_unlimited == 1 else "have"
+    return f"{what}: {found.n_unlimited} of them {have} no time limit, and the run that measures the others failed"
 
 
 def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:

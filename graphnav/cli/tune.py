@@ -138,12 +138,15 @@ def _print_search(tuning: Tuning, console: Console) -> None:
 
 def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
     from rich.table import Table
+    from rich.text import Text
 
     from graphnav.tuning import OPTIMISTIC, STUDY, TABLE, TRIALS, conclusion, header, rows, trouble_texts
 
-    table = Table(*header(run)[:-1], box=None, pad_edge=False)
+    table = Table(box=None, pad_edge=False)
+    for name in header(run)[:-1]:
+        table.add_column(Text(name))
     for *cells, _ in rows(run):
-        table.add_row(*cells)
+        table.add_row(*map(Text, cells))
     console.print(table)
     for label, *_, params in rows(run):
         console.print(f"{label}: {params}", markup=False)

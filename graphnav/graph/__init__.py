@@ -5,7 +5,7 @@ from graphnav.graph.graph import Graph
 from graphnav.graph.load import graph_of, load_graph
 from graphnav.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
 from graphnav.graph.overrides.option_text import parse_override, parse_overrides, parse_value
-from graphnav.graph.overrides.override import Override
+from graphnav.graph.overrides.override import Override, without_replaced
 from graphnav.graph.overrides.target import Target
 from graphnav.graph.resolved import resolved_yaml
 from graphnav.graph.schema.graph_schema import graph_schema
@@ -35,4 +35,5 @@ __all__ = [
     "shipped_graphs",
     "stop_fields",
     "suggest_graph",
+    "without_replaced",
 ]

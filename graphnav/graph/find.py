@@ -6,7 +6,7 @@ import importlib.resources
 from collections.abc import Iterable
 from pathlib import Path
 
-from graphnav.errors import Place, Suggestion, UserError, did_you_mean
+from graphnav.errors import Hint, Place, Suggestion, UserError, did_you_mean
 
 SHIPPED = "graphnav_graphs"
 """The data package with graphs, maps and planar models."""
@@ -47,11 +47,11 @@ def find_graph(name: str | Path, folder: Path = Path()) -> Path:
         return shipped[str(name)]
     if _exists(path) and path.is_dir():
         near = sorted(p.name for p in path.glob("*.yaml"))
-        hint = f"name a file in it: {', '.join(near[:5])}" if near else "name a YAML file"
-        raise UserError.of("it is a folder, not a graph", hint, Place(str(name)))
+        files = f"name a file in it: {', '.join(near[:5])}" if near else "name a YAML file"
+        raise UserError.of("it is a folder, not a graph", files, Place(str(name)))
     beside = path.parent if _exists(path.parent) else Path()
     known = {*shipped, *(_from(folder, p) for suffix in _SUFFIXES for p in beside.glob(f"*{suffix}"))}
-    hint = _if_study(str(name)) or suggest_graph(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
+    hint: Hint = _if_study(str(name)) or suggest_graph(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
     raise UserError.of("there is no such graph", hint, Place(str(name)))
 
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 import graphnav_lcm
+import numpy as np
 
-from graphnav.arrays import Bytes, Doubles, Ints
+from graphnav.arrays import Bytes, Doubles, Indices, Ints
 from graphnav.messages.message import Message
 
 
@@ -130,6 +131,10 @@ class Map(Message, lcm=graphnav_lcm.map_t):
     """
 
     is_truth: ClassVar[bool] = True
+    WALL: ClassVar[int] = 0
+    OBSTACLE: ClassVar[int] = 1
+    MOVING: ClassVar[int] = 2
+    """The values of ``kind``."""
 
     kind: Bytes
     height_m: Doubles
@@ -140,3 +145,11 @@ class Map(Message, lcm=graphnav_lcm.map_t):
     robot_radius_m: float
     shortest_m: float
     footprint_m: Doubles
+
+    def next_vertices(self) -> Indices:
+        """Return the index of the vertex after each one around its body, (vertices,)."""
+        following = np.arange(len(self.body)) + 1
+        starts = np.flatnonzero(np.diff(self.body, prepend=-1))
+        ends = np.append(starts[1:], len(self.body))[: len(starts)] - 1
+        following[ends] = starts
+        return following

@@ -143,11 +143,17 @@ def _fault(metric: Metric) -> str:
 def _value_fault(metric: Metric) -> str:
     if isinstance(metric.if_failed, str) and metric.if_failed not in {MEASURED, UNDEFINED}:
         return f"if_failed is {metric.if_failed!r}: use a number, UNDEFINED or MEASURED"
+    if not isinstance(metric.if_failed, str) and not _is_number(metric.if_failed):
+        return f"if_failed is {metric.if_failed!r}: use a number, UNDEFINED or MEASURED"
     if metric.is_outcome and metric.if_failed != 0.0:
         return "an outcome is 0 of a failed drive: write if_failed=0.0"
     if not (isinstance(metric.min_difference, float | int) and 0 <= metric.min_difference < math.inf):
         return f"min_difference is {metric.min_difference!r}: use a number of 0 or more"
     return _bounds_fault(metric)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, float | int) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _bounds_fault(metric: Metric) -> str:

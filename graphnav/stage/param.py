@@ -36,6 +36,8 @@ class Param:
     lt: float | None = None
     renamed_from: str | None = None
     """The name in older versions: refused in graphs that users write, accepted in records."""
+    changes: tuple[str, ...] = ()
+    """Of a source: the outputs that it changes, if it changes no more; empty: perhaps all."""
 
     @property
     def required(self) -> bool:
@@ -87,6 +89,7 @@ def param(
     le: float | None = None,
     lt: float | None = None,
     renamed_from: str | None = None,
+    changes: tuple[str, ...] = (),
 ) -> Any:
     """Declare a parameter of a stage.
 
@@ -102,8 +105,12 @@ def param(
     renamed_from
         Former name. A graph that uses it is refused with the new name as the suggestion; the graph of a log or a run
         folder is read as if it used the new name.
+    changes
+        Of a source: the outputs that it changes, if it changes no others, as the noise of a camera changes the image
+        alone. In a study, variants with another value meet the same frames where nothing that drives reads these
+        outputs; without ``changes`` they do not.
     """
-    declared = {"doc": doc, "ge": ge, "gt": gt, "le": le, "lt": lt, "renamed_from": renamed_from}
+    declared = {"doc": doc, "ge": ge, "gt": gt, "le": le, "lt": lt, "renamed_from": renamed_from, "changes": changes}
     return dataclasses.field(default=default, kw_only=True, metadata={"param": declared})
 
 

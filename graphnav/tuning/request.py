@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.ablation.study import Study, Vary, study_of_command
+from graphnav.ablation.study import Study, Vary, seeds_words, study_of_command
 from graphnav.errors import Place, Problem, UserError
 from graphnav.graph import Override
 from graphnav.tuning.search_range import SearchRange
@@ -46,7 +46,7 @@ class TuningRequest:
             ("--metrics", self.metrics),
             ("--search", [search.text for search in self.searches]),
             ("--plugin", self.plugins),
-            ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),
+            ("--seeds", [] if self.seeds is None else [seeds_words(self.seeds)]),
         )
         words = [word for option, values in options for value in values for word in (option, str(value))]
         budget = ["--trials", str(self.trials), "--sampler-seed", str(self.sampler_seed)]
@@ -71,11 +71,6 @@ class TuningRequest:
         if problems := list(_problems(study)):
             raise UserError(problems)
         return study
-
-
-def _seeds_words(seeds: str | Sequence[int]) -> str:
-    """Return seeds as ``--seeds`` takes them."""
-    return seeds if isinstance(seeds, str) else f"[{', '.join(map(str, seeds))}]"
 
 
 def _problems(study: Study) -> list[Problem]:

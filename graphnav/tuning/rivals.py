@@ -9,10 +9,10 @@ from typing import Any
 from graphnav.ablation.plan import CheckedStudy
 from graphnav.ablation.study import Study
 from graphnav.errors import Place, Problem, UserError, did_you_mean
-from graphnav.graph import Graph, Node, Override, Target
+from graphnav.graph import Graph, Node, Override
 from graphnav.stage import Param, params_of
 from graphnav.tuning.fit_range import fitted
-from graphnav.tuning.search_range import SearchRange, range_of
+from graphnav.tuning.search_range import SearchRange, parts_of, range_of
 
 _NUMBERS = (int, float)
 
@@ -46,7 +46,7 @@ def rivals_of(study: Study, checked: CheckedStudy, searches: Sequence[SearchRang
     fixed = {str(one) for override in study.overrides for one in override.target.each}
     rivals = []
     for choice in axis.choices:
-        graphs = _graphs(checked, choice.label)
+        graphs = graphs_of(checked, choice.label)
         own = {str(one) for override in choice.overrides for one in override.target.each}
         rivals.append(_rival(choice.label, choice.overrides, graphs, stages, fixed | own, searches))
     if wrong := [*_unknown(searches, rivals), *_fixed(searches, study)]:
@@ -66,10 +66,12 @@ def _rival(
     center: dict[str, Any] = {}
     left = []
     wanted = {search.target: search for search in searches}
+    taken = fixed.union(*(search.parts for search in searches))
     for target, param, values in _parameters(graphs, stages, wanted):
         if target in wanted:
             space[target], center[target] = fitted(wanted[target], param), values[0]
-        elif not any(f"{stage}.{param.name}" in fixed for stage in target.rpartition(".")[0].split(",")):
+        elif taken.isdisjoint(parts_of(target)):
+            taken |= parts_of(target)
             found = range_of(target, param, values[0]) if all(value == values[0] for value in values) else None
             if found is not None:
                 space[target], center[target] = found, values[0]
@@ -97,7 +99,7 @@ def _node(graph: Graph, stage: str) -> Node | None:
     return next((node for node in graph.nodes if node.name == stage), None)
 
 
-def _graphs(checked: CheckedStudy, label: str) -> list[Graph]:
+def graphs_of(checked: CheckedStudy, label: str) -> list[Graph]:
     """Return the graphs of a rival, one of each that the study names."""
     cases = {(case.graph, case.variant): case for case in checked.plan.cases}
     return [checked.graphs[cases[graph, label].folder] for graph in checked.plan.graphs]
@@ -124,7 +126,7 @@ def _fixed(searches: Sequence[SearchRange], study: Study) -> Iterator[Problem]:
     overrides = [*study.overrides, *(override for choice in study.axes[0].choices for override in choice.overrides)]
     for search in searches:
         place = Place(f"--search {search.text}")
-        searched = {str(one) for one in Target.parse(search.target, place).each}
-        if found := next((one for one in overrides if searched & {str(each) for each in one.target.each}), None):
+        sets = (one for one in overrides if search.parts & {str(each) for each in one.target.each})
+        if found := next(sets, None):
             what = f"'{search.target}' is searched, but {found.place} sets it"
             yield Problem(place, what, "keep one of the two")

@@ -28,7 +28,8 @@ def propose(
     """Return the parameters of the next ``n`` trials of a rival.
 
     The proposals depend on what was tried, on the seed and on nothing else, so that a tuning that is resumed goes on
-    as it would have. ``center`` has the values of the trial that changes none.
+    as it would have. ``center`` has the values of the trial that changes none; where one has no place in its range, as
+    null among numbers, nothing is learned from that trial.
 
     References
     ----------
@@ -43,8 +44,9 @@ def propose(
     study = optuna.create_study(direction="maximize", sampler=sampler)
     for trial, rank in zip(tried, ranks(tried, metrics), strict=True):
         params = center if trial.number == DEFAULT else trial.params
-        shown = {one.target: one.clipped(params[one.target]) for one in space}
-        study.add_trial(optuna.trial.create_trial(params=shown, distributions=spread, value=rank))
+        if all(one.has_place(params[one.target]) for one in space):
+            shown = {one.target: one.clipped(params[one.target]) for one in space}
+            study.add_trial(optuna.trial.create_trial(params=shown, distributions=spread, value=rank))
     asked = [study.ask(spread).params for _ in range(n)]
     return [{one.target: one.rounded(params[one.target]) for one in space} for params in asked]
 

@@ -44,10 +44,19 @@ class SearchRange:
             return f"{self.target}={','.join(_shown(choice) for choice in self.choices)}"
         return f"{self.target}={_number(self.low)}:{_number(self.high)}{':log' if self.is_log else ''}"
 
+    @property
+    def parts(self) -> frozenset[str]:
+        """The parameters of one stage each that it sets."""
+        return parts_of(self.target)
+
+    def has_place(self, value: Any) -> bool:
+        """Return whether the range has a value that ``value`` could stand for: it is a choice, or any number."""
+        return value in self.choices if self.kind == "choice" else isinstance(value, int | float)
+
     def clipped(self, value: Any) -> Any:
-        """Return the value of the range that is nearest to ``value``, or the first choice."""
+        """Return the value of the range that is nearest to one that has a place in it."""
         if self.kind == "choice":
-            return value if value in self.choices else self.choices[0]
+            return value
         number = min(max(float(value), self.low), self.high)
         return round(number) if self.kind == "integer" else number
 
@@ -58,9 +67,15 @@ class SearchRange:
         return min(max(float(f"{value:.{DIGITS}g}"), self.low), self.high)
 
 
+def parts_of(target: str) -> frozenset[str]:
+    """Return ``plane.rule`` and ``twin.rule`` of ``plane,twin.rule``."""
+    stages, _, key = target.rpartition(".")
+    return frozenset(f"{stage}.{key}" for stage in stages.split(","))
+
+
 def parse_searches(texts: Iterable[str], problems: list[Problem]) -> tuple[SearchRange, ...]:
     """Return the ranges of ``--search``; what is wrong with them is added to ``problems``."""
-    found: dict[str, SearchRange] = {}
+    found: list[SearchRange] = []
     for text in texts:
         place = Place(f"--search {text}")
         try:
@@ -68,10 +83,11 @@ def parse_searches(texts: Iterable[str], problems: list[Problem]) -> tuple[Searc
         except UserError as error:
             problems += error.problems
             continue
-        if searched.target in found:
-            problems.append(Problem(place, f"'{searched.target}' is searched twice", "keep one"))
-        found[searched.target] = searched
-    return tuple(found.values())
+        if first := next((one for one in found if one.parts & searched.parts), None):
+            what = f"'{searched.target}' is searched twice, first by '{first.text}'"
+            problems.append(Problem(place, what, "keep one", "duplicate"))
+        found.append(searched)
+    return tuple(found)
 
 
 def parse_search(text: str, place: Place) -> SearchRange:
@@ -108,8 +124,9 @@ def parse_search(text: str, place: Place) -> SearchRange:
 def range_of(target: str, param: Param, center: Any) -> SearchRange | None:
     """Return the range around a parameter's value, None where nothing says what its values could be.
 
-    A number without a sign is searched on a logarithmic scale by `FACTOR` to either side; zero and negative numbers
-    between their bounds, if there are two. Paths, strings and lists are not searched, nor what is null.
+    A positive number is searched by `FACTOR` to either side, on a logarithmic scale, an integer on a linear one; zero
+    and negative numbers between their bounds, if there are two. Paths, strings and lists are not searched, nor what is
+    null.
     """
     kind = plain_type(param.type)
     if kind is bool:

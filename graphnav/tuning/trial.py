@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Any
 
 from graphnav.stage import Better
@@ -42,12 +43,18 @@ class Trial:
 
 
 def in_order(trials: Sequence[Trial], metrics: Mapping[str, Better], like: Sequence[Trial]) -> list[Trial]:
-    """Return trials from the best to the worst: by the first metric, equal ones by the next, then by number.
+    """Return trials from the best to the worst: by the first metric, equal ones by the next, then as they were.
 
     A trial that has a metric in fewer runs than one of ``like`` comes behind those that have it in as many, whatever
     its mean: it is the mean of the runs that did not fail.
     """
-    return sorted(trials, key=lambda trial: (*_badness(trial, metrics, like), trial.number))
+    return sorted(trials, key=lambda trial: _badness(trial, metrics, like))
+
+
+def in_ranks(trials: Sequence[Trial], metrics: Mapping[str, Better]) -> list[list[Trial]]:
+    """Return trials `in_order`, compared with each other; those that are equal in all metrics share a rank."""
+    ordered = in_order(trials, metrics, trials)
+    return [list(equal) for _, equal in groupby(ordered, lambda trial: _badness(trial, metrics, trials))]
 
 
 def ranks(trials: Sequence[Trial], metrics: Mapping[str, Better]) -> list[float]:

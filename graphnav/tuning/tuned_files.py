@@ -5,66 +5,72 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
-from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from graphnav.ablation.report import write_atomically
 from graphnav.errors import UserError
-from graphnav.graph import find_graph, shipped_graphs
 from graphnav.spec import write_value
-from graphnav.tuning.rivals import Rival
+from graphnav.tuning.tuned_study import STUDY, tuned_study
 from graphnav.tuning.tuned_table import table_markdown
-from graphnav.tuning.tuning import Tuning, overrides_of
+from graphnav.tuning.tuning import Tuning
 from graphnav.tuning.tuning_run import TuningRun
 
 TUNING = "tuning.json"
 TRIALS = "trials.csv"
-STUDY = "tuned.yaml"
 TABLE = "tuned.md"
+_N_TRIALS = "trials"
+_ELSEWHERE = "choose another folder with -o"
 
 
-def check_folder(tuning: Tuning, folder: Path) -> None:
-    """Write what is asked for into a new folder, or compare it with what a folder began with.
+def begin_tuning(tuning: Tuning, folder: Path) -> None:
+    """Write what is asked for into the folder of a tuning; more trials of the same continue one that was begun.
 
     Raises
     ------
     UserError
-        It cannot be made, holds something else, or another tuning.
+        The folder cannot be written, or holds another tuning, or more trials.
     """
-    path, settings = folder / TUNING, tuning.settings()
-    hint = "choose another folder with -o"
+    path, n_trials = folder / TUNING, tuning.request.trials
+    settings = json.loads(json.dumps(tuning.settings()))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if not path.exists():
-            if others := sorted(one.name for one in folder.iterdir()):
-                raise UserError.of(f"{folder} holds {others[0]}, but no tuning ({TUNING})", hint)
-            write_atomically(path, json.dumps(settings, indent=1) + "\n")
-            return
-        old = json.loads(path.read_text(encoding="utf-8"))
+        begun = json.loads(path.read_text(encoding="utf-8")) if path.exists() else settings | {_N_TRIALS: 0}
+        n_begun = int(begun.get(_N_TRIALS, 0))
     except OSError as error:
-        raise UserError.of(f"cannot work in {folder}: {error.strerror}", hint) from error
-    except ValueError as error:
-        raise UserError.of(f"{path} is not the record of a tuning", hint) from error
-    if not isinstance(old, dict):
-        raise UserError.of(f"{path} is not the record of a tuning", hint)
-    for key, value in json.loads(json.dumps(settings)).items():
-        if old.get(key) != value:
-            raise UserError.of(f"{folder} holds another tuning: its '{key}' differs", hint)
+        raise UserError.of(f"cannot work in {folder}: {error.strerror}", _ELSEWHERE) from error
+    except (ValueError, TypeError, AttributeError) as error:
+        raise UserError.of(f"{path} is not the record of a tuning", _ELSEWHERE) from error
+    for key, value in settings.items():
+        if begun.get(key) != value:
+            raise UserError.of(f"{folder} holds another tuning: its '{key}' differs", _ELSEWHERE)
+    if n_trials < n_begun:
+        what = (
+            f"{folder} holds a tuning that was begun with {n_begun} trials of each rival, and this asks for {n_trials}"
+        )
+        raise UserError.of(what, f"continue it with {n_begun} trials or more, or {_ELSEWHERE}")
+    write_atomically(path, json.dumps(settings | {_N_TRIALS: n_trials}, indent=1) + "\n")
 
 
 def write_tuning(run: TuningRun, folder: Path) -> None:
-    """Write the trials, the study of the tuned rivals and the table.
+    """Write the trials, the study of the tuned rivals and the table, unless the files there are of more trials.
 
     Raises
     ------
     GraphnavError
         A file cannot be written; its old version is kept.
     """
-    write_atomically(folder / TRIALS, _trials(run))
-    write_atomically(folder / STUDY, _study(run, folder))
+    trials = _trials(run)
+    if _n_lines(folder / TRIALS) > trials.count("\n"):
+        return
+    write_atomically(folder / TRIALS, trials)
+    write_atomically(folder / STUDY, tuned_study(run, folder))
     write_atomically(folder / TABLE, table_markdown(run))
+
+
+def _n_lines(path: Path) -> int:
+    try:
+        return path.read_bytes().count(b"\n")
+    except OSError:  # there is none, or writing it reports why
+        return 0
 
 
 def _trials(run: TuningRun) -> str:
@@ -84,43 +90,3 @@ def _trials(run: TuningRun) -> str:
                 failed = trial.failures.get((graph, seed), "")
                 writer.writerow([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
     return text.getvalue()
-
-
-def _study(run: TuningRun, folder: Path) -> str:
-    """Return a study in ``folder`` that compares every rival as it is and tuned."""
-    study = run.tuning.study
-    seeds = ", ".join(map(str, study.seeds))
-    lines = [
-        f"about: {write_value('Which rival is better, as it is and tuned?')}",
-        "",
-        f"# Tuned in the worlds {seeds}, with {run.tuning.request.trials} trials of each rival: judge them in others,",
-        f"# graphnav ablate {STUDY} --seeds 1000:1050",
-        "",
-        f"graphs: {write_value([_seen_from(folder, name) for name in study.graphs])}",
-    ]
-    if study.overrides:
-        lines.append(f"set: {write_value({str(one.target): one.value for one in study.overrides})}")
-    lines += ["", "vary:", "  tuning:"]
-    lines += [f"    {write_value(label)}: {write_value(sets)}" for label, sets in _choices(run)]
-    lines += ["", f"metrics: {write_value(list(run.tuning.metrics))}", ""]
-    return "\n".join(lines)
-
-
-def _seen_from(folder: Path, graph: str) -> str:
-    """Return the path of a graph from a folder; the name of one that ships as it is."""
-    path = find_graph(graph)
-    return graph if path == shipped_graphs().get(graph) else os.path.relpath(path.resolve(), folder.resolve())
-
-
-def _choices(run: TuningRun) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    for rival in run.tuning.rivals:
-        best = run.best(rival)
-        own = {str(override.target): override.value for override in rival.overrides}
-        yield f"{rival.label} as it is", own
-        if best.params:
-            yield tuned_label(rival), own | {str(one.target): one.value for one in overrides_of(best)}
-
-
-def tuned_label(rival: Rival) -> str:
-    """Return the label of a tuned rival."""
-    return f"{rival.label} tuned"

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
+from graphnav.ablation.report import bullets, code, escaped, table
+from graphnav.ablation.study import listed
 from graphnav.spec import write_value
 from graphnav.tuning.rivals import Rival
 from graphnav.tuning.trial import Trial
+from graphnav.tuning.tuning import Tuning
 from graphnav.tuning.tuning_run import TuningRun
 
 OPTIMISTIC = (
@@ -34,10 +37,10 @@ def conclusion(run: TuningRun) -> str:
     """Return whether tuning moves the ranking."""
     if run.has_failed():
         return f"Every run failed or lacks {next(iter(run.tuning.metrics))}: nothing was tuned."
-    before, after = ([rival.label for rival in run.ranking(tuned=tuned)] for tuned in (False, True))
+    before, after = (", then ".join(map(_rank, run.ranks(tuned=tuned))) for tuned in (False, True))
     if before == after:
-        return f"Tuning moves no rank: {_listed(after)}."
-    return f"Tuning moves the ranking: as they are {_listed(before)}; tuned {_listed(after)}."
+        return f"Tuning moves no rank: {after}."
+    return f"Tuning moves the ranking: as they are {before}; tuned {after}."
 
 
 def trouble_texts(run: TuningRun) -> Iterator[str]:
@@ -54,29 +57,44 @@ def trouble_texts(run: TuningRun) -> Iterator[str]:
                 yield f"{rival.label}: {causes.total()} of {of}: {share}{cause}"
 
 
+def trials_text(run: TuningRun) -> str:
+    """Return how many trials were made of each rival; a rival with nothing to search has one."""
+    numbers = {len(run.of(rival)) for rival in run.tuning.rivals}
+    n_trials = max(numbers)
+    return f"{'up to ' if len(numbers) > 1 else ''}{n_trials} trial{'s' if n_trials > 1 else ''} of each rival"
+
+
+def worlds_text(tuning: Tuning) -> str:
+    """Return the seeds of the worlds that trials are made in; those of each graph where they differ."""
+    of_graph: dict[str, list[str]] = {}
+    for graph, seed in tuning.worlds:
+        of_graph.setdefault(graph, []).append(str(seed))
+    texts = {graph: ", ".join(seeds) for graph, seeds in of_graph.items()}
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    return "; ".join(f"{seeds} of {graph}" for graph, seeds in texts.items())
+
+
 def table_markdown(run: TuningRun) -> str:
     """Return the table, what it says, and what was searched."""
-    request, study = run.tuning.request, run.tuning.study
-    names = header(run)
-    lines = [_line(names), _line(["---"] * len(names)), *map(_line, rows(run))]
-    seeds = f"{len(study.seeds)} worlds, seeds {', '.join(map(str, study.seeds))}"
+    study = run.tuning.study
     parts = [
-        f"# {study.name}",
-        f"{request.trials} trials of each rival on {', '.join(study.graphs)}; {seeds}.",
-        "\n".join(lines),
-        conclusion(run),
-        *(["\n".join(f"- {text}" for text in troubles)] if (troubles := list(trouble_texts(run))) else []),
+        f"# {escaped(study.name)}",
+        escaped(f"With {trials_text(run)} on {', '.join(study.graphs)}, in the worlds {worlds_text(run.tuning)}."),
+        table([*map(escaped, header(run))], ([*map(escaped, cells)] for cells in rows(run))),
+        escaped(conclusion(run)),
+        *([bullets(map(escaped, troubles))] if (troubles := list(trouble_texts(run))) else []),
         OPTIMISTIC,
         "## What was searched",
         "\n".join(line for rival in run.tuning.rivals for line in _searched(rival)),
-        f"Repeat it: `{run.tuning.command}`",
+        f"Repeat it: {code(run.tuning.command)}",
     ]
     return "\n\n".join(parts) + "\n"
 
 
 def _searched(rival: Rival) -> Iterator[str]:
-    found = ", ".join(f"`{one.text}`" for one in rival.space) or "nothing"
-    yield f"- {rival.label}: {found}"
+    found = ", ".join(code(one.text) for one in rival.space) or "nothing"
+    yield f"- {escaped(rival.label)}: {found}"
     if rival.left:
         yield f"  Not searched, because nothing says what they could be: {', '.join(rival.left)}."
 
@@ -92,10 +110,6 @@ def _mean(run: TuningRun, trial: Trial, metric: str) -> str:
     return f"{mean:.4g}" if n_runs == run.tuning.runs_per_trial else f"{mean:.4g} (n {n_runs})"
 
 
-def _line(cells: Sequence[str]) -> str:
-    escaped = (cell.replace("|", "\\|").replace("*", "\\*") for cell in cells)
-    return f"| {' | '.join(escaped)} |"
-
-
-def _listed(labels: Sequence[str]) -> str:
-    return ", then ".join(labels)
+def _rank(equal: Sequence[Rival]) -> str:
+    labels = listed(rival.label for rival in equal)
+    return f"{labels} (equal)" if len(equal) > 1 else labels

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
@@ -68,6 +69,7 @@ class Tuning:
             "search": {rival.label: [searched.text for searched in rival.space] for rival in self.rivals},
             "set": [override.words for override in self.study.overrides],
             "seeds": list(self.study.seeds),
+            "worlds": Counter(graph for graph, _ in self.worlds),
             "metrics": list(plan.metrics),
             "sampler": f"TPE of {_SAMPLER} {version(_SAMPLER)}, seed {self.request.sampler_seed}",
             "versions": dict(plan.versions),

@@ -14,7 +14,7 @@ from graphnav.ablation.worker import Task
 from graphnav.runner import Outcome
 from graphnav.tuning.rivals import Rival
 from graphnav.tuning.sampler import propose
-from graphnav.tuning.trial import DEFAULT, Trial, in_order
+from graphnav.tuning.trial import DEFAULT, Trial, in_order, in_ranks
 from graphnav.tuning.tuning import Tuning, label_of
 
 BATCH = 5
@@ -42,16 +42,20 @@ class TuningRun:
         """Return the best trial of a rival; of equal ones the first, so that a default is kept unless one beats it."""
         return in_order(self.of(rival), self.tuning.metrics, [self.default(rival)])[0]
 
-    def ranking(self, *, tuned: bool) -> list[Rival]:
-        """Return the rivals from the best to the worst, by their best trials or as they are."""
+    def ranks(self, *, tuned: bool) -> list[list[Rival]]:
+        """Return the rivals from the best to the worst, tuned or as they are; equal ones share a rank."""
         rivals = {rival.label: rival for rival in self.tuning.rivals}
         chosen = [self.best(rival) if tuned else self.default(rival) for rival in self.tuning.rivals]
-        return [rivals[trial.rival] for trial in in_order(chosen, self.tuning.metrics, chosen)]
+        return [[rivals[trial.rival] for trial in equal] for equal in in_ranks(chosen, self.tuning.metrics)]
+
+    def ranking(self, *, tuned: bool) -> list[Rival]:
+        """Return the rivals from the best to the worst; equal ones in their own order."""
+        return [rival for equal in self.ranks(tuned=tuned) for rival in equal]
 
     def has_failed(self) -> bool:
         """Return whether no run of any trial tells anything: all failed or lack the metric that decides."""
         decides = next(iter(self.tuning.metrics))
-        return all(len(trial.failures) >= trial.n_runs(decides) for trial in self.trials)
+        return all(trial.values.get(decides, {}).keys() <= trial.failures.keys() for trial in self.trials)
 
 
 def run_tuning(

@@ -9,9 +9,6 @@ import numpy as np
 from graphnav import Map, State
 from graphnav.arrays import Doubles, Indices
 
-MOVING = 2
-"""Of `Map.kind`."""
-
 
 class Bodies:
     """The edges of all bodies of a map.
@@ -25,9 +22,9 @@ class Bodies:
     def __init__(self, world: Map) -> None:
         self.body: Indices = world.body.astype(np.intp)
         self._from_m = world.vertices_m
-        self._to_m = world.vertices_m[_following(self.body)]
+        self._to_m = world.vertices_m[world.next_vertices()]
         # Of each edge, the row of `State.moving`, and one past the rows for what stands.
-        movers = np.flatnonzero(world.kind == MOVING)
+        movers = np.flatnonzero(world.kind == Map.MOVING)
         row_of = np.full(len(world.kind), len(movers))
         row_of[movers] = np.arange(len(movers))
         self._row = row_of[self.body]
@@ -71,13 +68,3 @@ def nearest_m(ends_m: Doubles, begin_rad: float, end_rad: float) -> Doubles:
     foot = -np.einsum("ei,ei->e", begin, along) / np.where(squares > 0, squares, 1.0)
     nearest = begin + np.clip(foot, first, np.maximum(last, first))[:, None] * along
     return np.where(first <= last, np.hypot(nearest[:, 0], nearest[:, 1]), np.inf)
-
-
-def _following(body: Indices) -> Indices:
-    """Return the vertex after each one around its body, (vertices,)."""
-    following = np.arange(len(body)) + 1
-    starts = np.flatnonzero(np.diff(body, prepend=-1))
-    ends = np.append(starts[1:], len(body)) - 1
-    if len(body):
-        following[ends] = starts
-    return following

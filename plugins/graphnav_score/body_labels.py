@@ -8,9 +8,6 @@ import numpy as np
 from graphnav import Map
 from graphnav.arrays import Doubles, Floats, Ints
 
-OBSTACLE = 1
-"""Of `Map.kind`: what stands in the way, walls and moving obstacles aside."""
-
 _CELL_M = 0.02
 _MAX_CELLS = 4000
 _MARGIN_M = 0.05
@@ -27,7 +24,7 @@ class BodyLabels:
     """
 
     def __init__(self, world: Map) -> None:
-        self.bodies = np.flatnonzero(world.kind == OBSTACLE)
+        self.bodies = np.flatnonzero(world.kind == Map.OBSTACLE)
         self._labels: Ints = np.full((1, 1), -1, np.int32)
         self._origin_m: Doubles = np.zeros(2)
         self._cell_m = _CELL_M

@@ -10,9 +10,6 @@ import numpy as np
 from graphnav import Map, Metric, State
 from graphnav.arrays import Doubles
 
-MOVING = 2
-"""The kind of a body that moves, in `Map`."""
-
 CONTACT_METRICS = (
     Metric(
         "hit_mover",
@@ -54,20 +51,20 @@ class FirstContact:
 
     def metrics(self, world: Map | None) -> Mapping[str, float]:
         """Return the metrics of the drive so far, none where nothing moves."""
-        if world is None or MOVING not in world.kind:
+        if world is None or Map.MOVING not in world.kind:
             return {}
         return {"hit_mover": float(self._hit_mover), "hit_by_mover": float(self._hit_by_mover)}
 
     def _judge(self, state: State, world: Map, time_s: float) -> None:
         before, before_s = self._before or (state, time_s)
         body, to_robot_m = _touched(world, state, before)
-        if world.kind[body] != MOVING:
+        if world.kind[body] != Map.MOVING:
             return
         self._hit_mover = True
         distance_m, interval_s = math.hypot(*to_robot_m), time_s - before_s
         if not distance_m or not interval_s:
             return
-        mover = int((world.kind[:body] == MOVING).sum())
+        mover = int((world.kind[:body] == Map.MOVING).sum())
         towards = to_robot_m / distance_m
         mover_mps = (state.moving[mover, :2] - before.moving[mover, :2]) @ towards / interval_s
         heading = np.array([math.cos(before.yaw_rad), math.sin(before.yaw_rad)])
@@ -77,7 +74,7 @@ class FirstContact:
 
 def _agree(world: Map, state: State) -> bool:
     """Return whether a map has bodies, and as many that move as a state has poses of."""
-    return len(world.kind) > 0 and int((world.kind == MOVING).sum()) == len(state.moving)
+    return len(world.kind) > 0 and int((world.kind == Map.MOVING).sum()) == len(state.moving)
 
 
 def _touched(world: Map, state: State, before: State) -> tuple[int, Doubles]:
@@ -88,7 +85,7 @@ def _touched(world: Map, state: State, before: State) -> tuple[int, Doubles]:
     for body, kind in enumerate(world.kind):
         outline = world.vertices_m[world.body == body]
         places = [np.zeros(2)]
-        if kind == MOVING:
+        if kind == Map.MOVING:
             then, now = next(movers)
             places = [then + share * (now - then) for share in np.linspace(0.0, 1.0, 11)]
         found = [_way_from(outline + place, robot_m) for place in places]

@@ -18,9 +18,13 @@ def floor_points_m(truth: Truth, world: Map, factor: int) -> Doubles | None:
     Zero above the horizon; None where too little of the picture is ground to tell how the camera looks. ``factor``:
     the truth's rows in one row of cells.
 
-    Of the camera, which is above the robot's middle and not rolled by much, only `Map.footprint_m` is known. Over the
+    Of the camera, which is above the robot's middle and not rolled, only `Map.footprint_m` is known. Over the
     ground the inverse of depth is ``cos t / (h f) (y - y_0) + sin t / h``, t the tilt and h the height, so that a line
     fitted to the true depth of the ground and the width of the footprint at the picture's lower edge give f, t and h.
+
+    The footprint is that of the camera at rest. One that shakes has another, which displaces the points: root mean
+    squares for a camera 1 m above level ground, tilted by 75 degrees, are 17 mm if it bobs by 3 % of its height, 9 mm
+    if it rolls by 0.5 degrees, 1 mm if it pitches by 0.5 degrees; each grows in proportion.
     """
     rows, cols = truth.depth_m.shape
     at_y, at_x = cell_middles(rows, factor), cell_middles(cols, factor)

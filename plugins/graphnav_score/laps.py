@@ -54,10 +54,8 @@ class Laps(Navigation):
     def step(self, state: State, map: Latest[Map], stamp: Stamp) -> None:  # noqa: A002  # the port's name
         """Count this state."""
         super().step(state, map, stamp)
-        if self._middle_m is None and map.value is not None and len(map.value.vertices_m):
-            points_m = map.value.vertices_m
-            x, y = (np.min(points_m, axis=0) + np.max(points_m, axis=0)) / 2
-            self._middle_m = float(x), float(y)
+        if self._middle_m is None and map.value is not None:
+            self._middle_m = _middle_m(map.value)
         if self._middle_m is None:
             return
         x, y = self._middle_m
@@ -74,3 +72,12 @@ class Laps(Navigation):
         laps = abs(self._turn_rad) / (2 * math.pi)
         lasted = values["duration_s"] >= self.duration_s - 1e-6 and not values["collision"]
         return {"success": float(lasted and laps >= self.min_laps), "laps": laps, **values}
+
+
+def _middle_m(world: Map) -> tuple[float, float] | None:
+    """Return the middle of the bounds of all that stands, (x, y) in W; None if nothing does."""
+    points_m = world.vertices_m[world.kind[world.body] != Map.MOVING]
+    if not len(points_m):
+        return None
+    x, y = (np.min(points_m, axis=0) + np.max(points_m, axis=0)) / 2
+    return float(x), float(y)

@@ -24,7 +24,9 @@ class Plane(Stage):
     Compares at the truth's pixels: every cell speaks for all of its pixels, only cells that the detector judged count,
     and the pixels of all frames are pooled. A frame counts if between ``min_obstacle_ratio`` and ``max_obstacle_ratio``
     of its true picture is obstacle: beyond one half the ground is not the dominant plane; and if something in it moved
-    by ``min_motion_px``: where the camera stands still there is no flow, and no detector can tell.
+    by ``min_motion_px``: where the camera stands still there is no flow, and no detector can tell. That is motion in
+    the true picture, not of the robot: while the robot stands, frames of a camera that shakes count, and so do those in
+    which a person walks past.
 
     What that leaves out is told by ``counted_frames_ratio`` and ``unjudged_obstacle_ratio``, and counts in
     ``auroc_all`` and ``balanced_accuracy_all_ratio``: all frames with motion, whatever share of them is obstacle, and
@@ -130,7 +132,8 @@ class Plane(Stage):
     min_motion_px: float = param(
         0.1,
         ge=0.0,
-        doc="true flow, right or down, that somewhere in the picture makes a frame count; 0 counts all",
+        doc="true flow, right or down, that somewhere in the picture makes a frame count, also where the robot stands "
+        "and the camera shakes or something moves past; 0 counts all",
         renamed_from="least_motion_px",
     )
 

@@ -19,6 +19,8 @@ _DEPTHS = ((0.0, 0.1), (0.1, 0.7))
 def once_around(world: Map, state: State) -> Map:
     """Return the map with a wall across the corridor behind the robot, and a goal behind that wall.
 
+    The corridor is between what stands; moving obstacles do not end it.
+
     Raises
     ------
     ValueError
@@ -34,7 +36,7 @@ def once_around(world: Map, state: State) -> Map:
     cut, goal = (np.concatenate([rim - near * ahead, rim[::-1] - far * ahead]) for near, far in _DEPTHS)
     return replace(
         world,
-        kind=np.append(world.kind, np.uint8(0)),
+        kind=np.append(world.kind, np.uint8(Map.WALL)),
         height_m=np.append(world.height_m, 1.0),
         vertices_m=np.concatenate([world.vertices_m, cut]),
         body=np.append(world.body, np.full(len(cut), len(world.kind))).astype(np.int32),
@@ -43,12 +45,10 @@ def once_around(world: Map, state: State) -> Map:
 
 
 def _free_m(world: Map, here: Doubles, along: Doubles) -> float:
-    """Return the distance to the nearest outline in a direction, infinite if there is none."""
-    begin, across = world.vertices_m, np.array([-along[1], along[0]])
-    following = np.arange(len(begin)) + 1
-    is_last = np.append(np.diff(world.body) > 0, True)[: len(begin)]
-    following[is_last] = np.searchsorted(world.body, world.body[is_last])
-    side = begin[following] - begin
+    """Return the distance to the nearest outline of what stands in a direction, infinite if there is none."""
+    stands = world.kind[world.body] != Map.MOVING
+    begin, end = world.vertices_m[stands], world.vertices_m[world.next_vertices()[stands]]
+    side, across = end - begin, np.array([-along[1], along[0]])
     with np.errstate(divide="ignore", invalid="ignore"):
         share = (here - begin) @ across / (side @ across)
         distance_m = (begin + share[:, None] * side - here) @ along

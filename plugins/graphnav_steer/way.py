@@ -17,8 +17,6 @@ BEYOND_M = 1.0
 """Margin of the grid around the map."""
 INSIDE_M = 0.1
 """Depth inside the goal region at which paths end: the region's rim is accurate to a cell."""
-MOVING = 2
-"""The kind of a moving obstacle in `Map`."""
 TOO_NEAR = 100.0
 """Cost of a metre in collision, relevant only for a robot that is already there."""
 STEPS = [
@@ -49,7 +47,7 @@ class Way:
         self._corner_m = points_m.min(axis=0) - BEYOND_M
         cols, rows = np.ceil((points_m.max(axis=0) + BEYOND_M - self._corner_m) / CELL_M).astype(int) + 1
         free = np.ones((rows, cols), np.uint8)
-        for body in np.flatnonzero(world.kind != MOVING):
+        for body in np.flatnonzero(world.kind != Map.MOVING):
             self._fill(free, world.vertices_m[world.body == body], 0)
         clearance_m = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL_M - world.robot_radius_m
         near = np.clip(1.0 - clearance_m / comfort_m, 0.0, 1.0)

@@ -16,6 +16,9 @@ from graphnav_world.vehicle import Limits, Pose, Vehicle
 
 ODOMETRY, SLIP, DRIFT, BEACON, BEARING, DISTANCE = 2, 20, 21, 22, 23, 24
 """Parts of the seeds: each drawing has a generator of its own."""
+_OF_ODOMETRY = ("motion", "odometry")
+"""As the worlds call it."""
+_OF_BEACON = ("goal",)
 
 
 class MobileRobot(Simulation):
@@ -39,13 +42,25 @@ class MobileRobot(Simulation):
         1.0, gt=0.0, le=1000.0, doc="correlation time of the slip; more lets it vary more slowly"
     )
     odometry_scale_ratio: float = param(
-        0.02, ge=0.0, lt=1.0, doc="constant relative error of odometry in a run; the seed draws the signs"
+        0.02,
+        ge=0.0,
+        lt=1.0,
+        doc="constant relative error of odometry in a run; the seed draws the signs",
+        changes=_OF_ODOMETRY,
     )
     odometry_noise_ratio: float = param(
-        0.01, ge=0.0, lt=1.0, doc="standard deviation of odometry's random error, as a share of each displacement"
+        0.01,
+        ge=0.0,
+        lt=1.0,
+        doc="standard deviation of odometry's random error, as a share of each displacement",
+        changes=_OF_ODOMETRY,
     )
     odometry_drift_degps: float = param(
-        0.0, ge=0.0, le=360.0, doc="constant error of the measured turning rate in a run; the seed draws the sign"
+        0.0,
+        ge=0.0,
+        le=360.0,
+        doc="constant error of the measured turning rate in a run; the seed draws the sign",
+        changes=_OF_ODOMETRY,
     )
     odometry_delay_frames: int = param(
         0,
@@ -53,15 +68,28 @@ class MobileRobot(Simulation):
         le=10,
         doc="number of image periods by which odometry is late: with the stamp of now it tells of the motion then, "
         "standstill before the start",
+        changes=_OF_ODOMETRY,
     )
     goal_bearing_sigma_deg: float = param(
-        0.0, ge=0.0, le=180.0, doc="standard deviation of the beacon's bearing, independent in every reading"
+        0.0,
+        ge=0.0,
+        le=180.0,
+        doc="standard deviation of the beacon's bearing, independent in every reading",
+        changes=_OF_BEACON,
     )
     goal_bearing_bias_deg: float = param(
-        0.0, ge=0.0, le=180.0, doc="constant error of the beacon's bearing in a run; the seed draws the sign"
+        0.0,
+        ge=0.0,
+        le=180.0,
+        doc="constant error of the beacon's bearing in a run; the seed draws the sign",
+        changes=_OF_BEACON,
     )
     goal_distance_ratio: float = param(
-        0.0, ge=0.0, lt=1.0, doc="constant relative error of the beacon's distance in a run; the seed draws the sign"
+        0.0,
+        ge=0.0,
+        lt=1.0,
+        doc="constant relative error of the beacon's distance in a run; the seed draws the sign",
+        changes=_OF_BEACON,
     )
 
     def reset(self, seed: int) -> None:

@@ -27,6 +27,10 @@ from graphnav_world.rendering.shadows import Caster, Shadows
 from graphnav_world.rendering.textures import Texture
 from graphnav_world.vehicle import Pose
 
+_OF_PICTURE = ("image",)
+_OF_CAMERA = ("image", "truth")
+"""The map tells what the camera sees, too: `Map.footprint_m` is for drawings and scores, and no drive reads it."""
+
 
 class Simulation(Source):
     """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space."""
@@ -34,26 +38,35 @@ class Simulation(Source):
     reproducible: ClassVar = ("truth",)
 
     map: Path = param(doc="the map's YAML file")
-    size: tuple[int, int] = param((160, 120), ge=8, le=4096, doc="columns and rows of the image")
+    size: tuple[int, int] = param((160, 120), ge=8, le=4096, doc="columns and rows of the image", changes=_OF_CAMERA)
     camera_height_m: float = param(
-        1.0, gt=0.0, le=100.0, doc="height of the camera above the floor; higher sees farther"
+        1.0, gt=0.0, le=100.0, doc="height of the camera above the floor; higher sees farther", changes=_OF_CAMERA
     )
     tilt_deg: float = param(
-        75.0, gt=0.0, le=90.0, doc="tilt of the camera below the horizontal; 90 looks straight down"
+        75.0, gt=0.0, le=90.0, doc="tilt of the camera below the horizontal; 90 looks straight down", changes=_OF_CAMERA
     )
-    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider")
+    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider", changes=_OF_CAMERA)
     camera_shake_deg: float = param(
         0.0,
         ge=0.0,
         le=5.0,
         doc="standard deviation by which the camera pitches and rolls about its centre, independently, in the robot's "
         "axes; the exposure of a frame has one pose",
+        changes=_OF_CAMERA,
     )
     camera_bob_ratio: float = param(
-        0.0, ge=0.0, le=0.1, doc="standard deviation of the camera's height, as a share of camera_height_m"
+        0.0,
+        ge=0.0,
+        le=0.1,
+        doc="standard deviation of the camera's height, as a share of camera_height_m",
+        changes=_OF_CAMERA,
     )
     camera_shake_s: float = param(
-        0.2, gt=0.0, le=60.0, doc="correlation time of shake and bob: less is more abrupt, far above a frame's is slow"
+        0.2,
+        gt=0.0,
+        le=60.0,
+        doc="correlation time of shake and bob: less is more abrupt, far above a frame's is slow",
+        changes=_OF_CAMERA,
     )
     noise_sigma_gray: float = param(
         2.0,
@@ -61,13 +74,18 @@ class Simulation(Source):
         le=100.0,
         doc="standard deviation of the image noise, multiplied by the map's noise_ratio",
         renamed_from="noise_sigma",
+        changes=_OF_PICTURE,
     )
-    light_ratio: float = param(1.0, gt=0.0, le=10.0, doc="brightness, times the map's light_ratio")
+    light_ratio: float = param(1.0, gt=0.0, le=10.0, doc="brightness, times the map's light_ratio", changes=_OF_PICTURE)
     light_swing_ratio: float = param(
-        0.0, ge=0.0, le=1.0, doc="share by which brightness rises and falls in time, as a sine; 0 is constant light"
+        0.0,
+        ge=0.0,
+        le=1.0,
+        doc="share by which brightness rises and falls in time, as a sine; 0 is constant light",
+        changes=_OF_PICTURE,
     )
     light_period_s: float = param(
-        2.0, gt=0.0, le=1000.0, doc="period of the light's oscillation; less changes it faster"
+        2.0, ge=0.001, le=1000.0, doc="period of the light's oscillation; less changes it faster", changes=_OF_PICTURE
     )
     exposure_step_ratio: float = param(
         0.0,
@@ -75,9 +93,14 @@ class Simulation(Source):
         le=4.0,
         doc="jumps of an automatic exposure: at each, brightness is multiplied by a new factor, from 1 / (1 + this) to "
         "1 + this; 0 never jumps",
+        changes=_OF_PICTURE,
     )
     exposure_step_s: float = param(
-        2.0, gt=0.0, le=1000.0, doc="mean time between jumps of the exposure, each 0.5 to 1.5 times as long; seeded"
+        2.0,
+        ge=0.001,
+        le=1000.0,
+        doc="mean time between jumps of the exposure, each 0.5 to 1.5 times as long; seeded",
+        changes=_OF_PICTURE,
     )
     lamp_ratio: float = param(
         0.0,
@@ -85,6 +108,7 @@ class Simulation(Source):
         le=1.0,
         doc="share of the light that comes from a lamp at the camera, which falls off with distance and with the angle "
         "from the optical axis; the mean of an empty floor stays",
+        changes=_OF_PICTURE,
     )
     glare_ratio: float = param(
         0.0,
@@ -92,6 +116,7 @@ class Simulation(Source):
         le=10.0,
         doc="brightness of that lamp's reflection on the floor at the foot of the mast, as a share of white; it stays "
         "in its place in the picture, and saturates",
+        changes=_OF_PICTURE,
     )
     shadow_ratio: float = param(
         0.0,
@@ -99,22 +124,34 @@ class Simulation(Source):
         le=1.0,
         doc="share of the light that shadows take: soft ones of objects out of view, fixed in the world, and the "
         "robot's own, that of an upright cylinder as high as the camera, which moves with it",
+        changes=_OF_PICTURE,
     )
     contrast_ratio: float = param(
-        1.0, ge=0.0, le=10.0, doc="contrast of all textures, times the map's; 0 leaves surfaces blank"
+        1.0,
+        ge=0.0,
+        le=10.0,
+        doc="contrast of all textures, times the map's; 0 leaves surfaces blank",
+        changes=_OF_PICTURE,
     )
     neutral: bool = param(
         False,
         doc="whether floor, walls and obstacles all show one noise, without shading, whose grains are as large and as "
         "many in the picture at any distance and slant: appearance says nothing, only motion does; contrast and "
         "brightness are those of the map's floor",
+        changes=_OF_PICTURE,
     )
     exposure_s: float = param(
-        0.0, ge=0.0, le=1.0, doc="time that the shutter is open, around the frame's stamp; more blurs motion"
+        0.0,
+        ge=0.0,
+        le=1.0,
+        doc="time that the shutter is open, around the frame's stamp; more blurs motion",
+        changes=_OF_PICTURE,
     )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
     truth: bool | None = param(
-        None, doc="whether the ground truth of each image is published; null: if a stage or an output reads it"
+        None,
+        doc="whether the ground truth of each image is published; null: if a stage or an output reads it",
+        changes=("truth",),
     )
 
     def check(self) -> None:

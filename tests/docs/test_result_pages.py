@@ -12,6 +12,8 @@ from result_pages.expression import evaluate
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
 
+from graphnav.errors import UserError
+
 HEADER = "graph,variant,role,method,condition,seed,outcome,failure,frames,sim_s,drive.success,sight.auroc"
 
 
@@ -211,9 +213,10 @@ def test_a_table_has_a_column_a_metric_or_a_condition(
 def test_a_table_with_a_typing_error_is_refused(folder: Path, body: str, said: str) -> None:
     page = folder / "README.md"
     page.write_text(f"<!-- table small: {body} -->\n<!-- end of table -->\n", encoding="utf-8")
-    [problem] = problems(page, folder)
-    assert problem.startswith(f"the table small: {body}: ")
-    assert said in problem
+    with pytest.raises(UserError) as error:
+        list(problems(page, folder))
+    assert str(error.value).startswith(f"the table small: {body}: ")
+    assert said in str(error.value)
 
 
 def test_a_case_that_was_not_run_or_has_no_such_metric_is_blank(results: ShippedResults) -> None:

@@ -30,6 +30,9 @@ def decomposed_study(study: Study, catalog: Catalog) -> Study:
     if study.axes:
         names = ", ".join(axis.name for axis in study.axes)
         raise UserError.of(f"the study varies {names} already", "name a graph, and no --vary", PLACE)
+    if study.one_at_a_time:
+        what = "one at a time is for axes; a decomposition swaps one stage at a time, and cumulatively"
+        raise UserError.of(what, "leave out --one-at-a-time", PLACE)
     if not study.graphs:
         raise UserError.of("no graph is named", "name one: graphnav ablate corridor_ccw --decompose", PLACE)
     graphs = {name: load_graph(name, catalog, study.overrides) for name in study.graphs}

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from graphnav.ablation.plan import driving_stages
 from graphnav.catalog import Catalog
 from graphnav.errors import Place
-from graphnav.graph import Graph, Override, Target, load_graph
+from graphnav.graph import Graph, Override, Target, load_graph, without_replaced
 from graphnav.messages import Message
 from graphnav.stage import ports_of
 
@@ -23,7 +23,7 @@ def common_drive(
     """
     *others, last = oracles
     found = [Override(Target("stage", (last,)), oracles[last], place)]
-    graph = load_graph(name, catalog, (*overrides, *found))
+    graph = load_graph(name, catalog, (*without_replaced(overrides, found), *found))
     added: dict[str, None] = {}
     for stage, port, read, message in _reads(graph, set(others)):
         if (output := _output(catalog, oracles[read], message)) is None:
@@ -31,7 +31,7 @@ def common_drive(
         added[read] = None
         found.append(Override(Target("wire", (stage,), port), f"{_PREFIX}{read}.{output}", place))
     found += [Override(Target("add", (f"{_PREFIX}{read}",)), oracles[read], place) for read in added]
-    graph = load_graph(name, catalog, (*overrides, *found))
+    graph = load_graph(name, catalog, (*without_replaced(overrides, found), *found))
     return tuple(found) if driving_stages(graph).isdisjoint(others) else None
 
 

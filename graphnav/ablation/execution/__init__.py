@@ -3,12 +3,14 @@
 from graphnav.ablation.execution.execute_jobs import execute, pending_jobs
 from graphnav.ablation.execution.failure_pictures import draw_failures, pending_drawings
 from graphnav.ablation.execution.local_processes import local_workers
+from graphnav.ablation.execution.locked_folder import LockedFolder
 from graphnav.ablation.execution.study_folder import StudyFolder, read_plan
 from graphnav.ablation.execution.task_factory import TaskFactory
 from graphnav.ablation.execution.time_estimate import TimeEstimate, estimate_time
 from graphnav.ablation.execution.workers import Workers, cluster_workers
 
 __all__ = [
+    "LockedFolder",
     "StudyFolder",
     "TaskFactory",
     "TimeEstimate",

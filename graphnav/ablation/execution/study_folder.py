@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
+from graphnav.ablation.execution.locked_folder import LockedFolder
 from graphnav.ablation.plan import RUNS, Plan, check_compatible
 from graphnav.errors import GraphnavError, UserError
 from graphnav.runner.recording.run_recorded import SUMMARY
 
 PLAN = "plan.json"
-LOCK = ".lock"
-SCRATCH = ".scratch"
-_OURS = {LOCK, SCRATCH}
-"""Files that may exist before the plan."""
-
-_ELSEWHERE = "choose another folder with -o"
 
 
-class StudyFolder:
+class StudyFolder(LockedFolder):
     """The folder of a study, for one process at a time; makes it where there is none.
 
-    A run is put together in a scratch folder and renamed into place, so that every existing one is complete. The kernel
-    releases the lock of a process that is killed.
+    A run is put together in a scratch folder and renamed into place, so that every existing one is complete.
 
     Raises
     ------
@@ -37,27 +28,7 @@ class StudyFolder:
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        try:
-            path.mkdir(parents=True, exist_ok=True)
-            if not (path / PLAN).exists() and (others := sorted({p.name for p in path.iterdir()} - _OURS)):
-                raise UserError.of(f"{path} holds {others[0]}, but no study ({PLAN})", _ELSEWHERE)
-            self._lock = os.open(path / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-        except FileExistsError as error:
-            raise UserError.of(f"{path} is a file", _ELSEWHERE) from error
-        except OSError as error:
-            raise UserError.of(f"cannot work in {path}: {error.strerror}", _ELSEWHERE) from error
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            os.close(self._lock)
-            what = f"another 'graphnav ablate' is at work in {path}"
-            raise UserError.of(what, f"wait for it, or {_ELSEWHERE}") from error
-
-    @property
-    def scratch(self) -> Path:
-        """Where runs are made; empty at the beginning, and removed at the end."""
-        return self.path / SCRATCH
+        super().__init__(path, PLAN, "study", "graphnav ablate")
 
     def begin(self, plan: Plan) -> None:
         """Remove what a killed process left and write the plan.
@@ -72,8 +43,7 @@ class StudyFolder:
             old = read_plan(self.path)
             if (self.path / RUNS).exists():
                 check_compatible(old, plan, self.path)
-        shutil.rmtree(self.scratch, ignore_errors=True)
-        self.scratch.mkdir()
+        self.empty_scratch()
         unfinished = self.scratch / PLAN
         plan.write(unfinished)
         unfinished.replace(written)
@@ -109,15 +79,6 @@ class StudyFolder:
         if target.exists():
             shutil.rmtree(target)
         unfinished.rename(target)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        shutil.rmtree(self.scratch, ignore_errors=True)
-        os.close(self._lock)
 
 
 def read_plan(folder: Path) -> Plan:

@@ -26,6 +26,8 @@ class TimeEstimate:
     """Seconds of one core for all runs that have a limit and whose graph's pace is known."""
     n_unknown: int
     """Runs without a time limit, or of a graph whose pace could not be measured."""
+    n_unlimited: int
+    """Those of them that have no time limit."""
 
 
 def estimate_time(jobs: Sequence[Job], records: Iterable[Record], tasks: TaskFactory, workers: Workers) -> TimeEstimate:
@@ -41,7 +43,8 @@ def estimate_time(jobs: Sequence[Job], records: Iterable[Record], tasks: TaskFac
     paces |= dict(_measured(first, tasks, workers))
     limits = [(paces.get(job.case.graph), tasks.until_s(job)) for job in jobs]
     known = [pace * until_s for pace, until_s in limits if pace is not None and until_s is not None]
-    return TimeEstimate(len(jobs), sum(known), len(jobs) - len(known))
+    n_unlimited = sum(until_s is None for _, until_s in limits)
+    return TimeEstimate(len(jobs), sum(known), len(jobs) - len(known), n_unlimited)
 
 
 def _paces_of(records: Iterable[Record]) -> dict[str, float]:

@@ -4,6 +4,7 @@ from graphnav.ablation.plan.build_plan import CheckedStudy, check_study
 from graphnav.ablation.plan.compatibility import check_compatible
 from graphnav.ablation.plan.plan import RUNS, Case, Job, Plan
 from graphnav.ablation.plan.provenance import difference_here, with_versions
+from graphnav.ablation.plan.same_drive import shows_same_drive
 from graphnav.ablation.plan.upstream import driving_stages
 
 __all__ = [
@@ -16,5 +17,6 @@ __all__ = [
     "check_study",
     "difference_here",
     "driving_stages",
+    "shows_same_drive",
     "with_versions",
 ]

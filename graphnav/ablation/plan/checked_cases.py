@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan.case_problems import CaseProblems, Origin
-from graphnav.ablation.plan.upstream import driving_stages, sees
+from graphnav.ablation.plan.upstream import driving_stages
 from graphnav.ablation.plan.variants import Variant
 from graphnav.ablation.study import Study
 from graphnav.catalog import Catalog
 from graphnav.errors import Place, UserError
-from graphnav.graph import Graph, Node, Override, load_graph
+from graphnav.graph import Graph, Node, Override, load_graph, without_replaced
 from graphnav.graph.paths import has_path
 from graphnav.stage import Role, Stage, params_of
 
@@ -52,13 +52,17 @@ class CheckedCase:
 
     @property
     def drive(self) -> object:
-        """A key of what drives, equal for cases that meet the same frames.
+        """A key of what drives and of the sources, equal for cases that meet the same frames.
 
-        A drive that true data alone steers does not depend on what the sources show: how they are set does not count.
+        Parameters of sources that only change outputs which nothing that drives reads (`Param.changes`) do not count.
         """
         driving = driving_stages(self.graph)
-        is_blind = driving and not sees(self.graph, driving)
-        return self.name, self._made_of(driving) if is_blind else self.identity_of(driving)
+        read = {i.channel.ref for node in self.graph.nodes if node.name in driving for i in node.inputs if i.channel}
+        sources = tuple(
+            (source.name, *_made_of(source.use, _params_that_drive(source, read)), *_wires(source))
+            for source in self.graph.sources
+        )
+        return self.name, self._made_of(driving), sources, self.graph.run.until_s
 
     def _made_of(self, stages: Collection[str]) -> tuple[object, ...]:
         nodes = (node for node in self.graph.nodes if node.name in stages)
@@ -93,7 +97,10 @@ def check_cases(
 
 
 def _load(study: Study, name: str, variant: Variant, catalog: Catalog) -> CheckedCase:
-    overrides = (*study.overrides, *variant.overrides)
+    of_all = study.overrides
+    if study.decomposition is not None:
+        of_all = without_replaced(of_all, variant.overrides)
+    overrides = (*of_all, *variant.overrides)
     graph = load_graph(name, catalog, overrides)
     _refuse_live(graph)
     nodes = {node.name: node for node in graph.nodes}
@@ -130,6 +137,14 @@ def _swaps(overrides: Iterable[Override]) -> dict[str, str]:
 def _made_of(use: str, params: Mapping[str, object]) -> tuple[object, ...]:
     """Return what a stage is made of; that of the same name and parameters passes the same checks."""
     return use, *((name, repr(value)) for name, value in params.items())
+
+
+def _params_that_drive(source: Node, read: Collection[str]) -> dict[str, object]:
+    """Return the parameters of a source that may change a drive; ``read``: the outputs that this reads."""
+    ports = {port for port, channel in source.outputs.items() if channel.ref in read}
+    declared = params_of(source.stage_class)
+    unread = {name for name in source.params if declared[name].changes and ports.isdisjoint(declared[name].changes)}
+    return {name: value for name, value in source.params.items() if name not in unread}
 
 
 def _wires(node: Node) -> tuple[object, ...]:

@@ -13,7 +13,7 @@ from graphnav.ablation.plan.plan import Plan
 from graphnav.catalog import GROUP
 from graphnav.runner.recording.summary import versions
 
-_CODE = "code of "
+CODE = "code of "
 _HASH_LETTERS = 12
 
 
@@ -28,13 +28,13 @@ def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str
 
     ``families``: those of the stages, whose packages are hashed; ``plugins``: one-file plugins.
     """
-    code = {f"{_CODE}{family}": _hash(files) for family in sorted(families) if (files := _files_of(family))}
+    code = {f"{CODE}{family}": _hash(files) for family in sorted(families) if (files := _files_of(family))}
     return {**versions(), **code, **{plugin: _hash([Path(plugin)]) for plugin in plugins}}
 
 
 def difference_here(wanted: tuple[tuple[str, str], ...], plugins: tuple[str, ...]) -> str:
     """Return what this process has that is not as ``wanted``, empty if nothing is."""
-    families = [name.removeprefix(_CODE) for name, _ in wanted if name.startswith(_CODE)]
+    families = [name.removeprefix(CODE) for name, _ in wanted if name.startswith(CODE)]
     return difference(dict(wanted), provenance(families, plugins))
 
 

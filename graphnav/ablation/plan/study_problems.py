@@ -67,7 +67,13 @@ def _reference(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
 
 
 def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem]]:
-    who = {target: ("'set'", override.value) for override in study.overrides for target in override.target.each}
+    """Yield what an axis sets, and 'set' or another axis, too; an oracle replaces a stage that 'set' put in."""
+    who = {
+        target: ("'set'", override.value)
+        for override in study.overrides
+        if study.decomposition is None or not override.target.is_stage
+        for target in override.target.each
+    }
     for axis, choice in variant.choices.items():
         here: dict[Target, tuple[str, object]] = {}
         for override in choice.overrides:

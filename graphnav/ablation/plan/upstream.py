@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 from graphnav.graph import Graph, Node
 
@@ -26,13 +26,6 @@ def driving_stages(graph: Graph) -> frozenset[str]:
     """Return the stages, without the sources, whose messages reach a source: those that drive a world's robot."""
     commands = [writer for source in graph.sources for writer in _writers(source)]
     return upstream(graph, commands, through_sources=True) - {source.name for source in graph.sources}
-
-
-def sees(graph: Graph, stages: Collection[str]) -> bool:
-    """Return whether stages read from a source what is not true data: images, odometry."""
-    sources = {source.name for source in graph.sources}
-    reads = (i.channel for node in graph.nodes if node.name in stages for i in node.inputs)
-    return any(channel is not None and channel.stage in sources and not channel.message.is_truth for channel in reads)
 
 
 def measured_stages(graph: Graph, stage: str) -> frozenset[str]:

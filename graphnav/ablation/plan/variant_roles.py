@@ -24,9 +24,12 @@ def variant_roles(cases: Sequence[CheckedCase], columns: Sequence[str]) -> list[
     """
     roles: list[Role] = []
     measured = [_measured(case.graph, columns) for case in cases]
+    different: dict[str, set[object]] = {}
     for case, stages in zip(cases, measured, strict=True):
-        alike = {one.identity_of(of) for one, of in zip(cases, measured, strict=True) if one.name == case.name}
-        oracles = {role for role in case.roles_of(stages) if role == "oracle"} if len(alike) > 1 else set()
+        different.setdefault(case.name, set()).add(case.identity_of(stages))
+    for case, stages in zip(cases, measured, strict=True):
+        is_varied = len(different[case.name]) > 1
+        oracles = {role for role in case.roles_of(stages) if role == "oracle"} if is_varied else set()
         found = case.roles_of(case.swapped) | oracles
         roles.append(next((role for role in _ROLES if role in found), "method"))
     return roles

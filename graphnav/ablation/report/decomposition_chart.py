@@ -76,31 +76,42 @@ def _draw(axes: Axes, of: Losses, *, has_ticks: bool) -> list[float]:
     axes.set_axis_on()
     axes.spines[["top", "right"]].set_visible(False)
     axes.set_title(heading(of), loc="left", fontsize=10, color=_INK)
-    steps = [swap for swap in of.cumulative if swap.estimate is not None]
-    means = [of.as_it_is.mean, *(swap.estimate.mean for swap in steps if swap.estimate is not None)]
+    means = [of.as_it_is.mean, *(None if swap.estimate is None else swap.estimate.mean for swap in of.cumulative)]
     is_lower = of.better == "lower"
+    levels = {0: of.as_it_is.mean}
     for place, (before, after) in enumerate(pairwise(means), start=1):
+        if after is None:
+            continue
+        if before is None:
+            levels[place] = after
+            continue
         axes.bar(place, after - before, _BAR, bottom=before, color=_LOSS if (after < before) != is_lower else _GAIN)
         axes.hlines(before, place - 1 + _BAR / 2, place + _BAR / 2, colors=_QUIET, linewidth=0.8)
-    labels = ["as it is", *(f"+ {swap.stage}" for swap in steps)]
-    values = [f"{means[0]:.3f}", *(_change(swap, b - a) for swap, (a, b) in zip(steps, pairwise(means), strict=True))]
-    if len(steps) == len(of.cumulative):
-        means.append(means[-1])
+    labels = ["as it is", *(f"+ {swap.stage}" for swap in of.cumulative)]
+    steps = zip(of.cumulative, pairwise(means), strict=True)
+    values = [f"{of.as_it_is.mean:.3f}", *(_step_text(swap, *ends) for swap, ends in steps)]
+    if means[-1] is not None:
+        levels[len(means)] = means[-1]
         labels.append("all oracles")
         values.append(f"{means[-1]:.3f}")
-    for place in {0, len(means) - 1}:
-        axes.hlines(means[place], place - _BAR / 2, place + _BAR / 2, colors=_LEVEL, linewidth=4)
+    for place, mean in levels.items():
+        axes.hlines(mean, place - _BAR / 2, place + _BAR / 2, colors=_LEVEL, linewidth=4)
     axes.set_xticks(range(len(labels)), [f"{name}\n{value}" for name, value in zip(labels, values, strict=True)])
     axes.tick_params(axis="x", length=0)
     axes.tick_params(axis="y", labelleft=has_ticks)
     axes.set_xlim(-0.6, len(of.cumulative) + 1.6)
     axes.grid(axis="y", color=_QUIET, alpha=0.25, linewidth=0.6)
     axes.set_axisbelow(True)
-    return [*means, *_draw_single(axes, of)]
+    return [*(mean for mean in means if mean is not None), *_draw_single(axes, of)]
 
 
-def _change(swap: Swap, change: float) -> str:
-    return "same graph" if swap.is_same else number(change, ".3f", sign="+")
+def _step_text(swap: Swap, before: float | None, after: float | None) -> str:
+    """Return the change of a step; its mean where the one before is not known."""
+    if after is None:
+        return "not known"
+    if before is None:
+        return f"{after:.3f}"
+    return "same graph" if swap.is_same else number(after - before, ".3f", sign="+")
 
 
 def _draw_single(axes: Axes, of: Losses) -> list[float]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report.number_format import difference_text, estimate_text, format_of, number
 from graphnav.ablation.results import Difference, Estimate, Losses, Swap
+from graphnav.ablation.study import listed
 
 HEADER = (
     "swapped for its oracle",
@@ -33,7 +34,7 @@ def sentences(plan: Plan, of: Losses) -> Iterator[str]:
     if gains:
         swap, gain = max(gains, key=lambda one: sign * one[1].mean)
         yield f"The largest step is that of {swap.stage}, {difference_text(gain)}{_doubt(gain)}."
-    else:
+    elif all(swap.is_same or swap.gain is not None for swap in of.cumulative):
         yield "No oracle improves it."
 
 
@@ -53,7 +54,7 @@ def notes(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
     for stage, names in unused:
         if names:
             yield (
-                f"With the oracle of {stage}, {_listed(names)} no longer {'drives' if len(names) == 1 else 'drive'}: "
+                f"With the oracle of {stage}, {listed(names)} no longer {'drives' if len(names) == 1 else 'drive'}: "
                 "nothing that drives reads them, and their oracles add nothing from there on."
             )
 
@@ -83,8 +84,3 @@ def _doubt(gain: Difference) -> str:
 
 def _mean(of: Estimate) -> str:
     return number(of.mean, format_of(of.mean, of.low, of.high))
-
-
-def _listed(names: Sequence[str]) -> str:
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else last

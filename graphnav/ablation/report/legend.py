@@ -76,7 +76,7 @@ def counting(plan: Plan, columns: Iterable[str]) -> str:
     """Return how failed runs count for the metrics of some columns, as declared; plain text."""
     names = dict.fromkeys(name for column in columns for name in MetricExpression.parse(column).operands)
     declared = {name: plan.metric(name).if_failed for name in names}
-    with_value = [f"{name} {value:g}" for name, value in declared.items() if isinstance(value, float)]
+    with_value = [f"{name} {value:g}" for name, value in declared.items() if not isinstance(value, str)]
     undefined = [name for name, value in declared.items() if value == UNDEFINED]
     sentences = [
         f"A run in which a stage failed counts as {', '.join(with_value)}; its other metrics do not count."
@@ -147,10 +147,9 @@ def outcome_counts(outcomes: Mapping[str, int]) -> str:
     return ", ".join(f"{outcome} {times}" for outcome, times in ordered)
 
 
-def worlds_text(row: Row, plan: Plan) -> str:
-    """Return the number of runs, and of how many if the study is not finished."""
-    wanted = plan.n_worlds(row.case)
-    return str(row.runs) if row.runs == wanted else f"{row.runs} of {wanted}"
+def worlds_text(row: Row) -> str:
+    """Return the number of runs, and of how many if some are still to be made."""
+    return f"{row.runs} of {row.runs + row.pending}" if row.pending else str(row.runs)
 
 
 def worlds_of_graphs(plan: Plan) -> str:

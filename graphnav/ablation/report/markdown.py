@@ -83,7 +83,7 @@ def _graph(plan: Plan, comparison: Comparison, of_graph: Sequence[Row]) -> Itera
         header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
         for metric in some:
             header += [f"{escaped(plan.label(metric))}{ARROWS[plan.better(metric)]}", "difference"]
-        yield table(header, (_cells(plan, row, some, with_runs=first == 0) for row in own))
+        yield table(header, (_cells(row, some, with_runs=first == 0) for row in own))
     if alike := list(same_graphs(of_graph)):
         yield bullets(map(escaped, alike))
     failed = [(row, reason, times) for row in own for reason, times in row.failures.items()]
@@ -92,10 +92,10 @@ def _graph(plan: Plan, comparison: Comparison, of_graph: Sequence[Row]) -> Itera
         yield bullets(f"{escaped(row.case.variant)}, {times}: {escaped(reason)}" for row, reason, times in failed)
 
 
-def _cells(plan: Plan, row: Row, metrics: Sequence[str], *, with_runs: bool) -> list[str]:
+def _cells(row: Row, metrics: Sequence[str], *, with_runs: bool) -> list[str]:
     cells = [" ".join([escaped(row.case.variant), *(f"({escaped(mark)})" for mark in marks(row))])]
     if with_runs:
-        cells += [worlds_text(row, plan), outcome_counts(row.outcomes)]
+        cells += [worlds_text(row), outcome_counts(row.outcomes)]
     for metric in metrics:
         found = row.estimates.get(metric)
         change = OWN_FRAMES if metric in row.own_frames else difference_cell(row.differences.get(metric))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from graphnav.ablation.report.legend import (
     INTERVALS,
+    OWN_FRAMES,
     TESTS,
     UNTESTED,
     counting,
@@ -22,6 +23,11 @@ READING = (
     "A is the first study, B the second. Each cell is the mean over the worlds that both have, with its interval; ↑ "
     "higher is better, ↓ lower. B - A is the mean difference in the same worlds with its interval, then in how many of "
     "them B was better–alike–worse."
+)
+
+_OWN_FRAMES = (
+    f"{OWN_FRAMES.capitalize()}: the plans do not show that the drive is the same in both, with the same parameters, "
+    "code and versions, so the runs may have met other frames; what depends on these is not compared."
 )
 
 
@@ -46,7 +52,8 @@ def _legend(pairing: PairedStudies) -> tuple[str, ...]:
     primary = pairing.primary
     plan = pairing.plan_b if primary is None else pairing.plan_of(primary)
     decides = deciding(plan, primary)
-    return f"{READING} {decides}", INTERVALS, TESTS, UNTESTED, counting(pairing.plan_b, pairing.metrics)
+    own = [_OWN_FRAMES] if any(row.own_frames for row in pairing.rows) else []
+    return f"{READING} {decides}", INTERVALS, TESTS, UNTESTED, counting(pairing.plan_b, pairing.metrics), *own
 
 
 def only_in_one(pairing: PairedStudies) -> Iterator[str]:
@@ -87,5 +94,5 @@ def _cells(row: PairedRow, metrics: Sequence[str], *, with_runs: bool) -> list[s
     for metric in metrics:
         sides = (row.estimates_a, row.estimates_b)
         cells += [estimate_text(side[metric], len(row.seeds)) if metric in side else "" for side in sides]
-        cells.append(difference_cell(row.differences.get(metric)))
+        cells.append(OWN_FRAMES if metric in row.own_frames else difference_cell(row.differences.get(metric)))
     return cells

@@ -74,9 +74,10 @@ def print_contrasts(console: Console, found: Iterable[Contrast], plan: Plan) -> 
 def _contrast_cells(pair: Contrast, metric: str, plan: Plan) -> list[Text]:
     difference = pair.differences[metric]
     chance = difference.probability_better
+    worlds = [plan.n_worlds(plan.case(pair.graph, variant)) for variant in (pair.first, pair.second)]
     return [
         Text(_heading(plan, metric)),
-        *(Text(estimate_text(found, len(plan.seeds))) for found in pair.estimates[metric]),
+        *(Text(estimate_text(found, n)) for found, n in zip(pair.estimates[metric], worlds, strict=True)),
         difference_cell(difference, plan.better(metric)),
         Text("" if plan.better(metric) == "neither" else estimate_text(chance, chance.n)),
     ]
@@ -126,7 +127,7 @@ def difference_cell(found: Difference | None, better: Better) -> Text:
 def _cells(row: Row, metrics: Sequence[str], plan: Plan) -> list[Text]:
     name = Text(row.case.variant, style="bold" if row.case.is_base else "")
     name.append("".join(f" ({mark})" for mark in marks(row)), style="dim not bold")
-    cells = [name, Text(worlds_text(row, plan)), Text(outcome_counts(row.outcomes))]
+    cells = [name, Text(worlds_text(row)), Text(outcome_counts(row.outcomes))]
     for metric in metrics:
         found = row.estimates.get(metric)
         cells.append(Text("" if found is None else estimate_text(found, row.runs)))
@@ -140,7 +141,8 @@ def _pair_cells(row: PairedRow, metrics: Sequence[str], pairing: PairedStudies) 
     for metric in metrics:
         sides = (row.estimates_a, row.estimates_b)
         cells += [Text(estimate_text(side[metric], len(row.seeds)) if metric in side else "") for side in sides]
-        cells.append(difference_cell(row.differences.get(metric), pairing.metrics[metric]))
+        change = difference_cell(row.differences.get(metric), pairing.metrics[metric])
+        cells.append(Text(OWN_FRAMES, style="dim") if metric in row.own_frames else change)
     return cells
 
 

@@ -3,7 +3,7 @@
 from graphnav.ablation.results.compare_pairs import AllPairs, Contrast, Pair, all_pairs, contrasts
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
-from graphnav.ablation.results.comparison import MIN_WORLDS, Comparison, Difference, Estimate, Row
+from graphnav.ablation.results.comparison import Comparison, Difference, Estimate, Row, matters
 from graphnav.ablation.results.decomposed import Losses, Swap, losses
 from graphnav.ablation.results.fail_condition import (
     FailCondition,
@@ -13,7 +13,15 @@ from graphnav.ablation.results.fail_condition import (
     parse_fail_conditions,
 )
 from graphnav.ablation.results.failures import failed_run_text, failure_folder, is_failure, worst_failures
-from graphnav.ablation.results.metric_values import Values, metric_columns, shown_metrics, table_metrics, values_of
+from graphnav.ablation.results.metric_values import (
+    Values,
+    metric_columns,
+    paired_differences,
+    scaled_values,
+    shown_metrics,
+    table_metrics,
+    values_of,
+)
 from graphnav.ablation.results.pair_text import parse_pairs
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies
 from graphnav.ablation.results.records import Record, in_plan_order, read_record, read_records
@@ -35,7 +43,6 @@ from graphnav.ablation.results.statistics import (
 __all__ = [
     "ALPHA",
     "EXACT_BELOW",
-    "MIN_WORLDS",
     "AllPairs",
     "Comparison",
     "Contrast",
@@ -66,15 +73,18 @@ __all__ = [
     "in_plan_order",
     "is_failure",
     "losses",
+    "matters",
     "metric_columns",
     "min_worlds",
     "p_value",
     "pair_studies",
+    "paired_differences",
     "parse_fail_conditions",
     "parse_pairs",
     "read_record",
     "read_records",
     "sample_size_texts",
+    "scaled_values",
     "shown_metrics",
     "student",
     "table_metrics",

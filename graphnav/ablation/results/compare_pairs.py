@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -37,6 +37,8 @@ class AllPairs:
     """Those with runs of their own, the base first."""
     differences: Mapping[Pair, Difference]
     """Of both orders of each pair: the first minus the second; pairs without a common world are missing."""
+    own_frames: frozenset[Pair] = frozenset()
+    """Pairs that are missing because the metric depends on the frames met, and each met its own."""
 
 
 def contrasts(plan: Plan, records: Iterable[Record], pairs: Sequence[Pair]) -> tuple[Contrast, ...]:
@@ -56,10 +58,17 @@ def all_pairs(plan: Plan, records: Iterable[Record]) -> tuple[AllPairs, ...]:
     found = []
     for graph in plan.graphs:
         own = tuple(case.variant for case in plan.cases if case.graph == graph and not case.same_as)
-        judged = _differences(study, graph, list(combinations(own, 2)), study.primary)
+        pairs = list(combinations(own, 2))
+        judged = _differences(study, graph, pairs, study.primary)
         both = {**judged, **{(b, a): difference.reversed() for (a, b), difference in judged.items()}}
-        found.append(AllPairs(graph, own, both))
+        found.append(AllPairs(graph, own, both, frozenset(_of_own_frames(study, graph, pairs))))
     return tuple(found)
+
+
+def _of_own_frames(study: StudyValues, graph: str, pairs: Iterable[Pair]) -> Iterator[Pair]:
+    for a, b in pairs:
+        if study.primary is not None and not study.are_comparable((graph, a), (graph, b), study.primary):
+            yield from ((a, b), (b, a))
 
 
 def _differences(study: StudyValues, graph: str, pairs: Sequence[Pair], metric: str | None) -> dict[Pair, Difference]:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from graphnav.ablation.plan import Plan
+from graphnav.ablation.plan import Plan, shows_same_drive
 from graphnav.ablation.results.comparison import as_family
 from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
 from graphnav.ablation.results.paired_studies import PairedRow, PairedStudies, declaring_plan
@@ -32,7 +32,8 @@ def pair_studies(
 ) -> PairedStudies:
     """Pair the runs of two studies by graph, variant and seed; ``more``: metrics besides those of their tables.
 
-    Of cases that are the same graph in both studies, the first one is paired.
+    Of cases that are the same graph in both studies, the first one is paired. Metrics that depend on the frames that a
+    run meets are compared only where the plans show that the drive is unchanged (`shows_same_drive`).
 
     Raises
     ------
@@ -60,8 +61,10 @@ def pair_studies(
     everything = [*values_a.values(), *values_b.values()]
     binary = {c.text for c, plan in plans.items() if is_binary(plan, c, (found[c.text] for found in everything))}
     by_name = {column.text: plan for column, plan in plans.items()}
-    rows = list(_rows(matched, (cases_a, values_a), (cases_b, values_b), by_name, binary))
-    known = {name: plan for name, plan in by_name.items() if any(name in row.differences for row in rows)}
+    of_frames = frozenset(name for name, plan in by_name.items() if plan.is_of_frames(name))
+    own_frames = {case: frozenset() if _is_same_drive(plan_a, plan_b, case) else of_frames for case in matched}
+    rows = list(_rows(own_frames, (cases_a, values_a), (cases_b, values_b), by_name, binary))
+    known = {name: plan for name, plan in by_name.items() if any(name in row.estimates_a for row in rows)}
     return PairedStudies(
         plan_a=plan_a,
         plan_b=plan_b,
@@ -72,11 +75,16 @@ def pair_studies(
     )
 
 
+def _is_same_drive(plan_a: Plan, plan_b: Plan, case: _Case) -> bool:
+    return shows_same_drive(plan_a, plan_a.case(*case), plan_b, plan_b.case(*case))
+
+
 def _rows(
-    matched: Sequence[_Case], a: _Side, b: _Side, plans: Mapping[str, Plan], binary: set[str]
+    matched: Mapping[_Case, frozenset[str]], a: _Side, b: _Side, plans: Mapping[str, Plan], binary: set[str]
 ) -> Iterator[PairedRow]:
+    """Yield the row of each case; ``matched``: the metrics that are of frames of its own, by case."""
     spans = {text: plan.metric(text).span for text, plan in plans.items()}
-    for case in matched:
+    for case, own_frames in matched.items():
         (runs_a, of_a), (runs_b, of_b) = ((cases[case], values[case]) for cases, values in (a, b))
         seeds = tuple(seed for seed in runs_a if seed in runs_b)
         common = {text: (_also_in(of_b[text], of_a[text]), _also_in(of_a[text], of_b[text])) for text in plans}
@@ -90,6 +98,7 @@ def _rows(
                 min_difference=plans[text].min_difference(text),
             )
             for text, (old, new) in known.items()
+            if text not in own_frames
         }
         yield PairedRow(
             graph=case[0],
@@ -106,6 +115,7 @@ def _rows(
                 text: estimate(new, spans[text], is_binary=text in binary) for text, (_, new) in known.items()
             },
             differences={text: found for text, found in differences.items() if found is not None},
+            own_frames=own_frames.intersection(known),
         )
 
 

@@ -3,31 +3,33 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from graphnav.ablation.plan import Case, Plan
+from graphnav.ablation.plan import Case, Job, Plan
 from graphnav.ablation.results.comparison import Comparison, Row, as_family
 from graphnav.ablation.results.records import Record
 from graphnav.ablation.results.study_values import StudyValues, key_of
 
 
-def compare(plan: Plan, records: Iterable[Record]) -> Comparison:
+def compare(plan: Plan, records: Iterable[Record], pending: Iterable[Job] = ()) -> Comparison:
     """Return the table of a study: the plan's metrics, or all metrics where it names none.
 
     A world counts for a metric if its run has it, and for a difference if both runs have it: n is how many did. How
     failed runs count is described at `Record.counted`. A case that shares the base's runs has no differences, and a
     metric of the frames that a run meets has none where the two drive differently. All variants of a graph that may be
-    compared with the base by the metric that decides, under one condition, are one family of comparisons.
+    compared with the base by the metric that decides, under one condition, are one family of comparisons. ``pending``:
+    the runs that are still to be made.
     """
     study = StudyValues.of(plan, records)
+    missing = Counter(job.case.folder for job in pending)
     primary = study.primary
     bases = {case.graph: case for case in plan.cases if case.is_base}
     rows = []
     for graph in plan.graphs:
-        of_graph = [_row(study, case, bases[graph]) for case in plan.cases if case.graph == graph]
+        of_graph = [_row(study, case, bases[graph], missing) for case in plan.cases if case.graph == graph]
         rows += of_graph if primary is None else _judged(of_graph, primary, bases[graph])
     places = {key_of(case): place for place, case in enumerate(plan.cases)}
     return Comparison(tuple(sorted(rows, key=lambda row: places[key_of(row.case)])), primary)
@@ -46,7 +48,7 @@ def _judged(rows: Sequence[Row], primary: str, base: Case) -> list[Row]:
     ]
 
 
-def _row(study: StudyValues, case: Case, base: Case) -> Row:
+def _row(study: StudyValues, case: Case, base: Case, missing: Mapping[str, int]) -> Row:
     key = key_of(case)
     runs = study.runs[key]
     own_frames = frozenset(name for name in study.metrics if not study.plan.are_comparable(case, base, name))
@@ -61,6 +63,7 @@ def _row(study: StudyValues, case: Case, base: Case) -> Row:
     return Row(
         case=case,
         runs=len(runs),
+        pending=missing.get(case.folder, 0),
         outcomes=Counter(run.outcome for run in runs),
         failures=Counter(run.cause for run in runs if run.cause),
         estimates={metric: found for metric, found in estimates.items() if found is not None},

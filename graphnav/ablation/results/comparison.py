@@ -7,10 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from graphnav.ablation.plan import Case
-from graphnav.ablation.results.statistics import Significance, bonett_price, holm, min_worlds
+from graphnav.ablation.results.statistics import Significance, bonett_price, holm
 
-MIN_WORLDS = min_worlds(1)
-"""Worlds from which on a single difference may be clear."""
 _ROUNDING = 1e-9
 
 
@@ -65,7 +63,7 @@ class Difference:
     @property
     def matters(self) -> bool:
         """Whether the mean is not smaller than the smallest difference that matters."""
-        return abs(self.mean) >= self.min_difference * (1 - _ROUNDING)
+        return matters(self.mean, self.min_difference)
 
     @property
     def probability_better(self) -> Estimate:
@@ -83,6 +81,11 @@ class Difference:
         return replace(self, mean=-self.mean, low=-self.high, high=-self.low, won=self.lost, lost=self.won)
 
 
+def matters(mean: float, min_difference: float) -> bool:
+    """Return whether a mean difference is not smaller than the smallest that matters."""
+    return abs(mean) >= min_difference * (1 - _ROUNDING)
+
+
 def as_family(differences: Sequence[Difference], family: int) -> list[Difference]:
     """Return differences with their significance among ``family`` comparisons, of which some may have no runs yet."""
     found = holm([difference.p for difference in differences], family)
@@ -95,7 +98,7 @@ class Row:
 
     case: Case
     runs: int
-    """The number of existing runs; fewer than the plan's seeds while a study is not finished."""
+    """The number of existing runs."""
     outcomes: Mapping[str, int]
     failures: Mapping[str, int]
     """Reasons of failed runs and how many failed so."""
@@ -107,6 +110,8 @@ class Row:
     """By stage: the median over runs of each run's median step."""
     own_frames: frozenset[str] = frozenset()
     """Metrics that are not compared with the base: they depend on the frames met, and this one drives differently."""
+    pending: int = 0
+    """The number of runs that are still to be made; of a study that its results stop, in its next round."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +121,16 @@ class Comparison:
     rows: tuple[Row, ...]
     primary: str | None = None
     """The metric that decides: the first that any run has; None where there is none."""
+
+    @property
+    def runs(self) -> int:
+        """The number of existing runs, shared ones counted once."""
+        return sum(row.runs for row in self.rows if not row.case.same_as)
+
+    @property
+    def pending(self) -> int:
+        """The number of runs that are still to be made; 0: the study is finished."""
+        return sum(row.pending for row in self.rows if not row.case.same_as)
 
     def has_metric(self, metric: str) -> bool:
         """Return whether any run has a metric."""

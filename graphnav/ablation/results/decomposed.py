@@ -23,7 +23,8 @@ class Swap:
     estimate: Estimate | None
     """With the stage swapped; None where no run has the metric."""
     gain: Difference | None
-    """From the graph as it is, or from the step before, in the same worlds."""
+    """From the graph as it is, or from the step before, in the same worlds; None where they share none, or where the
+    metric depends on the frames and each met its own."""
     is_same: bool
     """Whether it is the same graph as the one that it is compared with."""
     unused: tuple[str, ...]
@@ -108,8 +109,14 @@ class _Compared:
     def swap(self, stage: str, variant: str, before: str) -> Swap:
         assert self.plan.decomposition is not None
         is_same = self.cases[variant].folder == self.cases[before].folder
-        better = self.plan.better(self.metric.text)
-        gain = difference(self.values[variant], self.values[before], better, is_binary=self.is_binary)
         driving = self.cases[variant].driving
         unused = [name for name in self.plan.decomposition.stages_of(variant) if name not in driving]
-        return Swap(stage, self.estimate(variant), None if is_same else gain, is_same, tuple(unused))
+        return Swap(
+            stage, self.estimate(variant), None if is_same else self.gain(variant, before), is_same, tuple(unused)
+        )
+
+    def gain(self, variant: str, before: str) -> Difference | None:
+        if not self.plan.are_comparable(self.cases[variant], self.cases[before], self.metric.text):
+            return None
+        better = self.plan.better(self.metric.text)
+        return difference(self.values[variant], self.values[before], better, is_binary=self.is_binary)

@@ -74,6 +74,8 @@ class FailedCase:
     graph: str
     variant: str
     difference: Difference | None
+    is_of_frames: bool = False
+    """Whether it could not be judged because the metric is of frames that the two studies do not share."""
 
 
 def parse_fail_conditions(texts: Sequence[str]) -> tuple[FailCondition, ...]:
@@ -110,12 +112,16 @@ def check_fail_conditions(conditions: Sequence[FailCondition], pairing: PairedSt
 
 
 def failed_cases(conditions: Sequence[FailCondition], pairing: PairedStudies) -> Iterator[FailedCase]:
-    """Yield the cases that meet a condition, and those in which no world of both studies has the metric."""
+    """Yield the cases that meet a condition, and those that cannot be judged by it.
+
+    In these no world of both studies has the metric, or it depends on frames that are not the same in both.
+    """
     for condition in conditions:
         for row in pairing.rows:
             difference = row.differences.get(condition.column.text)
             if difference is None or condition.is_met(difference):
-                yield FailedCase(condition, row.graph, row.variant, difference)
+                is_of_frames = condition.column.text in row.own_frames
+                yield FailedCase(condition, row.graph, row.variant, difference, is_of_frames)
 
 
 def _near(name: str, known: Sequence[str]) -> Hint:

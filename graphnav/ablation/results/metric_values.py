@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
+import numpy as np
+
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.comparison import Comparison
 from graphnav.ablation.results.records import Record
 from graphnav.ablation.study import MetricExpression
+from graphnav.arrays import Doubles
+from graphnav.errors import GraphnavError
 
 Values = Mapping[int, float]
 """One case's values of a metric, by seed: the seed is the world."""
@@ -34,6 +38,27 @@ def values_of(plan: Plan, metric: MetricExpression, runs: Iterable[Record]) -> V
 
 def _counted(plan: Plan, run: Record, name: str) -> float | None:
     return run.counted(name, plan.metric(name))
+
+
+def scaled_values(plan: Plan, metric: str, graph: str, variant: str, values: Values) -> Values:
+    """Return a metric with bounds as a share of their distance, from 0 to 1.
+
+    Raises
+    ------
+    GraphnavError
+        A value is outside of the bounds that its stage declares.
+    """
+    low, high = plan.metric(metric).span or (0.0, 1.0)
+    for seed, value in values.items():
+        if not low <= value <= high:
+            what = f"{graph}, {variant}, seed {seed}: {metric} is {value:g}, outside of its bounds {low:g} to {high:g}"
+            raise GraphnavError(f"{what}\n  correct the bounds that its stage declares")
+    return {seed: (value - low) / (high - low) for seed, value in values.items()}
+
+
+def paired_differences(values: Values, base: Values) -> Doubles:
+    """Return ``values - base`` in the worlds that both have."""
+    return np.array([value - base[seed] for seed, value in values.items() if seed in base])
 
 
 def is_binary(plan: Plan, metric: MetricExpression, columns: Iterable[Values]) -> bool:

@@ -33,6 +33,8 @@ class PairedRow:
     estimates_b: Mapping[str, Estimate]
     differences: Mapping[str, Difference]
     """The second minus the first; ``won``: in how many worlds the second was better."""
+    own_frames: frozenset[str] = frozenset()
+    """Metrics that are not compared: they depend on the frames met, and the plans do not show that these are alike."""
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ class Record:
             return self.metrics.get(name)
         stage = name.partition(".")[0]
         is_defined = name in self.metrics or not any(other.startswith(f"{stage}.") for other in self.metrics)
-        return metric.if_failed if is_defined and isinstance(metric.if_failed, float) else None
+        return None if not is_defined or isinstance(metric.if_failed, str) else metric.if_failed
 
 
 def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:

@@ -57,7 +57,7 @@ def _values(plan: Plan, run: Run, reference: Run, relative: Mapping[str, Metric]
             continue
         if _arrived(plan, run, stage) and (own := run.metrics.get(other)) is not None:
             yield name, best / max(own, best)
-        elif isinstance(metric.if_failed, float):
+        elif not isinstance(metric.if_failed, str):
             yield name, metric.if_failed
 
 

@@ -10,14 +10,12 @@ import numpy as np
 
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.comparison import Comparison, Difference
-from graphnav.ablation.results.metric_values import Values, is_binary, values_of
+from graphnav.ablation.results.metric_values import is_binary, paired_differences, values_of
 from graphnav.ablation.results.records import Record, in_plan_order
-from graphnav.ablation.results.statistics import min_worlds
+from graphnav.ablation.results.statistics import ALPHA, min_worlds
 from graphnav.ablation.study import MetricExpression
 from graphnav.arrays import Doubles
 
-LEVEL = 0.05
-"""Share of false alarms of one comparison, both sides."""
 POWER = 0.8
 """Share of studies of that many worlds which would find the difference clear."""
 MAX_WORLDS = 10_000
@@ -41,7 +39,7 @@ def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -
     mean = abs(float(differences.mean()))
     if mean == 0:
         return None
-    level, power = NormalDist().inv_cdf(1 - LEVEL / comparisons / 2), NormalDist().inv_cdf(POWER)
+    level, power = NormalDist().inv_cdf(1 - ALPHA / comparisons / 2), NormalDist().inv_cdf(POWER)
     if binary:
         discordant = float(np.count_nonzero(differences)) / differences.size
         spread = level * math.sqrt(discordant) + power * math.sqrt(discordant - mean**2)
@@ -54,9 +52,10 @@ def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -
 def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Record]) -> Iterator[str]:
     """Yield sentences on the variants that the metric that decides does not tell from the base.
 
-    Variants of a graph with the same sentence share it.
+    Variants of a graph with the same sentence share it. Nothing for a study that its results stop: the numbers are for
+    tests of as many worlds as were set before.
     """
-    if comparison.primary is None:
+    if comparison.primary is None or plan.until_clear:
         return
     column = MetricExpression.parse(comparison.primary)
     runs: dict[tuple[str, str], list[Record]] = {}
@@ -70,10 +69,10 @@ def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Reco
         variants: dict[tuple[int, str], list[str]] = {}
         for row in rows:
             found = row.differences[column.text]
-            if found.is_clear or found.n < 2:
+            if found.is_clear or found.n < 2 or found.significance is None:
                 continue
-            differences = _paired(values[graph, row.case.variant], values[graph, base])
-            needed = worlds_needed(differences, binary=binary, comparisons=len(rows))
+            differences = paired_differences(values[graph, row.case.variant], values[graph, base])
+            needed = worlds_needed(differences, binary=binary, comparisons=found.significance.family)
             variants.setdefault((found.n, _needs(needed, found)), []).append(row.case.variant)
         for (n, needs), names in variants.items():
             yield f"{graph}, {', '.join(names)}: {column.text} is not clear after {n} worlds; {needs}"
@@ -87,7 +86,3 @@ def _needs(worlds: int | None, found: Difference) -> str:
     if worlds is None:
         return f"a difference this small needs more than {MAX_WORLDS}"
     return f"a difference of this size would be clear in 4 of 5 studies of about {worlds}"
-
-
-def _paired(values: Values, base: Values) -> Doubles:
-    return np.array([value - base[seed] for seed, value in values.items() if seed in base])

@@ -9,7 +9,14 @@ import numpy as np
 
 from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.results.comparison import Difference, Estimate
-from graphnav.ablation.results.metric_values import Values, is_binary, table_metrics, values_of
+from graphnav.ablation.results.metric_values import (
+    Values,
+    is_binary,
+    paired_differences,
+    scaled_values,
+    table_metrics,
+    values_of,
+)
 from graphnav.ablation.results.records import Record, in_plan_order
 from graphnav.ablation.results.statistics import EXACT_BELOW, anytime_p, difference_interval, mean_interval, p_value
 from graphnav.stage import Better
@@ -56,6 +63,11 @@ class StudyValues:
 
         None if they share none, or met frames of their own that the metric depends on. In a study that its results
         stopped, the p-value of what decides is one that holds at any time.
+
+        Raises
+        ------
+        GraphnavError
+            A value of what decides such a study is outside of its bounds.
         """
         if not self.are_comparable(key, base, metric):
             return None
@@ -67,11 +79,11 @@ class StudyValues:
             is_binary=metric in self.binary,
             min_difference=self.plan.min_difference(metric),
         )
-        span = self.plan.metric(metric).span
-        if found is None or span is None or not self.plan.until_clear or metric != self.primary:
+        has_bounds = self.plan.metric(metric).span is not None
+        if found is None or not has_bounds or not self.plan.until_clear or metric != self.primary:
             return found
-        shares = [(values[seed] - others[seed]) / (span[1] - span[0]) for seed in values if seed in others]
-        return replace(found, p=anytime_p(np.array(shares)))
+        shares = [scaled_values(self.plan, metric, *of, self.values[of][metric]) for of in (key, base)]
+        return replace(found, p=anytime_p(paired_differences(*shares)))
 
     def are_comparable(self, key: CaseKey, base: CaseKey, metric: str) -> bool:
         """Return whether two cases may be compared by a metric."""

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from graphnav.ablation.plan import Case, Job, Plan
-from graphnav.ablation.results import Record, Values, anytime_p, holm, values_of
+from graphnav.ablation.results import (
+    Record,
+    Values,
+    anytime_p,
+    holm,
+    matters,
+    paired_differences,
+    scaled_values,
+    values_of,
+)
 from graphnav.ablation.study import MetricExpression
 from graphnav.arrays import Doubles
-from graphnav.errors import GraphnavError, UserError
+from graphnav.errors import UserError
 
 ROUND = 5
 """Worlds that are added at once."""
@@ -24,7 +31,10 @@ class Decision:
     case: Case
     worlds: int
     """The number of worlds after which it was decided, or that there were without a decision."""
-    is_clear: bool
+    is_told: bool
+    """Whether it is told from the base."""
+    matters: bool
+    """Whether its mean difference in these worlds is not smaller than what matters."""
 
 
 def check_stopping(plan: Plan) -> None:
@@ -49,10 +59,24 @@ def check_stopping(plan: Plan) -> None:
 def jobs_of_next_round(plan: Plan, records: Sequence[Record], is_made: Callable[[Job], bool]) -> list[Job]:
     """Return the next runs of a study that is stopped by its results; none where every graph is decided.
 
-    The base and every undecided variant of a graph get `ROUND` more of its seeds, in their order. What is decided
-    depends on the results of these worlds only, not on the order or the number of processes in which they are made.
+    The base and every undecided variant of a graph get `ROUND` more of its seeds, in their order, and so does the
+    reference where the metric that decides is relative to its runs: a world without one has no value for any variant.
+    What is decided depends on the results of these worlds only, not on the order or the number of processes in which
+    they are made.
     """
     return [job for graph in plan.graphs for job in _next_of_graph(plan, graph, records, is_made)]
+
+
+def pending_runs(plan: Plan, records: Sequence[Record]) -> list[Job]:
+    """Return the runs that a study still needs, given those that it has; none: it is finished."""
+    made = {(record.graph, record.variant, record.seed) for record in records}
+
+    def is_made(job: Job) -> bool:
+        return (job.case.graph, job.case.variant, job.seed) in made
+
+    if plan.until_clear:
+        return jobs_of_next_round(plan, records, is_made)
+    return [job for job in plan.jobs if not is_made(job)]
 
 
 def decisions(plan: Plan, graph: str, records: Sequence[Record]) -> list[Decision]:
@@ -73,14 +97,18 @@ class _Graph:
         self.base = next(case for case in own if case.is_base)
         self.others = [case for case in own if not case.is_base]
         self.seeds = plan.seeds_of(self.base)
+        self._always = [self.base, *(case for case in self.others if _is_needed(plan, case))]
         self._values = {case.variant: _values(plan, case, records) for case in own}
+        low, high = plan.metric(plan.metrics[0]).span or (0.0, 1.0)
+        self._min_share = plan.min_difference(plan.metrics[0]) / (high - low)
 
     def decided(self, is_made: Callable[[Job], bool]) -> tuple[list[Decision], list[Job]]:
         """Return the decisions after the last complete round, and the missing runs of the next one."""
         found: dict[str, int] = {}
         before = 0
         for worlds in _rounds(len(self.seeds)):
-            active = [self.base, *(case for case in self.others if case.variant not in found)]
+            undecided = [case for case in self.others if case.variant not in found and case not in self._always]
+            active = [*self._always, *undecided]
             missing = [Job(case, seed) for seed in self.seeds[:worlds] for case in active]
             if jobs := [job for job in missing if not is_made(job)]:
                 return self._decisions(found, before), jobs
@@ -92,7 +120,12 @@ class _Graph:
         return self._decisions(found, before), []
 
     def _decisions(self, found: dict[str, int], worlds: int) -> list[Decision]:
-        return [Decision(case, found.get(case.variant, worlds), is_clear=case.variant in found) for case in self.others]
+        return [self._decision(case, found.get(case.variant, worlds), found) for case in self.others]
+
+    def _decision(self, case: Case, worlds: int, found: Collection[str]) -> Decision:
+        differences = self._differences(case.variant, self.seeds[:worlds])
+        mean = float(differences.mean()) if differences.size else 0.0
+        return Decision(case, worlds, case.variant in found, matters(mean, self._min_share))
 
     def _clear(self, worlds: dict[str, int]) -> set[str]:
         """Return the variants that are told from the base by their first worlds."""
@@ -103,8 +136,15 @@ class _Graph:
         return {variant for variant, found in judged if found.is_significant}
 
     def _differences(self, variant: str, seeds: Sequence[int]) -> Doubles:
-        own, base = self._values[variant], self._values[self.base.variant]
-        return np.array([own[seed] - base[seed] for seed in seeds if seed in own and seed in base])
+        own = self._values[variant]
+        return paired_differences({seed: own[seed] for seed in seeds if seed in own}, self._values[self.base.variant])
+
+
+def _is_needed(plan: Plan, case: Case) -> bool:
+    """Return whether what decides is relative to the runs of a case."""
+    if not plan.metric(plan.metrics[0]).relative_to:
+        return False
+    return case.folder == plan.case(case.graph, plan.reference).folder
 
 
 def _rounds(n_worlds: int) -> Iterator[int]:
@@ -114,13 +154,7 @@ def _rounds(n_worlds: int) -> Iterator[int]:
 
 
 def _values(plan: Plan, case: Case, records: Sequence[Record]) -> Values:
-    """Return the deciding metric of a case by seed, scaled to 0 to 1; raises GraphnavError outside of it."""
-    column = MetricExpression.parse(plan.metrics[0])
+    """Return the deciding metric of a case by seed, from 0 to 1; raises GraphnavError outside of its bounds."""
     runs = (record for record in records if (record.graph, record.variant) == (case.graph, case.variant))
-    low, high = plan.metric(column.text).span or (0.0, 1.0)
-    values = values_of(plan, column, runs)
-    for seed, value in values.items():
-        if not low <= value <= high:
-            what = f"{case.graph}, {case.variant}, seed {seed}: {column.text} is {value:g}, outside of its bounds"
-            raise GraphnavError(f"{what} {low:g} to {high:g}\n  correct the bounds that its stage declares")
-    return {seed: (value - low) / (high - low) for seed, value in values.items()}
+    values = values_of(plan, MetricExpression.parse(plan.metrics[0]), runs)
+    return scaled_values(plan, plan.metrics[0], case.graph, case.variant, values)

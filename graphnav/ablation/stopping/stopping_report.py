@@ -21,5 +21,6 @@ def stopping_texts(plan: Plan, records: Sequence[Record]) -> Iterator[str]:
     )
     for graph in plan.graphs:
         for decision in decisions(plan, graph, records):
-            state = "clear" if decision.is_clear else "not clear"
-            yield f"{graph}, {decision.case.variant}: {metric} is {state} after {decision.worlds} worlds"
+            state = "told" if decision.is_told else "not told"
+            small = ", by a difference smaller than what matters" if decision.is_told and not decision.matters else ""
+            yield f"{graph}, {decision.case.variant}: {state} from the base after {decision.worlds} worlds{small}"

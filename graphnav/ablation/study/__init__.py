@@ -1,7 +1,8 @@
 """A study: its file or command line, axes, seeds, metrics."""
 
-from graphnav.ablation.study.command_line import study_of_command
+from graphnav.ablation.study.command_line import listed, study_of_command
 from graphnav.ablation.study.metric_expression import MetricExpression
+from graphnav.ablation.study.seeds import seeds_words
 from graphnav.ablation.study.study import Axis, Choice, Decomposition, Study
 from graphnav.ablation.study.study_keys import STUDY
 from graphnav.ablation.study.vary import Vary, parse_varies, vary_of
@@ -15,8 +16,10 @@ __all__ = [
     "MetricExpression",
     "Study",
     "Vary",
+    "listed",
     "parse_varies",
     "parse_worlds",
+    "seeds_words",
     "study_of_command",
     "vary_of",
 ]

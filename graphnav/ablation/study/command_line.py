@@ -102,7 +102,7 @@ def _not_replaced(old: Sequence[Override], new: Sequence[Override]) -> list[Over
 
 def _question(axes: Sequence[Axis], graphs: Sequence[str]) -> str:
     do = "does" if len(axes) == 1 else "do"
-    return f"What {do} {_listed(axis.name for axis in axes)} change on {_listed(graphs)}?"
+    return f"What {do} {listed(axis.name for axis in axes)} change on {listed(graphs)}?"
 
 
 def _named(names: Sequence[str]) -> Study:
@@ -142,6 +142,7 @@ def _kinds(names: Sequence[str]) -> list[str]:
     return kinds
 
 
-def _listed(names: Iterable[str]) -> str:
+def listed(names: Iterable[str]) -> str:
+    """Return ``a``, ``a and b`` or ``a, b and c``."""
     *others, last = names
     return f"{', '.join(others)} and {last}" if others else last

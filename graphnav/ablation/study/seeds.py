@@ -66,6 +66,15 @@ def checked_seeds(seeds: Sequence[int], place: Place | None = None) -> tuple[int
     return tuple(seeds)
 
 
+def seeds_words(seeds: str | Sequence[int]) -> str:
+    """Return seeds as ``--seeds`` takes them."""
+    if isinstance(seeds, str):
+        return seeds
+    if isinstance(seeds, range) and seeds.step == 1:
+        return f"{seeds.start}:{seeds.stop}"
+    return f"[{', '.join(map(str, seeds))}]"
+
+
 def bare_number(word: str, place: Place | None = None) -> UserError:
     """Return the error for a number alone, which may mean a world or how many."""
     hint = f"write 0:{word} for {word} worlds, or [{word}] for that one"

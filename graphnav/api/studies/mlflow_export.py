@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+import posixpath
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.report import RESULTS, TABLE
@@ -17,6 +20,13 @@ from graphnav.machine.extras import install_command
 
 SERVER_VARIABLE = "MLFLOW_TRACKING_URI"
 """The environment variable of MLflow that names its server, or a store."""
+_FORBIDDEN = re.compile(r"[^\w\-. /]")
+"""In names of parameters and metrics."""
+_MAX_NAME = 240
+"""MLflow takes names of 250 characters."""
+_UNKNOWN = "INTERNAL_ERROR"
+"""The code of errors of which MLflow tells no cause, as that of a server that does not answer."""
+_Value = TypeVar("_Value", str, float)
 
 
 def export_to_mlflow(plan: Plan, files: StudyFiles, folder: Path) -> str:
@@ -46,21 +56,42 @@ def export_to_mlflow(plan: Plan, files: StudyFiles, folder: Path) -> str:
             if not row.case.same_as:
                 _write_case(client, experiment, plan, row, folder)
     except (MlflowException, OSError) as error:
+        if getattr(error, "error_code", _UNKNOWN) != _UNKNOWN:
+            hint = "change that there, and export again"
+            raise UserError.of(f"MLflow at {uri} refuses this study: {error}", hint) from error
         raise UserError.of(f"MLflow at {uri}: {error}", f"set {SERVER_VARIABLE} to a server that answers") from error
     return uri
 
 
 def _write_case(client: Any, experiment: str, plan: Plan, row: Row, folder: Path) -> None:
-    case = row.case
-    run = client.create_run(experiment, run_name=f"{case.graph}, {case.variant}").info.run_id
-    for name, value in _params(plan, case):
-        client.log_param(run, name, value)
-    for name, number in _metrics(row):
-        if math.isfinite(number):
-            client.log_metric(run, name, number)
-    for file in (TABLE, RESULTS):
-        client.log_artifact(run, str(folder / file))
+    """Write a run; it is marked as failed where it is not complete."""
+    run = client.create_run(experiment, run_name=f"{row.case.graph}, {row.case.variant}").info.run_id
+    try:
+        for name, value in _allowed_names(_params(plan, row.case)).items():
+            client.log_param(run, name, value)
+        for name, number in _allowed_names(_metrics(row)).items():
+            if math.isfinite(number):
+                client.log_metric(run, name, number)
+        for file in (TABLE, RESULTS):
+            client.log_artifact(run, str(folder / file))
+    except BaseException:
+        with suppress(Exception):
+            client.set_terminated(run, "FAILED")
+        raise
     client.set_terminated(run)
+
+
+def _allowed_names(values: Iterable[tuple[str, _Value]]) -> dict[str, _Value]:
+    """Return values by names that MLflow takes: other characters are replaced, and no two names are made the same."""
+    found: dict[str, _Value] = {}
+    for name, value in values:
+        allowed = _FORBIDDEN.sub("_", name)[:_MAX_NAME]
+        if posixpath.normpath(allowed) != allowed:
+            allowed = allowed.replace("/", "_")
+        while allowed in found:
+            allowed += "_"
+        found[allowed] = value
+    return found
 
 
 def _params(plan: Plan, case: Case) -> Iterator[tuple[str, str]]:

@@ -110,7 +110,7 @@ def worlds_of(worlds: object) -> Mapping[str, int]:
     for graph, number in worlds.items():
         if not isinstance(graph, str):
             raise wrong_type("worlds", graph, "a mapping of graphs to numbers", hint)
-        _count(f"worlds[{graph!r}]", number, 1)
+        _checked_count(f"worlds[{graph!r}]", number, 1)
     return dict(worlds)
 
 
@@ -131,8 +131,10 @@ def execution_of(
 
 
 def _count(name: str, value: object, minimum: int) -> int | None:
-    if value is None:
-        return None
+    return None if value is None else _checked_count(name, value, minimum)
+
+
+def _checked_count(name: str, value: object, minimum: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < minimum:
         raise wrong_type(name, value, f"an integer of at least {minimum}", f"write {name}=2")
     return value

@@ -23,7 +23,7 @@ from graphnav.ablation.report import (
     write_timing,
 )
 from graphnav.ablation.results import Comparison, Losses, Record, compare, losses, read_records, sample_size_texts
-from graphnav.ablation.stopping import stopping_texts
+from graphnav.ablation.stopping import pending_runs, stopping_texts
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph
 
@@ -54,7 +54,7 @@ def write_study_files(
         A file cannot be written; its old version is kept.
     """
     records = read_records(plan, folder)
-    comparison = compare(plan, records)
+    comparison = compare(plan, records, pending_runs(plan, records))
     write_results(plan, records, folder / RESULTS)
     write_metrics(plan, records, folder / METRICS)
     write_timing(plan, records, folder / TIMING)

@@ -10,7 +10,7 @@ from pathlib import Path
 from graphnav.ablation.decompose import decomposed_study
 from graphnav.ablation.plan import CheckedStudy, check_study, with_versions
 from graphnav.ablation.stopping import check_stopping
-from graphnav.ablation.study import Vary, study_of_command
+from graphnav.ablation.study import Vary, seeds_words, study_of_command
 from graphnav.catalog import Catalog
 from graphnav.errors import Problem
 from graphnav.graph import Override
@@ -79,7 +79,7 @@ class StudyRequest:
             ("--plugin", self.plugins),
             ("--reference", [] if self.reference is None else [self.reference]),
             ("--worlds", [f"{graph}={number}" for graph, number in self.worlds.items()]),
-            ("--seeds", [] if self.seeds is None else [_seeds_words(self.seeds)]),
+            ("--seeds", [] if self.seeds is None else [seeds_words(self.seeds)]),
         )
         words = [word for option, values in options for value in values for word in (option, str(value))]
         flags = {
@@ -89,12 +89,3 @@ class StudyRequest:
         }
         words += [flag for flag, is_set in flags.items() if is_set]
         return shlex.join(["graphnav", "ablate", *self.names, *words])
-
-
-def _seeds_words(seeds: str | Sequence[int]) -> str:
-    """Return seeds as ``--seeds`` takes them."""
-    if isinstance(seeds, str):
-        return seeds
-    if isinstance(seeds, range) and seeds.step == 1:
-        return f"{seeds.start}:{seeds.stop}"
-    return f"[{', '.join(map(str, seeds))}]"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from graphnav.ablation.execution import LockedFolder
 from graphnav.api.arguments import PathLike, overrides_of, paths_of, texts_of, wrong_type
 from graphnav.api.load import add_plugins
 from graphnav.api.parameters import documented
@@ -14,21 +15,20 @@ from graphnav.api.result_folder import KeptFolder, named_folder, temporary_folde
 from graphnav.api.studies.study_arguments import execution_of, names_of, seeds_of, varies_of
 from graphnav.api.studies.study_run import workers_of
 from graphnav.catalog import Catalog
-from graphnav.errors import Place, UserError
+from graphnav.errors import Problem, UserError
 from graphnav.tuning import (
     STUDY,
+    TUNING,
     Rival,
-    SearchRange,
     Trial,
     Tuning,
     TuningRequest,
     TuningRun,
-    check_folder,
+    begin_tuning,
     check_tuning,
     conclusion,
-    parse_search,
+    parse_searches,
     run_tuning,
-    work_in,
     write_tuning,
 )
 
@@ -102,16 +102,18 @@ def tune(
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
+    problems: list[Problem] = []
     request = TuningRequest(
         names=names_of(study),
         varies=varies_of(vary),
         overrides=overrides_of(set),
         seeds=seeds_of(seeds),
         metrics=texts_of(metrics, "metrics", "drive.success"),
-        searches=_searches(search),
+        searches=parse_searches(texts_of(search, "search", "plane.threshold_px=0.05:2"), problems),
         trials=_at_least("trials", trials, 1),
         sampler_seed=_at_least("sampler_seed", sampler_seed, 0),
         plugins=paths_of(plugins, "plugins", "my_stage.py"),
+        problems=problems,
     )
     options = execution_of(jobs, cluster, 0, keep_logs=False, fail_fast=False)
     tuning = check_tuning(request, add_plugins(Catalog(), request.plugins), request.command)
@@ -123,14 +125,11 @@ def tune_into(
     tuning: Tuning, folder: Path, jobs: int | None, cluster: str | None, on_made: Callable[[int], None] = lambda _: None
 ) -> TuningRun:
     """Make the missing trials of a tuning in its folder; the files are written after every batch."""
-    check_folder(tuning, folder)
-    with work_in(folder) as scratch, workers_of(jobs, cluster, scratch) as workers:
-        return run_tuning(tuning, folder, workers, on_made, lambda so_far: write_tuning(so_far, folder))
-
-
-def _searches(texts: object) -> tuple[SearchRange, ...]:
-    named = texts_of(texts, "search", "plane.threshold_px=0.05:2")
-    return tuple(parse_search(text, Place(f"search[{number}]")) for number, text in enumerate(named))
+    with LockedFolder(folder, TUNING, "tuning", "graphnav tune") as held:
+        begin_tuning(tuning, folder)
+        held.empty_scratch()
+        with workers_of(jobs, cluster, held.scratch) as workers:
+            return run_tuning(tuning, folder, workers, on_made, lambda so_far: write_tuning(so_far, folder))
 
 
 def _at_least(name: str, value: object, minimum: int) -> int:

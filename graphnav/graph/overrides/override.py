@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,21 @@ class Override:
     def entry(self) -> Entry:
         """The value as an entry of the graph."""
         return Entry(self.place, _placed(self.value, self.place), is_override=True)
+
+
+def without_replaced(overrides: Iterable[Override], later: Iterable[Override]) -> tuple[Override, ...]:
+    """Return overrides without their swaps of stages that later ones swap, too."""
+    swapped = {stage for override in later if override.target.kind == "stage" for stage in override.target.stages}
+    kept = []
+    for override in overrides:
+        stages = override.target.stages
+        if override.target.kind == "stage" and swapped.intersection(stages):
+            stages = tuple(stage for stage in stages if stage not in swapped)
+            if stages:
+                kept.append(replace(override, target=Target("stage", stages)))
+        else:
+            kept.append(override)
+    return tuple(kept)
 
 
 def _placed(value: Any, place: Place) -> Value:

@@ -13,8 +13,7 @@ from graphnav import Map
 from graphnav.arrays import Doubles
 from graphnav_view import style
 
-WALL, OBSTACLE, MOVING = 0, 1, 2
-_FACES = {WALL: style.WALL, OBSTACLE: style.OBSTACLE, MOVING: style.MOVING}
+_FACES = {Map.WALL: style.WALL, Map.OBSTACLE: style.OBSTACLE, Map.MOVING: style.MOVING}
 
 
 def outlines(world: Map, kind: int) -> list[Doubles]:
@@ -36,8 +35,8 @@ def bounds_m(world: Map, paths: Sequence[Doubles], moving: Doubles, margin_m: fl
     ``paths``: arrays (n, 2) of further points; ``moving``: poses of the moving obstacles, (n, m, 3).
     """
     points = [*paths, world.start[None, :2], world.goal_m.reshape(-1, 2)]
-    points += [*outlines(world, WALL), *outlines(world, OBSTACLE)]
-    for index, outline in enumerate(outlines(world, MOVING)):
+    points += [*outlines(world, Map.WALL), *outlines(world, Map.OBSTACLE)]
+    for index, outline in enumerate(outlines(world, Map.MOVING)):
         points += [moved(outline, poses[index]) for poses in moving if index < len(poses)]
     every = np.concatenate(points)
     return every.min(axis=0) - margin_m, every.max(axis=0) + margin_m
@@ -51,15 +50,15 @@ def draw_bodies(axes: Axes, world: Map, moving: Doubles, to_axes: Transform | No
             [world.goal_m], facecolor=style.GOAL, edgecolor=style.GOAL, alpha=0.35, zorder=1, transform=transform
         )
         axes.add_collection(goal, autolim=False)
-    for kind in (WALL, OBSTACLE):
+    for kind in (Map.WALL, Map.OBSTACLE):
         _fill(axes, outlines(world, kind), kind, transform)
-    _fill(axes, [moved(o, p) for o, p in zip(outlines(world, MOVING), moving, strict=False)], MOVING, transform)
+    _fill(axes, [moved(o, p) for o, p in zip(outlines(world, Map.MOVING), moving, strict=False)], Map.MOVING, transform)
 
 
 def nearest_point(world: Map, moving: Doubles, point: Doubles) -> Doubles:
     """Return the point on any body's outline nearest to ``point`` (2,), or ``point`` itself without bodies."""
-    bodies = [*outlines(world, WALL), *outlines(world, OBSTACLE)]
-    bodies += [moved(outline, pose) for outline, pose in zip(outlines(world, MOVING), moving, strict=False)]
+    bodies = [*outlines(world, Map.WALL), *outlines(world, Map.OBSTACLE)]
+    bodies += [moved(outline, pose) for outline, pose in zip(outlines(world, Map.MOVING), moving, strict=False)]
     if not bodies:
         return point
     begin = np.concatenate(bodies)

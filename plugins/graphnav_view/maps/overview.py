@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 
 from graphnav import Map
 from graphnav_view import style
-from graphnav_view.maps.floorplan import MOVING, OBSTACLE, WALL, bounds_m, draw_bodies, moved, nearest_point, outlines
+from graphnav_view.maps.floorplan import bounds_m, draw_bodies, moved, nearest_point, outlines
 from graphnav_view.outcome import drive_texts, outcome_text
 from graphnav_view.signals import Signals
 from graphnav_view.track import Track, track_of
@@ -43,7 +43,7 @@ def draw_overview(signals: Signals, path: Path) -> Path | None:
         return None
     with style.style():
         figure, axes = _page(world, track)
-        moving_now = track.moving[0] if MOVING not in world.kind else np.empty((0, 3))
+        moving_now = track.moving[0] if Map.MOVING not in world.kind else np.empty((0, 3))
         draw_bodies(axes, world, moving_now)
         norm = Normalize(0.0, max(float(track.time_s[-1]), 1e-3))
         _draw_moving(axes, world, track, norm)
@@ -95,7 +95,7 @@ def _draw_path(axes: Axes, track: Track, norm: Normalize) -> None:
 def _draw_moving(axes: Axes, world: Map, track: Track, norm: Normalize) -> None:
     """Draw moving obstacles at evenly spaced times, outlined in the colour of the time."""
     times = np.unique(np.linspace(0, len(track.time_s) - 1, _TIMES).round().astype(int))
-    for index, outline in enumerate(outlines(world, MOVING)):
+    for index, outline in enumerate(outlines(world, Map.MOVING)):
         if index >= track.moving.shape[1]:
             continue
         bodies = PolyCollection(
@@ -184,9 +184,9 @@ def _legend(figure: Figure, world: Map, track: Track) -> None:
     start = FancyArrowPatch((0, 0), (1, 0), label="start")
     keys: list[Patch | Line2D] = [start]
     for kind, colour, label in (
-        (WALL, style.WALL, "wall"),
-        (OBSTACLE, style.OBSTACLE, "obstacle"),
-        (MOVING, style.MOVING, "moving obstacle"),
+        (Map.WALL, style.WALL, "wall"),
+        (Map.OBSTACLE, style.OBSTACLE, "obstacle"),
+        (Map.MOVING, style.MOVING, "moving obstacle"),
     ):
         if kind in world.kind:
             keys.append(Patch(facecolor=colour, edgecolor="#2b2b2b", lw=0.5, label=label))

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from graphnav import Map
 from graphnav_view import style
-from graphnav_view.maps.floorplan import MOVING, bounds_m, draw_bodies, nearest_point
+from graphnav_view.maps.floorplan import bounds_m, draw_bodies, nearest_point
 from graphnav_view.maps.map_panel import show_all
 from graphnav_view.signals import Signals
 from graphnav_view.track import Track, track_of
@@ -34,7 +34,7 @@ def draw_paths(recordings: Mapping[str, Recording], colours: Mapping[str, str], 
     if world is None or not tracks:
         return None
     first = next(iter(tracks.values()))
-    at_start = first.moving[:1] if MOVING in world.kind else np.empty((0, 0, 3))
+    at_start = first.moving[:1] if Map.MOVING in world.kind else np.empty((0, 0, 3))
     low, high = bounds_m(world, [track.pose[:, :2] for track in tracks.values()], at_start, _MARGIN_M)
     width, height = np.maximum((high - low) * (_LONG_SIDE_IN / float((high - low).max())), _SHORTEST_SIDE_IN)
     with style.style():

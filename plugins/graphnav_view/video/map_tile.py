@@ -10,7 +10,7 @@ import numpy as np
 from graphnav import Map, State
 from graphnav.arrays import Bytes, Doubles, Ints
 from graphnav_view import style
-from graphnav_view.maps.floorplan import MOVING, OBSTACLE, WALL, bounds_m, moved, outlines
+from graphnav_view.maps.floorplan import bounds_m, moved, outlines
 from graphnav_view.video.lettering import write
 
 _SHIFT = 4
@@ -31,7 +31,7 @@ class TopView:
         self, world: Map, path_m: Doubles, moving: Doubles, cols: int, rows: int, *, with_scale: bool = True
     ) -> None:
         self._world = world
-        self._moving = outlines(world, MOVING)
+        self._moving = outlines(world, Map.MOVING)
         low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
         self._per_m = float(np.min(np.array([cols, rows]) / (high - low)))
         self._middle_m, self._middle_px = (low + high) / 2, np.array([cols, rows]) / 2
@@ -73,7 +73,7 @@ class TopView:
             goal = tile.copy()
             self._fill(goal, self._world.goal_m, style.rgb(style.GOAL))
             cv2.addWeighted(goal, 0.4, tile, 0.6, 0, dst=tile)
-        for kind, colour in ((WALL, style.WALL), (OBSTACLE, style.OBSTACLE)):
+        for kind, colour in ((Map.WALL, style.WALL), (Map.OBSTACLE, style.OBSTACLE)):
             for outline in outlines(self._world, kind):
                 self._fill(tile, outline, style.rgb(colour))
         return tile

@@ -18,8 +18,10 @@ class Draws:
 
     ``problems`` are those of any draw, ``misfits`` those of this one: where numbers are drawn, others may do.
 
-    Each draw depends on the seed, the attempt and on where in the map it is, not on other draws, so that a change in
-    one place leaves the others as they are.
+    Each place in the map has a generator of its own, made from the seed, the attempt and the place, so that a change in
+    one place leaves the others as they are. Where one generator draws many numbers, as those of zigzags and pillars do
+    for all their angles, lengths, radii and places, how many it drew before decides what it draws next: another count
+    of corners or pillars is another zigzag or field.
     """
 
     def __init__(self, seed: int, attempt: int) -> None:

@@ -15,7 +15,7 @@ from graphnav_world.rendering.visibility import Visible
 
 WHITE_GRAY = 255.0
 GLOSS = 150.0
-"""Phong's exponent: the reflection of a lamp on a floor of semi-gloss varnish is half as bright 5.5 degrees off."""
+"""Blinn's exponent: the reflection of a lamp on a floor of semi-gloss varnish is half as bright 5.5 degrees off."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,14 @@ class Lighting:
     The lamp sits at the camera's centre and shines along its optical axis, so that it casts no shadow that the camera
     sees. A Lambertian emitter lights a matt surface by cos(angle off the axis) cos(angle of incidence) / distance**2,
     scaled to a mean of one over an empty floor. The rest of the light is the uniform one of a world without a lamp, and
-    shadows weaken only that, on surfaces that face the sun. The lamp's reflection (B. T. Phong, Illumination for
-    computer generated pictures, 1975) is seen where a surface is square to the line of sight: on the floor at the
-    foot of the mast, which is in the picture if the camera is tilted far enough.
+    shadows weaken only that, on surfaces that face the sun. The lamp's reflection is a power of the cosine of the angle
+    between the normal and the direction halfway between lamp and camera [JB], here that of the line of sight: it is
+    seen where a surface is square to that, on the floor at the foot of the mast, which is in the picture if the camera
+    is tilted far enough.
+
+    References
+    ----------
+    .. [JB] J. F. Blinn, Models of Light Reflection for Computer Synthesized Pictures, SIGGRAPH 1977.
     """
 
     def __init__(self, camera: Camera, faces: Faces, lights: Lights, shadows: Shadows | None) -> None:

@@ -178,7 +178,7 @@ def test_the_shipped_model_serves_every_planar_stage() -> None:
 
 @pytest.mark.parametrize("path", sorted((shipped_folder() / "models").glob("*.lcmlog")), ids=lambda path: path.stem)
 def test_what_a_shipped_model_was_taught_is_the_flow_of_a_floor(path: Path) -> None:
-    """What its drive left unexplained is small: 1.2 pixels in 160 were a drive too fast for the flow to follow."""
+    """The motion that its drive left unexplained is small; where flow could not follow it was more than a pixel."""
     model = read_model(path)
     left_px = float(np.median(model.residual_px[model.valid != 0]))
     assert left_px < 0.2 * (4 if "640x480" in path.stem else 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,7 +27,9 @@ WORLD = Map(
 )
 
 
-def around(laps: float, seconds: int = 60, *, contact: bool = False, min_laps: float = 1.0) -> Mapping[str, float]:
+def around(
+    laps: float, seconds: int = 60, *, contact: bool = False, min_laps: float = 1.0, world: Map = WORLD
+) -> Mapping[str, float]:
     """Return the metrics of a drive around the middle, counterclockwise, a state a second."""
     stage = Laps(duration_s=60, min_laps=min_laps)
     stage.reset(seed=0)
@@ -41,9 +44,9 @@ def around(laps: float, seconds: int = 60, *, contact: bool = False, min_laps: f
             clearance_m=0.4,
             contact=contact and k == seconds,
             at_goal=False,
-            moving=np.zeros((0, 3)),
+            moving=np.zeros((int((world.kind == Map.MOVING).sum()), 3)),
         )
-        stage.step(state, Latest(WORLD, 0.0), Stamp(k * 1_000_000))
+        stage.step(state, Latest(world, 0.0), Stamp(k * 1_000_000))
     return stage.summary()
 
 
@@ -71,3 +74,17 @@ def test_nothing_is_reported_before_the_first_state() -> None:
     stage = Laps()
     stage.reset(seed=0)
     assert stage.summary() == {}
+
+
+def test_the_middle_is_that_of_what_stands() -> None:
+    far = np.array([[-60.0, 0.0], [-50.0, 0.0], [-50.0, 1.0]])  # of a mover, in its own frame
+    moving = replace(
+        WORLD,
+        kind=np.array([0, Map.MOVING], np.uint8),
+        height_m=np.ones(2),
+        vertices_m=np.concatenate([SQUARE, far]),
+        body=np.array([0, 0, 0, 0, 1, 1, 1], np.int32),
+    )
+    assert around(2.5, world=moving)["laps"] == pytest.approx(2.5)
+    only_moving = replace(moving, kind=np.full(2, Map.MOVING, np.uint8))
+    assert around(2.5, world=only_moving)["laps"] == 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -145,6 +146,16 @@ def test_frames_in_which_nothing_moves_do_not_count(
     stage = score_of()
     stage.step(make_plane(true), make_truth(true, uv_px))
     assert stage.summary()["frames"] == counts
+
+
+def test_a_frame_counts_for_what_moves_past_a_robot_that_stands(make_plane: MakePlane, make_truth: MakeTruth) -> None:
+    true = np.zeros((20, 10))
+    true[:5] = 1
+    uv_px = np.zeros((*true.shape, 2), np.float32)
+    uv_px[:5] = 1.0, 0.0
+    stage = score_of()
+    stage.step(make_plane(true), replace(make_truth(true), flow_px=uv_px))
+    assert stage.summary()["frames"] == 1
 
 
 def test_frames_without_obstacle_count_for_false_obstacle(make_plane: MakePlane, make_truth: MakeTruth) -> None:

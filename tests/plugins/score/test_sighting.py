@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from graphnav_score.body_labels import BodyLabels
 from graphnav_score.floor_points import floor_points_m
 from graphnav_score.sighting import Sighting
+from graphnav_world.rendering.camera import Camera
 
 from graphnav import Latest, Map, Plane, Stamp, State, Truth, Twist
 from graphnav.arrays import Doubles
@@ -112,6 +114,23 @@ def test_the_camera_is_found_from_the_depth_of_the_floor(tilt_rad: float) -> Non
     found = floor_points_m(truth(world_, tilt_rad=tilt_rad), world_, 4)
     assert found is not None
     assert found == pytest.approx(places[2::4, 2::4], abs=1e-4)
+
+
+def test_a_camera_that_shakes_displaces_points_as_documented() -> None:
+    still = Camera(height_m=1.0, tilt_deg=75.0, fov_deg=70.0, cols=COLS, rows=ROWS)
+    world_ = replace(world(), footprint_m=still.footprint_m())
+    shaken = (replace(still, height_m=1.03), replace(still, roll_deg=0.5), replace(still, tilt_deg=75.5))
+    for camera, wanted_mm in zip(shaken, (17, 9, 1), strict=True):
+        rays_m = camera.rays() @ camera.R_RC.T
+        z_m = camera.height_m / -rays_m[..., 2]
+        blank = np.zeros((ROWS, COLS), np.uint8)
+        seen = Truth(
+            obstacle=blank, depth_m=z_m.astype(np.float32), flow_px=np.zeros((ROWS, COLS, 2), np.float32), interval_us=1
+        )
+        found = floor_points_m(seen, world_, 4)
+        assert found is not None
+        off_m = found - (rays_m[..., :2] * z_m[..., None])[2::4, 2::4]
+        assert 1000 * np.sqrt((off_m**2).sum(axis=2).mean()) == pytest.approx(wanted_mm, abs=0.5)
 
 
 def test_a_picture_without_ground_says_nothing() -> None:

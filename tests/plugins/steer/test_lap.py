@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -76,3 +77,22 @@ def test_the_corridor_is_cut_off_behind_the_robot_from_wall_to_wall() -> None:
     assert wall[:, 1].max() == pytest.approx(-math.sqrt(INNER_M**2 - 0.8**2), abs=0.02)
     assert wall[:, 1].min() == pytest.approx(-math.sqrt(OUTER_M**2 - 0.8**2), abs=0.03)
     assert cut.goal_m[:, 0].max() == pytest.approx(-0.9)
+
+
+def test_what_moves_does_not_end_the_corridor_wherever_its_own_origin_is() -> None:
+    world = ring()
+    # The robot is 0.8 m ahead of the origin of W, where the outlines of all that moves are.
+    place, middle = np.array([0.8, 0.0]), np.array([0.8, 2.3])
+    world = replace(world, vertices_m=world.vertices_m + middle)
+    mover = 0.2 * np.array([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+    with_mover = replace(
+        world,
+        kind=np.append(np.uint8(Map.MOVING), world.kind),
+        height_m=np.append(1.0, world.height_m),
+        vertices_m=np.concatenate([mover, world.vertices_m]),
+        body=np.append(np.zeros(len(mover), np.int32), world.body + np.int32(1)),
+    )
+    cuts = [once_around(one, at(place, 0.0)) for one in (world, with_mover)]
+    walls = [cut.vertices_m[cut.body == len(cut.kind) - 1] for cut in cuts]
+    assert np.array_equal(*walls)
+    assert np.array_equal(cuts[0].goal_m, cuts[1].goal_m)

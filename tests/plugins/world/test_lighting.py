@@ -17,10 +17,12 @@ from graphnav_world.rendering.lighting import GLOSS, Lighting, Lights
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Renderer
 from graphnav_world.rendering.shadows import FALL_M, PENUMBRA_M, Caster, Shadows
+from graphnav_world.robot import Robot
 from graphnav_world.world import Pymunk, WorldOutputs
 
-from graphnav import Latest, Stamp, Twist
+from graphnav import Latest, ParamError, Stamp, Twist
 from graphnav.arrays import Doubles
+from graphnav.stage import params_of
 
 CAMERA = Camera()
 ROBOT = Caster(0.2, 1.0)
@@ -144,6 +146,20 @@ def test_exposure_jumps_by_factors_from_the_seed() -> None:
     assert gaps_s.min() > 0.89
     assert gaps_s.max() < 3.11
     assert gaps_s.mean() == pytest.approx(2.0, abs=0.05)
+
+
+@pytest.mark.parametrize("world", [Pymunk, Robot])
+@pytest.mark.parametrize("name", ["exposure_step_s", "light_period_s"])
+def test_light_that_changes_faster_than_any_picture_shows_is_refused(name: str, world: type[Pymunk | Robot]) -> None:
+    period = params_of(world)[name]
+    with pytest.raises(ParamError, match=f"'{name}' is 1e-12, but must be >= 0.001 and <= 1000"):
+        period.parse(1e-12)
+    assert period.parse(0.001) == 0.001
+
+
+def test_the_fastest_light_leaves_a_drive_its_end(maps: Path) -> None:
+    fastest = {"exposure_step_s": 0.001, "exposure_step_ratio": 1.0, "light_period_s": 0.001, "light_swing_ratio": 1.0}
+    assert len(drive(maps / "empty.yaml", **fastest)) == 8
 
 
 def steps(seed: int) -> ExposureSteps:

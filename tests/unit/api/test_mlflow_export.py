@@ -72,3 +72,56 @@ def test_a_study_that_is_made_is_not_exported(folder: Path, capsys: pytest.Captu
     assert folder.parent == Path.cwd()
     assert main(["ablate", "toy", "--export", "mlflow"]) == 2
     assert capsys.readouterr().err.startswith("--export is for --report")
+
+
+AXES = """\
+graph: toy
+seeds: 0:2
+vary:
+  a (b):
+    fine: {robot.odd: fine}
+    rough: {robot.odd: contact}
+  a [b]/:
+    one: {robot.times: 1}
+    two: {robot.times: 2}
+"""
+
+
+@pytest.mark.filterwarnings("default")  # of MLflow itself
+def test_characters_that_mlflow_forbids_are_replaced(folder: Path) -> None:
+    tracking = pytest.importorskip("mlflow.tracking")
+    (folder.parent / "named.yaml").write_text(AXES)
+    words = ["ablate", "named.yaml", "--plugin", str(TOYS), "-o", "named", "-j", "1", "--gallery", "0"]
+    assert main(words) == 0
+    assert main(["ablate", "--report", "named", "--export", "mlflow"]) == 0
+    client: Any = tracking.MlflowClient((folder.parent / "store").as_uri())
+    runs = client.search_runs([client.get_experiment_by_name("named").experiment_id])
+    found = [(run.data.params["axis.a _b_"], run.data.params["axis.a _b__"]) for run in runs]
+    assert sorted(found) == [("fine", "one"), ("fine", "two"), ("rough", "one"), ("rough", "two")]
+
+
+@pytest.mark.filterwarnings("default")  # of MLflow itself
+def test_a_refusal_is_told_apart_from_a_server_that_does_not_answer(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tracking = pytest.importorskip("mlflow.tracking")
+    exceptions = importlib.import_module("mlflow.exceptions")
+    codes = importlib.import_module("mlflow.protos.databricks_pb2")
+
+    def refuse(*args: object) -> None:
+        raise exceptions.MlflowException("too large", codes.INVALID_PARAMETER_VALUE)
+
+    def fall_silent(*args: object) -> None:
+        raise exceptions.MlflowException("API request failed")
+
+    uri = (folder.parent / "store").as_uri()
+    client: Any = tracking.MlflowClient(uri)
+    for answer, message in [
+        (refuse, f"MLflow at {uri} refuses this study: too large\n  change that there, and export again"),
+        (fall_silent, f"MLflow at {uri}: API request failed\n  set MLFLOW_TRACKING_URI to a server that answers"),
+    ]:
+        monkeypatch.setattr(tracking.MlflowClient, "log_artifact", answer)
+        assert main(["ablate", "--report", "out", "--export", "mlflow"]) == 2
+        assert capsys.readouterr().err.strip() == message
+    runs = client.search_runs([client.get_experiment_by_name("toy").experiment_id])
+    assert [run.info.status for run in runs] == ["FAILED", "FAILED"]

@@ -8,7 +8,7 @@ import graphnav_lcm
 import numpy as np
 import pytest
 
-from graphnav import DeclarationError, Flow, Image, Message, Truth, Twist
+from graphnav import DeclarationError, Flow, Image, Map, Message, Truth, Twist
 from graphnav.messages import snake_case
 
 
@@ -73,3 +73,21 @@ def test_a_subclass_keeps_the_type() -> None:
 )
 def test_ports_are_called_after_types(name: str, snake: str) -> None:
     assert snake_case(name) == snake
+
+
+@pytest.mark.parametrize(
+    ("body", "following"), [([], []), ([0, 0, 0], [1, 2, 0]), ([0, 2, 2, 2, 5, 5], [0, 2, 3, 1, 5, 4])]
+)
+def test_vertices_of_a_map_follow_each_other_around_their_bodies(body: list[int], following: list[int]) -> None:
+    world = Map(
+        kind=np.zeros(6, np.uint8),
+        height_m=np.ones(6),
+        vertices_m=np.zeros((len(body), 2)),
+        body=np.array(body, np.int32),
+        start=np.zeros(3),
+        goal_m=np.zeros((0, 2)),
+        robot_radius_m=0.2,
+        shortest_m=0.0,
+        footprint_m=np.zeros((0, 2)),
+    )
+    assert world.next_vertices().tolist() == following

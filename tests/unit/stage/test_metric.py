@@ -95,6 +95,8 @@ def test_a_metric_that_is_not_declared_is_refused() -> None:
         ((Metric("x", better="higher", help=" "),), "it has no help"),
         ((Metric("x", better="more", help="X."),), "better is 'more': use higher, lower, neither"),  # type: ignore[arg-type]
         ((Metric("x", better="lower", help="X.", if_failed="nothing"),), "if_failed is 'nothing'"),  # type: ignore[arg-type]
+        ((Metric("x", better="lower", help="X.", if_failed=None),), "if_failed is None"),  # type: ignore[arg-type]
+        ((Metric("x", better="lower", help="X.", if_failed=float("nan")),), "if_failed is nan"),
         ((Metric("x", better="higher", help="X.", is_outcome=True),), "an outcome is 0 of a failed drive"),
         ((Metric("x", better="higher", help="X.", min_difference=-0.1),), "min_difference is -0.1: use a number of 0"),
         ((Metric("x", better="higher", help="X.", min_difference=math.inf),), "min_difference is inf"),

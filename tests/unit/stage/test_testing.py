@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import pytest
 
-from graphnav import Image, Latest, Metric, ParamError, Source, Stage, Stamped, param
+from graphnav import Image, Latest, Metric, ParamError, Source, Stage, Stamped, State, Twist, param
 from graphnav.testing import check_stage
 
 
@@ -90,6 +90,20 @@ class WrongType(Stage):
 
     def step(self, image: Image) -> Image:
         return image.pixels  # type: ignore[return-value]
+
+
+class SeesTruth(Stage):
+    """It drives by what no robot knows."""
+
+    def step(self, state: State) -> Twist:
+        return Twist(v_mps=0.0, omega_radps=0.0)
+
+
+class HeldBack(Source):
+    """It waits for something."""
+
+    def step(self, image: Image) -> Image:
+        return image
 
 
 class BadMetrics(Stage):
@@ -204,6 +218,8 @@ def test_a_good_stage_passes() -> None:
         (WrongUnit, "parameter 'wait_ms' does not end in a unit suffix of graphnav"),
         (NoUnit, "parameter 'size' has no unit suffix: add one, or say 'dimensionless' in its doc"),
         (WrongDefault, "invalid default"),
+        (SeesTruth, "input 'state' is true data, but the role is method: write role"),
+        (HeldBack, "is a Source, but its input 'image' is not sampled"),
         (NeverFires, "nothing fires it"),
         (Forgetful, "the same seed gave a different output in step 1"),
         (WrongType, "output 'image' is ndarray"),

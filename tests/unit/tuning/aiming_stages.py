@@ -28,7 +28,8 @@ class Near(Stage):
     mode: Literal["coarse", "fine"] = param("coarse", doc="fine is better by 0.01")
     steps: int = param(2, ge=1, doc="changes nothing")
     free: float = param(0.0, doc="dimensionless: changes nothing, and nothing says what it could be")
-    note: Path | None = param(None, doc="changes nothing")
+    far: float | None = param(None, gt=0.0, doc="dimensionless: changes nothing")
+    note: Path | None = param(None, doc="a file with what is added to the error")
 
     def check(self) -> None:
         if self.gain > 3.9:
@@ -39,6 +40,7 @@ class Near(Stage):
 
     def step(self, twist: Twist) -> Twist:
         error = abs(self.gain - 3.0) - (0.01 if self.mode == "fine" else 0.0)
+        error += float(self.note.read_text()) if self.note else 0.0
         return Twist(v_mps=error + twist.v_mps, omega_radps=0.0)
 
 
@@ -69,11 +71,13 @@ class Miss(Stage):
         Metric("hit", better="higher", if_failed=0.0, is_outcome=True, help="1 if it is near."),
     )
 
+    note: Path | None = param(None, doc="a file with what is added to the miss")
+
     def reset(self, seed: int) -> None:
         self._miss_m = 0.0
 
     def step(self, twist: Twist) -> None:
-        self._miss_m = twist.v_mps
+        self._miss_m = twist.v_mps + (float(self.note.read_text()) if self.note else 0.0)
 
     def summary(self) -> Mapping[str, float]:
         return {"miss_m": self._miss_m, "hit": float(self._miss_m < 2.5)}

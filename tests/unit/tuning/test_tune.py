@@ -12,8 +12,9 @@ import pytest
 
 import graphnav
 from graphnav import UserError
+from graphnav.ablation.execution import LockedFolder
 from graphnav.cli import main
-from graphnav.tuning import work_in
+from graphnav.tuning import tuning_run
 
 from .conftest import WORDS
 
@@ -91,6 +92,45 @@ def test_a_tuning_is_resumed_as_it_would_have_gone_on(aim: dict[str, Any], tmp_p
     assert (tmp_path / "whole" / "trials.csv").read_bytes() == (tmp_path / "parts" / "trials.csv").read_bytes()
 
 
+def test_fewer_trials_than_were_asked_for_are_refused(aim: dict[str, Any], tmp_path: Path) -> None:
+    graphnav.tune(**aim | {"trials": 7}, folder="out")
+    before = {path: path.read_bytes() for path in (tmp_path / "out").iterdir() if path.is_file()}
+    with pytest.raises(UserError) as caught:
+        graphnav.tune(**aim | {"trials": 3}, folder="out")
+    assert "holds a tuning that was begun with 7 trials of each rival, and this asks for 3" in str(caught.value)
+    assert "continue it with 7 trials or more, or choose another folder with -o" in str(caught.value)
+    assert "remove" not in str(caught.value)
+    assert {path: path.read_bytes() for path in before} == before
+
+
+def test_an_interrupted_resume_keeps_the_files_of_more_trials(
+    aim: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graphnav.tune(**aim | {"trials": 12}, folder="out")
+    names = ("trials.csv", "tuned.yaml", "tuned.md")
+    before = {name: (tmp_path / "out" / name).read_bytes() for name in names}
+
+    def stop(*args: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(tuning_run, "execute", stop)
+        with pytest.raises(KeyboardInterrupt):
+            graphnav.tune(**aim | {"trials": 20}, folder="out")
+    assert {name: (tmp_path / "out" / name).read_bytes() for name in names} == before
+    graphnav.tune(**aim | {"trials": 20}, folder="out")
+    assert len(rows(tmp_path / "out")) == (20 + 1) * 3
+
+
+def test_the_number_of_worlds_belongs_to_what_is_tuned(aim: dict[str, Any]) -> None:
+    text = "graph: aim\nseeds: 0:3\nvary: {aim: [aim.near, aim.fixed]}\nmetrics: [score.miss_m]\n"
+    Path("rivals.yaml").write_text(text + "worlds: {aim: 2}\n")
+    graphnav.tune("rivals.yaml", trials=1, plugins=aim["plugins"], jobs=1, folder="out")
+    Path("rivals.yaml").write_text(text)
+    with pytest.raises(UserError, match="out holds another tuning: its 'worlds' differs"):
+        graphnav.tune("rivals.yaml", trials=1, plugins=aim["plugins"], jobs=1, folder="out")
+
+
 def test_a_tuning_whose_process_was_killed_is_resumed(aim: dict[str, Any], tmp_path: Path) -> None:
     graphnav.tune(**aim | {"trials": 2}, folder="out")
     left = tmp_path / "out" / ".scratch" / "tmp1"
@@ -102,8 +142,11 @@ def test_a_tuning_whose_process_was_killed_is_resumed(aim: dict[str, Any], tmp_p
 
 def test_two_processes_do_not_work_in_one_folder(aim: dict[str, Any], tmp_path: Path) -> None:
     graphnav.tune(**aim | {"trials": 1}, folder="out")
-    with work_in(tmp_path / "out"), pytest.raises(UserError, match="another 'graphnav tune' is at work in"):
-        graphnav.tune(**aim | {"trials": 1}, folder="out")
+    record = (tmp_path / "out" / "tuning.json").read_bytes()
+    held = LockedFolder(tmp_path / "out", "tuning.json", "tuning", "graphnav tune")
+    with held, pytest.raises(UserError, match="another 'graphnav tune' is at work in"):
+        graphnav.tune(**aim | {"trials": 2}, folder="out")
+    assert (tmp_path / "out" / "tuning.json").read_bytes() == record
 
 
 def test_the_tuned_rivals_are_a_study(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
@@ -248,6 +291,18 @@ def test_a_folder_that_cannot_be_written_is_an_error(aim: dict[str, Any], tmp_pa
     (tmp_path / "locked").mkdir(mode=0o500)
     with pytest.raises(UserError, match="cannot work in"):
         graphnav.tune(**aim | {"trials": 2}, folder="locked")
+
+
+def test_labels_are_not_markup(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    Path("rivals.yaml").write_text(
+        "graph: aim\nseeds: 0:1\nmetrics: [score.miss_m]\n"
+        "vary:\n  mode:\n    as is [old]: {aim.mode: coarse}\n    'new <b> [/old]': {aim.mode: fine}\n"
+    )
+    assert main(["tune", "rivals.yaml", "--plugin", "my_aims.py", "--trials", "1", "-o", "out", "-j", "1"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("as is [old] ") for line in lines)
+    assert any(line.startswith("new <b> [/old] ") for line in lines)
+    assert "| new &lt;b> [/old] |" in Path("out/tuned.md").read_text()
 
 
 def test_many_runs_need_a_confirmation(aim: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:

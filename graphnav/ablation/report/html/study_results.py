@@ -45,11 +45,6 @@ class StudyResults:
         """The number of worlds."""
         return len(self.plan.seeds)
 
-    @cached_property
-    def n_runs(self) -> int:
-        """How many runs are there, shared ones counted once."""
-        return sum(row.runs for row in self.comparison.rows if not row.case.same_as)
-
     def own_rows(self, graph: str) -> tuple[Row, ...]:
         """Return the rows of a graph that have runs of their own."""
         return tuple(row for row in self.comparison.of_graph(graph) if not row.case.same_as)

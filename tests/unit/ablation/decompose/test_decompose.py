@@ -10,7 +10,8 @@ from graphnav.ablation.plan import Plan, check_study
 from graphnav.ablation.results import losses
 from graphnav.ablation.study import Study, study_of_command
 from graphnav.catalog import Catalog
-from graphnav.errors import UserError
+from graphnav.errors import Problem, UserError
+from graphnav.graph import parse_overrides, without_replaced
 
 CATALOG = Catalog()
 STAGES = ("flow", "planar", "plane", "steer")
@@ -162,6 +163,35 @@ def test_each_variant_drives_itself_where_no_oracle_can_drive_for_all(tmp_path: 
     assert [axis.name for axis in study.axes] == ["oracles"]
     assert study.within == ()
     assert "sight.auroc" in study.metrics
+
+
+@pytest.mark.parametrize("text", ["plane=plane.affine", "steer=steer.balance"])
+def test_an_oracle_takes_the_place_of_a_stage_that_was_put_in_for_all(text: str) -> None:
+    problems: list[Problem] = []
+    overrides = parse_overrides([text], problems)
+    asked = study_of_command(["corridor_ccw"], seeds="0:2", overrides=overrides, may_vary_nothing=True)
+    stage, _, use = text.partition("=")
+    plan = check_study(decomposed_study(asked, CATALOG), CATALOG, "graphnav ablate ...").plan
+    own = {case.variant: case.uses[stage] for case in plan.cases if case.labels["drive"] == "own drive"}
+    assert own["none"] == use
+    assert own[stage] == {"plane": "plane.truth", "steer": "steer.oracle"}[stage]
+    assert set(own.values()) == {use, own[stage]}
+
+
+def test_of_a_swap_of_several_stages_the_others_stay() -> None:
+    swap, setting, later = parse_overrides(["flow,back=flow.dis", "flow.gain=2", "flow=flow.truth"], [])
+    (kept, other) = without_replaced([swap, setting], [later])
+    assert (str(kept.target), kept.value, other) == ("back", "flow.dis", setting)
+
+
+def test_one_at_a_time_is_refused_by_its_name() -> None:
+    asked = study_of_command(["corridor_ccw"], seeds="0:2", one_at_a_time=True, may_vary_nothing=True)
+    with pytest.raises(UserError) as error:
+        decomposed_study(asked, CATALOG)
+    assert str(error.value) == (
+        "--decompose: one at a time is for axes; a decomposition swaps one stage at a time, and cumulatively\n"
+        "  leave out --one-at-a-time"
+    )
 
 
 def test_runs_show_the_same_drive_and_what_each_oracle_adds(tmp_path: Path) -> None:

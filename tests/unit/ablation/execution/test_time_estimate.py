@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ from graphnav.ablation.plan import CheckedStudy, check_study
 from graphnav.ablation.results import Record
 from graphnav.ablation.study import parse_varies, study_of_command
 from graphnav.catalog import Catalog
+from graphnav.cli.study_run import _estimate_text
 from graphnav.graph import parse_override
 
 
@@ -60,3 +62,27 @@ def test_a_large_study_says_it_and_a_small_one_does_not(study: Any, capsys: pyte
 def test_runs_without_a_limit_have_no_bound(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     assert study.run("--set", "run.until_s=null", seeds="0:51") == 0
     assert "102 runs, 1 at once; they have no time limit" in capsys.readouterr().out
+
+
+UNKNOWN = "4 runs, 2 at once; how long they take is not known"
+
+
+@pytest.mark.parametrize(
+    ("n_unlimited", "message"),
+    [
+        (4, "4 runs, 2 at once; they have no time limit"),
+        (0, f"{UNKNOWN}, because the run that measures it failed"),
+        (
+            1,
+            f"{UNKNOWN}: 1 of them has no time limit, and the run that measures the others failed",
+        ),
+    ],
+)
+def test_it_says_why_nothing_is_known(n_unlimited: int, message: str) -> None:
+    assert _estimate_text(TimeEstimate(4, 0.0, 4, n_unlimited), 2) == message
+
+
+def test_a_measuring_run_that_fails_is_no_missing_limit(checked: CheckedStudy) -> None:
+    workers: Any = SimpleNamespace(perform_all=lambda tasks: [SimpleNamespace(died=True) for _ in tasks])
+    found = estimate_time(list(checked.plan.jobs), [], TaskFactory(checked), workers)
+    assert (found.n_runs, found.n_unknown, found.n_unlimited) == (20, 20, 0)

@@ -3,7 +3,11 @@
 import pytest
 
 from graphnav.ablation.plan.build_plan import check_study
+from graphnav.ablation.plan.case_problems import CaseProblems
+from graphnav.ablation.plan.checked_cases import CheckedCase, check_cases
 from graphnav.ablation.plan.upstream import driving_stages, measured_stages
+from graphnav.ablation.plan.variant_roles import variant_roles
+from graphnav.ablation.plan.variants import expand
 from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.vary import parse_varies
 from graphnav.catalog import Catalog
@@ -74,3 +78,19 @@ def test_what_a_metric_measures() -> None:
     assert measured_stages(graph, "drive") == driving_stages(graph)
     assert measured_stages(graph, "sense") == {"sense", "flow"}
     assert measured_stages(graph, "sight") == {"sight", "flow", "planar", "plane"}
+
+
+def test_the_measured_stages_of_a_case_are_compared_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    identity_of = CheckedCase.identity_of
+
+    def counted(case: CheckedCase, stages: frozenset[str]) -> object:
+        asked.append(case.variant.name)
+        return identity_of(case, stages)
+
+    problems: list[Problem] = []
+    axes = parse_varies(["steer.gain=1,2,3,4,5,6"], problems)
+    study = study_of_command(["corridor_ccw"], varies=axes, seeds="0:2", problems=problems)
+    cases = check_cases(study, expand(study), CATALOG, CaseProblems(study.axes))
+    monkeypatch.setattr(CheckedCase, "identity_of", counted)
+    assert len(variant_roles(cases, ["drive.success"])) == len(asked) == len(cases)

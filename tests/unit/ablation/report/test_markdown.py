@@ -22,6 +22,7 @@ from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.comparison import Difference, Estimate
 from graphnav.ablation.results.records import Record
 from graphnav.ablation.results.statistics.hypothesis_tests import Significance
+from graphnav.ablation.stopping import pending_runs
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]
@@ -132,7 +133,7 @@ def study(make_plan: MakePlan, make_record: MakeRecord) -> tuple[Plan, list[Reco
 
 def test_table_has_everything_it_takes(study: tuple[Plan, list[Record]]) -> None:
     plan, records = study
-    text = table_markdown(plan, compare(plan, records))
+    text = table_markdown(plan, compare(plan, records, pending_runs(plan, records)))
     for line in (
         "# toy",
         "Which one?",

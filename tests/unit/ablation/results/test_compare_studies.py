@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import pytest
 from rich.console import Console
 
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.plan.same_drive import shows_same_drive
 from graphnav.ablation.report.paired_markdown import paired_studies_markdown
 from graphnav.ablation.report.terminal import print_paired_studies
 from graphnav.ablation.results.compare_studies import pair_studies
 from graphnav.ablation.results.compare_variants import compare
+from graphnav.ablation.results.fail_condition import failed_cases, parse_fail_conditions
 from graphnav.ablation.results.records import Record
 from graphnav.errors import UserError
+from graphnav.stage import Metric
 
 MakePlan = Callable[..., Plan]
 Runs = Callable[[str, Sequence[int], Sequence[float]], list[Record]]
@@ -108,3 +112,62 @@ def test_an_interval_ends_at_the_bounds_of_its_metric(make_plan: MakePlan, make_
     (row,) = pair_studies(plan, records, plan, records).rows
     assert row.estimates_a["drive.spl"].high == row.estimates_b["drive.spl"].high == 1.0
     assert row.estimates_a["drive.spl"].low == pytest.approx(0.95 - 12.706 * 0.05, abs=1e-3)
+
+
+GRAPH = """\
+run: {{until_s: 12.0, seed: 7}}
+stages:
+  robot: {{use: world.toy, with: {{size: 3}}, in: {{command: steer.twist}}}}
+  steer: {{use: steer.way, in: {{map: robot.map}}}}
+  plane: {{use: plane.ica, with: {{gain: {gain}}}, in: {{image: robot.image}}}}
+"""
+CODE = {"graphnav": "1", "code of world": "a", "code of steer": "b", "code of plane": "c"}
+
+
+def seeing(make_plan: MakePlan, gain: int = 1, versions: Mapping[str, str] | None = None) -> Plan:
+    """Return a plan whose only metric depends on the frames that a planned way meets."""
+    made = make_plan(("ica",), range(8), {"sight.auroc": "higher"})
+    auroc = Metric("auroc", help="Area.", better="higher", of_frames=True)
+    (case,) = made.cases
+    case = dataclasses.replace(case, driving=("steer",), graph_yaml=GRAPH.format(gain=gain))
+    declared = {**made.declared, "sight.auroc": auroc}
+    return dataclasses.replace(made, cases=(case,), declared=declared, versions={**CODE, **(versions or {})})
+
+
+@pytest.mark.parametrize(
+    ("changed", "is_compared"),
+    [
+        ({}, True),
+        ({"gain": 2, "versions": {"code of plane": "d"}}, True),
+        ({"versions": {"code of steer": "d"}}, False),
+        ({"versions": {"code of world": "d"}}, False),
+        ({"versions": {"code of world": ""}}, False),
+        ({"versions": {"graphnav": "2"}}, False),
+    ],
+)
+def test_what_depends_on_frames_is_compared_where_the_drive_is_unchanged(
+    changed: dict[str, Any], is_compared: bool, make_plan: MakePlan, make_record: Callable[..., Record]
+) -> None:
+    before, after = seeing(make_plan), seeing(make_plan, **changed)
+    runs_a, runs_b = (
+        [make_record("ica", seed, {"sight.auroc": value + seed / 1000}) for seed in range(8)] for value in (0.5, 0.9)
+    )
+    pairing = pair_studies(before, runs_a, after, runs_b)
+    assert ("sight.auroc" in pairing.rows[0].differences) == is_compared
+    text = paired_studies_markdown(pairing)
+    assert ("| own frames |" in text) == ("Own frames: the plans do not show" in text) == (not is_compared)
+    assert "0.5035" in text
+    shown = io.StringIO()
+    print_paired_studies(Console(file=shown, width=300), pairing)
+    assert ("own frames" in shown.getvalue()) == (not is_compared)
+    condition = parse_fail_conditions(["sight.auroc < -0.5"])
+    assert [case.is_of_frames for case in failed_cases(condition, pairing)] == ([] if is_compared else [True])
+
+
+def test_another_time_or_drive_is_not_shown_to_be_the_same(make_plan: MakePlan) -> None:
+    before = seeing(make_plan)
+    (case,) = before.cases
+    for old, new in (("12.0", "5.0"), ("size: 3", "size: 4"), ("steer.way", "steer.pca"), (case.graph_yaml, "")):
+        other = dataclasses.replace(case, graph_yaml=case.graph_yaml.replace(old, new))
+        assert not shows_same_drive(before, case, before, other), new
+    assert shows_same_drive(before, case, before, case)

@@ -148,3 +148,29 @@ def test_green_is_better_where_lower_is(found: Losses) -> None:
         (axes,) = _figure([dataclasses.replace(found, better=better)]).axes
         bars.append([to_hex(patch.get_facecolor()) for patch in axes.patches])
     assert bars == [["#2a9d8f"] * 2, ["#d1495b"] * 2]
+
+
+def test_a_step_without_the_metric_keeps_its_place(plan: Plan, make_record: MakeRecord) -> None:
+    records = [
+        make_record(variant, seed, {"drive.spl": value})
+        for variant, values in SPL.items()
+        if variant != "flow"
+        for seed, value in enumerate(values)
+    ]
+    (axes,) = _figure(list(losses(plan, records))).axes
+    labels = [label.get_text().split("\n") for label in axes.get_xticklabels()]
+    assert labels == [["as it is", "0.600"], ["+ flow", "not known"], ["+ plane", "0.800"], ["all oracles", "0.800"]]
+    assert not axes.patches, "the step of both is not that of the plane"
+
+
+def test_metrics_of_frames_have_no_gain_across_different_frames(plan: Plan, make_record: MakeRecord) -> None:
+    auroc = Metric("auroc", help="Area.", better="higher", of_frames=True)
+    cases = tuple(dataclasses.replace(case, drives_as=case.variant) for case in plan.cases)
+    own = dataclasses.replace(
+        plan, cases=cases, metrics=("sight.auroc",), declared={**plan.declared, "sight.auroc": auroc}
+    )
+    records = [make_record(variant, seed, {"sight.auroc": 0.5}) for variant in SPL for seed in range(3)]
+    (of,) = losses(own, records)
+    assert [swap.gain for swap in (*of.single, *of.cumulative)] == [None] * 4
+    assert all(swap.estimate is not None for swap in of.cumulative)
+    assert "No oracle improves it." not in " ".join(sentences(own, of))

@@ -3,6 +3,7 @@
 import dataclasses
 import io
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -79,6 +80,35 @@ def test_detectors_on_one_drive_meet_the_same_frames() -> None:
 def test_a_drive_by_true_data_does_not_depend_on_what_the_camera_shows() -> None:
     assert drives("measure_conditions", "robot.tilt_deg=75,35") == ["robot.tilt_deg=75"] * 2
     assert drives("corridor_ccw", "robot.tilt_deg=75,35") == ["robot.tilt_deg=75", "robot.tilt_deg=35"]
+
+
+@pytest.mark.parametrize(
+    "vary",
+    [
+        "robot.map=maps/corridor_ccw.yaml,maps/pillars.yaml",
+        "robot.max_speed_mps=0.5,0.1",
+        "robot.slip_ratio=0,0.2",
+        "robot.rate_hz=10,5",
+        "run.until_s=120,5",
+    ],
+)
+def test_what_changes_the_drive_or_its_end_changes_its_frames(vary: str) -> None:
+    assert len(set(drives("measure_conditions", vary))) == 2
+
+
+@pytest.mark.parametrize(
+    "vary", ["robot.contrast_ratio=1,0.5", "robot.odometry_noise_ratio=0,0.1", "robot.exposure_s=0,0.1"]
+)
+def test_what_only_the_measured_stages_read_does_not(vary: str) -> None:
+    assert len(set(drives("measure_conditions", vary))) == 1
+
+
+def test_a_drive_by_the_true_picture_depends_on_the_camera(tmp_path: Path) -> None:
+    graph = tmp_path / "true_plane.yaml"
+    stages = "plane: {use: plane.truth}, robot: {in: {command: control.twist}}, guard: null"
+    graph.write_text(f"extends: corridor_ccw\nstages: {{{stages}}}\n")
+    found = [len(set(drives(str(graph), vary))) for vary in ("robot.tilt_deg=75,35", "robot.noise_sigma_gray=2,8")]
+    assert found == [2, 1]
 
 
 def test_each_condition_has_its_own_drives() -> None:

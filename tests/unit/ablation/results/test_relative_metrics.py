@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.report.legend import counting
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.records import Record, read_records
 from graphnav.ablation.results.relative_metrics import relative_metrics
@@ -58,6 +59,17 @@ def test_a_world_in_which_the_reference_did_not_arrive_has_none(plan: Plan, make
     ]
     assert relative_metrics(plan, runs) == [{}] * 5
     assert make_record("ica", 2, {}, outcome="failed").counted(NAME, OF_ORACLE) is None
+
+
+def test_an_integer_counts_as_a_number(plan: Plan, make_record: MakeRecord) -> None:
+    plan = dataclasses.replace(
+        plan, declared={**plan.declared, NAME: dataclasses.replace(OF_ORACLE, if_failed=0)}, metrics=(NAME,)
+    )
+    runs = [make_record("ica", 0, LOST, outcome="contact"), make_record("oracle", 0, arrived(10.0))]
+    assert relative_metrics(plan, runs) == [{NAME: 0}, {NAME: 1.0}]
+    success = dataclasses.replace(plan.declared["drive.success"], if_failed=0)
+    assert make_record("ica", 0, LOST, outcome="failed").counted("drive.success", success) == 0
+    assert "counts as drive.oracle_spl 0" in counting(plan, [NAME])
 
 
 def test_without_a_reference_no_run_has_it(plan: Plan, make_record: MakeRecord) -> None:

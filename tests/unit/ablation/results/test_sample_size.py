@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 
@@ -78,6 +79,26 @@ def test_the_sentence_is_on_unclear_variants_only(make_plan: MakePlan, make_reco
         "corridor, alike: drive.success is not clear after 20 worlds; "
         f"a difference of this size would be clear in 4 of 5 studies of about {worlds}"
     )
+
+
+def test_a_study_that_its_results_stop_has_none(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = dataclasses.replace(make_plan(seeds=range(3), metrics={"drive.success": "higher"}), until_clear=True)
+    records = [make_record(variant, seed, {"drive.success": 1.0}) for variant in plan.variants for seed in range(3)]
+    assert list(sample_size_texts(plan, compare(plan, records), records)) == []
+
+
+def test_variants_without_runs_count_in_the_family(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    found = []
+    for variants in (("ica", "alike"), ("ica", "alike", "later", "last")):
+        plan = make_plan(variants=variants, seeds=range(20), metrics={"drive.success": "higher"})
+        records = [
+            make_record(variant, seed, {"drive.success": float(seed < last)})
+            for variant, last in {"ica": 20, "alike": 18}.items()
+            for seed in range(20)
+        ]
+        (text,) = sample_size_texts(plan, compare(plan, records), records)
+        found.append(int(text.rpartition(" ")[2]))
+    assert found[0] < found[1]
 
 
 def test_where_nothing_differs_no_number_is_given(make_plan: MakePlan, make_record: MakeRecord) -> None:

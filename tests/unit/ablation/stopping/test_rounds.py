@@ -11,6 +11,7 @@ from graphnav.ablation.plan.plan import Job, Plan
 from graphnav.ablation.report.markdown import table_markdown
 from graphnav.ablation.results import compare
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.relative_metrics import relative_metrics
 from graphnav.ablation.stopping.rounds import check_stopping, decisions, jobs_of_next_round
 from graphnav.ablation.stopping.stopping_report import stopping_texts
 from graphnav.errors import GraphnavError, UserError
@@ -56,15 +57,64 @@ def test_a_decided_variant_gets_no_more_worlds_and_the_others_all(plan: Plan, ma
     said = list(stopping_texts(plan, records))
     assert said[0].startswith("Stopped by --until-clear: 5 worlds at a time were added until drive.success")
     assert said[1:] == [
-        "corridor, worse: drive.success is clear after 10 worlds",
-        "corridor, alike: drive.success is not clear after 23 worlds",
+        "corridor, worse: told from the base after 10 worlds",
+        "corridor, alike: not told from the base after 23 worlds",
     ]
+
+
+def test_the_reference_runs_on_where_what_decides_is_relative_to_it(
+    make_plan: MakePlan, make_record: MakeRecord
+) -> None:
+    name = "drive.oracle_spl"
+    of_oracle = Metric(
+        "oracle_spl", help="x", better="higher", if_failed=0.0, relative_to="path_length_m", bounds=(0.0, 1.0)
+    )
+    made = make_plan(("ica", "oracle", "alike"), range(40), {name: "higher"})
+    declared = {**made.declared, name: of_oracle}
+    plan = dataclasses.replace(made, until_clear=True, reference="oracle", declared=declared)
+    path_m = {"ica": 14.0, "oracle": 7.0, "alike": 14.0}
+    records: list[Record] = []
+
+    def is_made(job: Job) -> bool:
+        return any((record.variant, record.seed) == (job.case.variant, job.seed) for record in records)
+
+    def known() -> list[Record]:
+        more = relative_metrics(plan, records)
+        return [dataclasses.replace(one, metrics={**one.metrics, **of}) for one, of in zip(records, more, strict=True)]
+
+    while jobs := jobs_of_next_round(plan, known(), is_made):
+        assert len({(job.case.variant, job.seed) for job in jobs}) == len(jobs)
+        arrived = {"drive.success": 1.0}
+        records += [
+            make_record(job.case.variant, job.seed, {**arrived, "drive.path_length_m": path_m[job.case.variant]})
+            for job in jobs
+        ]
+    oracle, alike = decisions(plan, "corridor", known())
+    assert (oracle.is_told, alike.is_told) == (True, False)
+    assert oracle.worlds < alike.worlds == 40
+    assert sum(name in record.metrics for record in known() if record.variant == "alike") == 40
+
+
+def test_a_small_difference_is_told_and_said_to_be_small(plan: Plan, make_record: MakeRecord) -> None:
+    score = Metric("score", help="x", better="higher", min_difference=2.0, bounds=(0.0, 4.0))
+    declared = {**plan.declared, "drive.score": score}
+    wide = dataclasses.replace(plan, seeds=tuple(range(100)), metrics=("drive.score",), declared=declared)
+    values = {"ica": 3.0, "worse": 0.5, "alike": 2.0}
+    records = [
+        make_record(variant, seed, {"drive.score": value}) for variant, value in values.items() for seed in range(100)
+    ]
+    worse, alike = list(stopping_texts(wide, records))[1:]
+    assert worse.endswith("worlds")
+    assert alike.startswith("corridor, alike: told from the base after ")
+    assert alike.endswith(" worlds, by a difference smaller than what matters")
+    clear = {row.case.variant: row.differences["drive.score"].is_clear for row in compare(wide, records).rows[1:]}
+    assert clear == {"worse": True, "alike": False}
 
 
 def test_it_ends_when_all_are_decided(plan: Plan, make_record: MakeRecord) -> None:
     records, _ = rounds_of(plan, make_record, lambda variant, _: variant == "ica")
     assert len(records) == 30
-    assert [(one.worlds, one.is_clear) for one in decisions(plan, "corridor", records)] == [(10, True), (10, True)]
+    assert [(one.worlds, one.is_told) for one in decisions(plan, "corridor", records)] == [(10, True), (10, True)]
 
 
 def test_what_is_there_is_not_asked_for_and_does_not_change_the_decision(plan: Plan, make_record: MakeRecord) -> None:
@@ -80,7 +130,7 @@ def test_what_is_there_is_not_asked_for_and_does_not_change_the_decision(plan: P
 def test_a_round_that_is_not_complete_decides_nothing(plan: Plan, make_record: MakeRecord) -> None:
     records, _ = rounds_of(plan, make_record, lambda variant, _: variant == "ica")
     assert [one.worlds for one in decisions(plan, "corridor", records[:-1])] == [5, 5]
-    assert [one.is_clear for one in decisions(plan, "corridor", records[:-1])] == [False, False]
+    assert [one.is_told for one in decisions(plan, "corridor", records[:-1])] == [False, False]
 
 
 def test_other_studies_say_nothing(plan: Plan) -> None:
@@ -121,7 +171,7 @@ def test_tables_call_clear_what_the_rule_decides(plan: Plan, make_record: MakeRe
         for variant in plan.variants
         for seed in plan.seeds
     ]
-    at_end = {one.case.variant: one.is_clear for one in decisions(plan, "corridor", records)}
+    at_end = {one.case.variant: one.is_told for one in decisions(plan, "corridor", records)}
     assert at_end == {"worse": True, "alike": False}
     for until_clear, clear in ((False, {"worse", "alike"}), (True, {"worse"})):
         study = dataclasses.replace(plan, until_clear=until_clear)

@@ -20,9 +20,10 @@ _MAX_NAMED = 6
 def overview(study: StudyResults) -> Markup:
     """Return the head of the page."""
     metric = study.deciding
-    n, n_planned = study.n_runs, study.plan.n_jobs
-    is_finished = n >= n_planned
-    missing = f"not finished: so far {n} of {counted(n_planned, 'run')}"
+    n, n_pending = study.comparison.runs, study.comparison.pending
+    missing = f"not finished: so far {n} of {counted(n + n_pending, 'run')}"
+    if study.plan.until_clear:
+        missing = f"not finished: so far {counted(n, 'run')}, {n_pending} more in the next round"
     nothing = Markup("")
     charts = answer = verdicts_drawn = references = nothing
     if metric is not None:
@@ -34,8 +35,8 @@ def overview(study: StudyResults) -> Markup:
     return rendered(
         "first_screen.html",
         plan=study.plan,
-        is_finished=is_finished,
-        state=f"finished: {counted(n, 'run')}" if is_finished else missing,
+        is_finished=not n_pending,
+        state=missing if n_pending else f"finished: {counted(n, 'run')}",
         answer=answer,
         verdicts=verdicts_drawn,
         references=references,

@@ -17,6 +17,8 @@ from graphnav.ablation.results import Row
 from graphnav.runner import Outcome
 
 MAX_ROWS = 24
+NO_COMMON_WORLD = "no common world"
+"""In place of a difference of variants that share none."""
 
 
 def forest(study: StudyResults, metric: str, *, with_worlds: bool = False) -> Markup:

@@ -9,9 +9,10 @@ from markupsafe import Markup
 
 from graphnav.ablation.report.html.number_text import counted, estimate_text, estimated, means_text
 from graphnav.ablation.report.html.render import rendered
-from graphnav.ablation.report.html.sections.forest_plot import missing_reason
+from graphnav.ablation.report.html.sections.forest_plot import NO_COMMON_WORLD, missing_reason
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
+from graphnav.ablation.report.legend import OWN_FRAMES
 from graphnav.ablation.results import Row
 from graphnav.stage import Role
 
@@ -68,22 +69,34 @@ def headline(study: StudyResults, metric: str, found: Found) -> Markup:
 
 
 def _clauses(study: StudyResults, found: Found, rivals: Sequence[str]) -> list[_Clause]:
-    """Return who is better where, most places first, then who is only worse."""
-    if found and all(verdict == "unknown" for verdict, _ in found.values()):
-        return [_Clause(f"There are too few worlds to tell the {len(rivals)} others apart")]
+    """Return who is better where, most places first, then who is only worse, then who is not compared anywhere."""
+    untested = [rival for rival in rivals if _verdicts(found, rival) <= {"untested"}]
+    compared = len(rivals) - len(untested)
+    left_out = [_statement(untested, f"not compared: {OWN_FRAMES}")] if untested else []
+    if all(verdict in {"unknown", "untested"} for verdict, _ in found.values()):
+        return [
+            *([_Clause(f"There are too few worlds to tell the {compared} others apart")] if compared else []),
+            *left_out,
+        ]
     counts = {rival: _counts(found, rival) for rival in rivals}
     leading = sorted((rival for rival in rivals if counts[rival].better), key=lambda rival: -counts[rival].better)
     alike = {text: [r for r in leading if _text(study, counts[r]) == text] for text in _texts(study, counts, leading)}
     clauses = [_statement(variants, text) for text, variants in alike.items()]
     if rivals and not clauses:
-        clauses.append(_Clause(f"None of the {len(rivals)} others is better"))
+        clauses.append(
+            _Clause("None that is compared is better" if untested else f"None of the {compared} others is better")
+        )
     trailing = [rival for rival in rivals if counts[rival].worse and not counts[rival].better]
     if len(trailing) > _MAX_NAMES:
         where = f" on some {_places(study)}" if len(study.plan.graphs) > 1 else ""
         is_all = len(trailing) == len(rivals)
         clauses.append(_Clause(f"{'all' if is_all else f'{len(trailing)} of {len(rivals)}'} are worse{where}"))
-        return clauses
-    return [*clauses, *(_statement([rival], _text(study, counts[rival])) for rival in trailing)]
+        return [*clauses, *left_out]
+    return [*clauses, *(_statement([rival], _text(study, counts[rival])) for rival in trailing), *left_out]
+
+
+def _verdicts(found: Found, variant: str) -> set[Verdict]:
+    return {verdict for (called, _), (verdict, _) in found.items() if called == variant}
 
 
 @dataclass(frozen=True)
@@ -122,8 +135,11 @@ def _statement(variants: Sequence[str], text: str) -> _Clause:
 def _rival(study: StudyResults, metric: str, verdict: Verdict, row: Row) -> _Rival:
     where = f" on {row.case.graph}" if len(study.plan.graphs) > 1 else ""
     estimate, difference = row.estimates.get(metric), row.differences.get(metric)
-    if estimate is None or difference is None:
+    if estimate is None:
         return _Rival(row.case.variant, where, missing_reason(row))
+    if difference is None:
+        why = f"not compared: {OWN_FRAMES}" if verdict == "untested" else NO_COMMON_WORLD
+        return _Rival(row.case.variant, where, f"{metric} {estimate_text(estimate)}, {why}")
     words = {
         "better": "better than the base",
         "worse": "worse than the base",

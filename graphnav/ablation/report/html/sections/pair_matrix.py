@@ -9,10 +9,11 @@ from markupsafe import Markup
 
 from graphnav.ablation.report.html.number_text import counted, estimate_text, estimated
 from graphnav.ablation.report.html.render import rendered
-from graphnav.ablation.report.html.sections.forest_plot import shown_variants
+from graphnav.ablation.report.html.sections.forest_plot import NO_COMMON_WORLD, shown_variants
 from graphnav.ablation.report.html.study_results import StudyResults
+from graphnav.ablation.report.legend import OWN_FRAMES
 from graphnav.ablation.report.number_format import TOO_SMALL, p_text
-from graphnav.ablation.results import AllPairs, Difference, all_pairs, min_worlds
+from graphnav.ablation.results import AllPairs, Pair, all_pairs, min_worlds
 from graphnav.stage import Better
 
 _MIN_VARIANTS = 3
@@ -48,7 +49,7 @@ class _Matrix:
 def pair_matrices(study: StudyResults) -> Markup:
     """Return a matrix for each graph with three variants or more, of many variants of those that plots show."""
     metric = study.deciding
-    if metric is None or not study.n_runs or len(study.own_variants) > _MAX_VARIANTS:
+    if metric is None or not study.comparison.runs or len(study.own_variants) > _MAX_VARIANTS:
         return Markup("")
     shown = shown_variants(study, metric)
     better = study.plan.better(metric)
@@ -60,13 +61,7 @@ def pair_matrices(study: StudyResults) -> Markup:
 def _matrix(pairs: AllPairs, shown: Sequence[str], better: Better) -> _Matrix:
     variants = [variant for variant in pairs.variants if variant in shown]
     rows = [
-        (
-            row,
-            [
-                _Cell() if row == column else _cell(pairs.differences.get((row, column)), better, is_upper=x > y)
-                for x, column in enumerate(variants)
-            ],
-        )
+        (row, [_cell(pairs, (row, column), better, is_upper=x > y) for x, column in enumerate(variants)])
         for y, row in enumerate(variants)
     ]
     n_pairs = len(pairs.variants) * (len(pairs.variants) - 1) // 2
@@ -77,9 +72,12 @@ def _matrix(pairs: AllPairs, shown: Sequence[str], better: Better) -> _Matrix:
     )
 
 
-def _cell(found: Difference | None, better: Better, *, is_upper: bool) -> _Cell:
+def _cell(pairs: AllPairs, pair: Pair, better: Better, *, is_upper: bool) -> _Cell:
+    if pair[0] == pair[1]:
+        return _Cell()
+    found = pairs.differences.get(pair)
     if found is None:
-        return _Cell(["no common world"])
+        return _Cell([OWN_FRAMES if pair in pairs.own_frames else NO_COMMON_WORLD])
     verdict = "unclear"
     if found.is_clear and better != "neither":
         verdict = "better" if (found.mean > 0) == (better == "higher") else "worse"

@@ -12,7 +12,7 @@ from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.variant_style import OUTCOMES, badge_of
 from graphnav.ablation.report.html.verdict import Verdict, verdict_of
-from graphnav.ablation.report.legend import OWN_FRAMES
+from graphnav.ablation.report.legend import OWN_FRAMES, worlds_text
 from graphnav.ablation.report.number_format import TOO_SMALL, p_text
 from graphnav.ablation.results import Difference, Row
 from graphnav.stage import Better
@@ -61,15 +61,13 @@ def tables(study: StudyResults) -> Markup:
 
 def _row(study: StudyResults, row: Row) -> _TableRow:
     case = row.case
-    wanted = study.plan.n_worlds(row.case)
-    missing = "" if row.runs >= wanted else f" of {wanted}"
     return _TableRow(
         case.variant,
         badge_of(case),
         case.same_as,
         f"{case.role} base" if case.is_base else case.role,
         [f"{counted(n, 'run')} failed: {reason}" for reason, n in row.failures.items()],
-        f"{row.runs}{missing}",
+        worlds_text(row),
         [(name, row.outcomes[name]) for name in OUTCOMES if row.outcomes.get(name)],
         [_cell(study, row, metric) for metric in study.metrics],
     )

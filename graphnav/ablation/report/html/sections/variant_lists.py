@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from graphnav.ablation.report.html.number_text import counted, estimated, means_text
+from graphnav.ablation.report.html.number_text import counted, estimate_text, estimated, means_text
 from graphnav.ablation.report.html.render import rendered
-from graphnav.ablation.report.html.sections.forest_plot import missing_reason
+from graphnav.ablation.report.html.sections.forest_plot import NO_COMMON_WORLD, missing_reason
 from graphnav.ablation.report.html.sections.headline import Found, verdicts
 from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.report.html.verdict import Verdict
+from graphnav.ablation.report.legend import OWN_FRAMES
 from graphnav.ablation.results import Row
 from graphnav.stage import Role
 
@@ -53,7 +54,10 @@ class _Reference:
 
 
 def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Markup:
-    """Return three lists of methods, each with its difference from the base on the graphs where that holds."""
+    """Return lists of methods, each with its difference from the base on the graphs where that holds.
+
+    Those that are not compared have their values instead.
+    """
     titles: dict[Verdict, str] = {
         "better": "Better than the base",
         "small": "Smaller than what matters",
@@ -61,6 +65,7 @@ def variants_by_verdict(study: StudyResults, metric: str, found: Found) -> Marku
         "worse": "Worse than the base",
         "different": "Different from the base",
         "unknown": "Not known",
+        "untested": f"Not compared: {OWN_FRAMES}",
     }
     is_brief = len(found) > _MAX_INTERVALS
     lists = []
@@ -107,15 +112,21 @@ def _where(graphs: Sequence[str], n_all: int) -> str:
 
 
 def _change(row: Row, metric: str) -> str:
-    found = row.differences.get(metric)
+    found, estimate = row.differences.get(metric), row.estimates.get(metric)
+    if estimate is None:
+        return missing_reason(row)
     if found is None:
-        return missing_reason(row) if metric not in row.estimates else "no common world"
+        return estimate_text(estimate) if metric in row.own_frames else NO_COMMON_WORLD
     return estimated(found.mean, found.low, found.high, signed=True)
 
 
 def _brief(rows: Iterable[Row], metric: str) -> str:
-    found = [row.differences[metric].mean for row in rows if metric in row.differences]
-    return means_text(found, signed=True) if found else "no common world"
+    some = list(rows)
+    found = [row.differences[metric].mean for row in some if metric in row.differences]
+    if found:
+        return means_text(found, signed=True)
+    own = [row.estimates[metric].mean for row in some if metric in row.estimates and metric in row.own_frames]
+    return means_text(own) if own else NO_COMMON_WORLD
 
 
 def reference_values(study: StudyResults, metric: str) -> Markup:

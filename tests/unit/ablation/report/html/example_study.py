@@ -11,6 +11,7 @@ from graphnav.ablation.plan.plan import Case, Plan
 from graphnav.ablation.report.html.page import write_report
 from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.records import Record, StageTime
+from graphnav.ablation.stopping import pending_runs
 from graphnav.catalog import Catalog
 from graphnav.graph import parse_override
 from graphnav.stage import Metric, Role
@@ -136,6 +137,8 @@ def records_of(plan: Plan, share: Mapping[str, float]) -> list[Record]:
 
 def report(plan: Plan, records: Sequence[Record], folder: Path, catalog: Any = None) -> str:
     """Return the text of the report."""
-    path = write_report(plan, compare(plan, records), records, folder, catalog or Catalog())
+    path = write_report(
+        plan, compare(plan, records, pending_runs(plan, records)), records, folder, catalog or Catalog()
+    )
     assert path == folder / "report.html"
     return path.read_text(encoding="utf-8")

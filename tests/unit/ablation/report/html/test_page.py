@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 
 from graphnav.ablation.plan.plan import Plan
+from graphnav.ablation.report.markdown import table_markdown
+from graphnav.ablation.results import compare
 from graphnav.ablation.results.records import Record
+from graphnav.ablation.stopping import pending_runs
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph, resolved_yaml
 from graphnav.stage import Role
@@ -38,6 +41,19 @@ def test_it_holds_every_variant_and_figure_with_controls_and_oracles_marked(tmp_
     for word in (*ROLES, *plan.metrics, *plan.graphs, "baseline", "oracle", plan.command, plan.about, "0 to 19"):
         assert word in found.text
     assert "finished: 200 runs" in found.text
+
+
+def test_a_study_that_its_results_stopped_is_finished_with_the_runs_that_it_has(tmp_path: Path) -> None:
+    made = plan_of({"ica": "method", "affine": "method"}, seeds=range(40), metrics=(SUCCESS,))
+    plan = replace(made, until_clear=True)
+    records = [one for one in records_of(plan, {"ica": 1.0, "affine": 0.0}) if one.seed < 10]
+    text = page(plan, records, tmp_path).text
+    assert "finished: 20 runs" in text
+    assert "not finished" not in text
+    assert "10 of 40" not in text + table_markdown(plan, compare(plan, records, pending_runs(plan, records)))
+    text = page(plan, records[:-1], tmp_path).text
+    assert "not finished: so far 19 runs, 1 more in the next round" in text
+    assert "9 of 10" in text
 
 
 def test_the_answer_says_what_the_worlds_can_tell_and_no_more(tmp_path: Path) -> None:

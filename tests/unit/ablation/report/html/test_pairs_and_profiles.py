@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -143,6 +144,34 @@ def test_frames_of_their_own_have_no_profile(tmp_path: Path) -> None:
     )
     assert "drive.spl of at least" in report(plan, records, tmp_path)
     assert "drive.spl of at least" not in report(own, records, tmp_path)
+
+
+def of_own_frames(plan: Plan, alike: Mapping[str, str]) -> Plan:
+    """Return a plan whose deciding metric depends on the frames; ``alike``: whose drive each variant's is."""
+    spl = replace(plan.declared["drive.spl"], of_frames=True)
+    cases = tuple(replace(case, drives_as=alike[case.variant]) for case in plan.cases)
+    return replace(plan, declared={**plan.declared, "drive.spl": spl}, cases=cases, metrics=("drive.spl",))
+
+
+def test_a_rival_that_met_frames_of_its_own_is_not_called_undefined(tmp_path: Path) -> None:
+    plan, records = with_spl(plan_of(methods("ica", "affine"), seeds=range(8)), {"ica": [0.9] * 8, "affine": [0.5] * 8})
+    text = Page(report(of_own_frames(plan, {"ica": "ica", "affine": "affine"}), records, tmp_path)).text
+    assert "affine : drive.spl 0.5000 ≈[0.5000, 0.5000], not compared: own frames. Better" in text
+    assert "Not compared: own frames affine 0.5000" in text
+    assert "undefined in all runs" not in text
+
+
+def test_rivals_that_met_frames_of_their_own_do_not_count_as_not_better(tmp_path: Path) -> None:
+    values = {"ica": [0.5] * 8, "affine": [0.9] * 8, "gain": [0.9] * 8, "twin": [0.5] * 8}
+    plan, records = with_spl(plan_of(methods(*values), seeds=range(8)), values)
+    own = of_own_frames(plan, {name: name for name in values})
+    text = Page(report(own, records, tmp_path)).text
+    assert "ica has drive.spl 0.5000 ≈[0.5000, 0.5000]. affine , gain and twin are not compared: own frames." in text
+    assert "others is better" not in text
+    some = of_own_frames(plan, {"ica": "ica", "affine": "affine", "gain": "gain", "twin": "ica"})
+    text = Page(report(some, records, tmp_path)).text
+    assert "None that is compared is better; affine and gain are not compared: own frames." in text
+    assert "no common world" not in text
 
 
 def test_a_mean_of_fewer_worlds_than_were_run_is_told_first(tmp_path: Path) -> None:
