@@ -17,6 +17,8 @@ from result_pages.claims import claims, unchecked
 from result_pages.shipped_results import RESULTS, ShippedResults
 from result_pages.tables import with_tables
 
+from graphnav.errors import UserError
+
 PAGE = RESULTS / "README.md"
 """Every statement of it that gives a number or compares has a check."""
 _ROOT = RESULTS.parents[1]
@@ -63,4 +65,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except UserError as error:
+        sys.exit(str(error))

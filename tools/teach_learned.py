@@ -9,6 +9,8 @@ machine. Every fifth drive only judges the network, whose AUROC on them is print
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,6 +29,8 @@ from threadpoolctl import threadpool_limits
 import graphnav
 from graphnav import Flow, Planar, Recording, Truth, block_mean
 from graphnav.arrays import Bools, Floats
+from graphnav.errors import Problem, UserError, printable
+from graphnav.graph import parse_overrides
 
 GRAPH = Path(__file__).with_suffix(".yaml")
 FIRST_SEED = 100
@@ -59,17 +63,28 @@ class Samples:
     step_px: int
 
 
-def main() -> None:
-    """Teach and write the model."""
+def main(argv: Sequence[str] | None = None) -> int:
+    """Teach and write the model; return 2 for arguments that cannot be used."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, required=True, help="the model's file")
     parser.add_argument("--set", action="append", default=[], help="change the graph of all drives, as graphnav run")
     parser.add_argument("--drives", type=int, help="the first drives only, for a trial")
-    arguments = parser.parse_args()
-    given = dict(text.split("=", 1) for text in arguments.set)
+    arguments = parser.parse_args(argv)
+    try:
+        planned, given = _planned(arguments.drives), _given(arguments.set)
+        _check_output(arguments.output)
+        teach(planned, given, arguments.output)
+    except UserError as error:
+        print(printable(str(error)), file=sys.stderr)
+        return 2
+    return 0
+
+
+def teach(planned: Sequence[Drive], given: Mapping[str, object], output: Path) -> None:
+    """Make the drives, fit the network and write it."""
     taught: list[Samples] = []
     judging: list[Samples] = []
-    for number, drive in enumerate(list(drives())[: arguments.drives]):
+    for number, drive in enumerate(planned):
         samples = collected(drive, given)
         (judging if number % JUDGING == JUDGING - 1 else taught).append(samples)
         print(f"{drive.seed} {drive.changes}: {len(samples.obstacle)} cells, {samples.obstacle.mean():.1%} obstacle")
@@ -79,13 +94,40 @@ def main() -> None:
     about = {
         "graph": GRAPH.name,
         "set": given,
-        "drives": [{"seed": drive.seed, "set": drive.changes} for drive in drives()][: arguments.drives],
+        "drives": [{"seed": drive.seed, "set": drive.changes} for drive in planned],
         "samples": sum(samples.obstacle.size for samples in taught),
         "auroc": {name: round(value, 4) for name, value in auroc.items()},
         "versions": {"graphnav": graphnav.__version__, "sklearn": sklearn.__version__, "numpy": np.__version__},
     }
-    write_model(arguments.output, LearnedModel(network, taught[0].shape, taught[0].step_px, about))
-    print(f"{arguments.output}: {arguments.output.stat().st_size} bytes, AUROC {auroc}")
+    write_model(output, LearnedModel(network, taught[0].shape, taught[0].step_px, about))
+    print(f"{output}: {output.stat().st_size} bytes, AUROC {auroc}")
+
+
+def _planned(number: int | None) -> Sequence[Drive]:
+    """Return the first drives, all without a number."""
+    if number is not None and number < 1:
+        raise UserError.of(f"--drives {number} leaves no drive to teach from", "write --drives 1 or more")
+    return list(drives())[:number]
+
+
+def _given(texts: Sequence[str]) -> dict[str, object]:
+    """Return what ``--set`` says, value by target."""
+    problems: list[Problem] = []
+    overrides = parse_overrides(texts, problems)
+    if problems:
+        raise UserError(problems)
+    return {str(override.target): override.value for override in overrides}
+
+
+def _check_output(output: Path) -> None:
+    """Make the model's folder; raise UserError where the file cannot be written, before any drive is made."""
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        is_writable = os.access(output.parent, os.W_OK) and not output.is_dir()
+    except OSError:
+        is_writable = False
+    if not is_writable:
+        raise UserError.of(f"cannot write {output}", "choose another file with -o")
 
 
 def drives() -> Iterator[Drive]:
@@ -159,4 +201,4 @@ def auroc_of(network: Network, judging: Sequence[Samples]) -> float:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

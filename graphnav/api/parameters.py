@@ -44,7 +44,7 @@ PARAMETERS = {
     "within": "Axes that are conditions: variants are compared with the base under the same one.",
     "reference": "The variant, by its name in tables, whose runs relative metrics compare with; None: that of the "
     "study.",
-    "worlds": 'Graphs that have only the first so many seeds: ``{"laps": 10}``; None: those of the study.',
+    "worlds": 'Graphs that have only the first so many seeds: ``{"suite/laps": 10}``; None: those of the study.',
     "until_clear": "Use the seeds, in their order, only until the metric that decides tells every variant from "
     "the base.",
     "fail_fast": "Raise `GraphnavError` at the first run in which a stage fails or whose process dies.",

@@ -79,13 +79,13 @@ class StudyConsole:
 
 
 def _estimate_text(found: TimeEstimate, at_once: int) -> str:
-    """Return the core-hours of runs, an upper bound."""
+    """Return the core-hours of runs, about, and what they suppose."""
     begin = f"{found.n_runs} runs, {at_once} at once"
     if found.n_unknown == found.n_runs:
         return f"{begin}; {_unknown_text(found)}"
     unknown = f", without {found.n_unknown} runs of which none is known" if found.n_unknown else ""
-    bound = f"at most {found.core_s / 3600:.2g} core-hours ({duration_text(found.core_s / at_once)})"
-    return f"{begin}: {bound} if each lasts until its time limit{unknown}"
+    hours = f"about {found.core_s / 3600:.2g} core-hours ({duration_text(found.core_s / at_once)})"
+    return f"{begin}: {hours} if each lasts until its time limit and costs what the first does{unknown}"
 
 
 def _unknown_text(found: TimeEstimate) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 import graphnav
 from graphnav import Metric, Role, Stage, Truth, param
+from graphnav_score.frame_metrics import of_frames
 from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
 
@@ -24,19 +25,21 @@ class Components(Stage):
     """
 
     role: ClassVar[Role] = "score"
-    metrics: ClassVar[tuple[Metric, ...]] = (
+    metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", help="Frames that count."),
         Metric(
             "alpha_auroc",
             better="higher",
             min_difference=0.01,
             help="Area under the receiver operating characteristic of the component whose length varies less.",
+            bounds=(0.0, 1.0),
         ),
         Metric(
             "beta_auroc",
             better="higher",
             min_difference=0.01,
             help="The same of the component whose length varies more.",
+            bounds=(0.0, 1.0),
         ),
         Metric(
             "median_variance_ratio",
@@ -44,7 +47,13 @@ class Components(Stage):
             better="neither",
             help="Variance of the length of v_alpha divided by that of v_beta, median over all frames.",
         ),
-        Metric("alpha_taken_ratio", unit="ratio", better="neither", help="Share of all frames scored by v_alpha."),
+        Metric(
+            "alpha_taken_ratio",
+            unit="ratio",
+            better="neither",
+            help="Share of all frames scored by v_alpha.",
+            bounds=(0.0, 1.0),
+        ),
     )
 
     min_obstacle_ratio: float = param(0.05, ge=0.0, le=1.0, doc="minimum true share of obstacle in a frame that counts")

@@ -16,6 +16,7 @@ CONTACT_METRICS = (
         better="lower",
         min_difference=0.05,
         help="1 if what it touched first moves, else 0; left out where the map has nothing that moves.",
+        bounds=(0.0, 1.0),
     ),
     Metric(
         "hit_by_mover",
@@ -23,6 +24,7 @@ CONTACT_METRICS = (
         min_difference=0.05,
         help="1 if what it touched first moves and brought the larger share of the speed at which the two closed, "
         "along the line of contact, else 0; left out where the map has nothing that moves.",
+        bounds=(0.0, 1.0),
     ),
 )
 

@@ -48,8 +48,15 @@ class Navigation(Stage):
             better="lower",
             min_difference=0.05,
             help="1 if it neither reached the goal nor touched anything, else 0.",
+            bounds=(0.0, 1.0),
         ),
-        Metric("collision", better="lower", min_difference=0.05, help="1 if it touched anything, else 0."),
+        Metric(
+            "collision",
+            better="lower",
+            min_difference=0.05,
+            help="1 if it touched anything, else 0.",
+            bounds=(0.0, 1.0),
+        ),
         *CONTACT_METRICS,
         Metric(
             "min_clearance_m",
@@ -117,6 +124,7 @@ class Navigation(Stage):
             if_failed=0.0,
             help="Success weighted by completion time: optimal time / max(time, optimal time), 0 if failed; the "
             "optimal time is that of the shortest path at `optimal_speed_mps` [SCT].",
+            bounds=(0.0, 1.0),
         ),
     )
 

@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 from gen_results import PAGE as PAGE_OF_RESULTS
 from gen_results import problems
-from result_pages.claims import claims, unchecked
+from result_pages.claims import Claim, claims, unchecked
 from result_pages.expression import evaluate
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
+
+from graphnav.errors import UserError
 
 HEADER = "graph,variant,role,method,condition,seed,outcome,failure,frames,sim_s,drive.success,sight.auroc"
 
@@ -123,6 +125,34 @@ def test_a_number_that_nothing_checks_is_named(results: ShippedResults) -> None:
     assert list(claim.problems(results)) == ["line 5: the number 0.6 is not in the check"]
 
 
+@pytest.mark.parametrize(
+    ("expression", "left"),
+    [
+        ('(arrive("bend", "ica") == 9 and n_graphs() == 1) or n_runs() == 1', "8"),
+        ('(arrive("bend", "ica") - 1) * 2 < 3', "14"),
+        ('not (clear("bend", "blind"))', "False"),
+        ('not n_graphs() == 1 and mean("bend", "ica", "sight.au") > 0', "1"),
+        ('not n_graphs() and mean("bend", "ica", "sight.au") > 0', "the results of 'small' have no metric"),
+    ],
+)
+def test_a_claim_that_does_not_hold_may_have_any_form(results: ShippedResults, expression: str, left: str) -> None:
+    [problem] = Claim(1, "Words.", "small", (expression,), "").problems(results)
+    assert problem.startswith(f"line 1: not true: {expression} (left side: {left}")
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        'round(mean("bend", "ica", "sight.auroc"), 2) > 0',
+        'round(mean("bend", "ica", "sight.auroc"), digits=2) > 0',
+        'interval("bend", "ica", "sight.auroc", 2, at="dim") == "0.90 [0.90, 0.90]"',
+    ],
+)
+def test_the_number_of_digits_is_not_a_result(results: ShippedResults, expression: str) -> None:
+    claim = Claim(1, "It arrives in 2 of 21 worlds.", "small", (expression, "n_runs() == 21"), "")
+    assert list(claim.problems(results)) == ["line 1: the number 2 is not in the check"]
+
+
 def test_what_the_pages_claim_is_borne_out_by_the_results_that_ship() -> None:
     assert len(list(claims(PAGE_OF_RESULTS.read_text(encoding="utf-8")))) > 20
     assert not list(problems())
@@ -160,3 +190,46 @@ def test_a_table_has_a_column_a_metric_or_a_condition(
     lines = with_tables(f"<!-- table small: {body} -->\n<!-- end of table -->", lambda _: results).split("\n")
     assert lines[2] == header
     assert lines[4] == first
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("arive(graph, variant)", "'arive('bend', 'ica')' is not allowed"),
+        ('mean(graph, variant, "sight.au")', "have no metric 'sight.au'"),
+        ("mean(graph, variant, metric); metrics sight.au", "have no metric 'sight.au'"),
+        ('arrive(graph, "icb")', "variants: ica, blind, broken"),
+        ('arrive(graph, variant, at="bright")', "have no run of"),
+        ("arrive(graph, variant, at=condition)", "the study has no conditions"),
+        ("arrive(graph, variant); digit 2", "there is no option 'digit'"),
+        ("arrive(graph, variant); digits", "the option 'digits' has no value"),
+        ("arrive(graph, variant); digits two", "digits are 'two', not a number"),
+        ("arrive(graph, variant); as A, B", "'as' has 2 titles for 1 columns: bend"),
+        ("arrive(graph, variant); metrics sight.auroc", "'metrics' is for a study of one graph"),
+    ],
+)
+def test_a_table_with_a_typing_error_is_refused(folder: Path, body: str, said: str) -> None:
+    page = folder / "README.md"
+    page.write_text(f"<!-- table small: {body} -->\n<!-- end of table -->\n", encoding="utf-8")
+    with pytest.raises(UserError) as error:
+        list(problems(page, folder))
+    assert str(error.value).startswith(f"the table small: {body}: ")
+    assert said in str(error.value)
+
+
+def test_a_case_that_was_not_run_or_has_no_such_metric_is_blank(results: ShippedResults) -> None:
+    only_ica = [{**row, "graph": "laps"} for row in results.rows if row["variant"] == "ica"]
+    both = ShippedResults("small", (*results.rows, *only_ica))
+    for expression in (
+        'mean(graph, variant, "sight.auroc")',
+        'low(graph, variant, "sight.auroc")',
+        '0.9 + difference(graph, variant, "ica", "sight.auroc")',
+    ):
+        made = with_tables(f"<!-- table small: {expression}; digits 1 -->\n<!-- end of table -->", lambda _: both)
+        assert made.split("\n")[2:7] == [
+            "|  | bend | laps |",
+            "| --- | --- | --- |",
+            "| ica | 0.9 | 0.9 |",
+            "| blind |  |  |",
+            "| broken |  |  |",
+        ]

@@ -6,7 +6,8 @@ A paragraph or a list item that gives a number or compares is followed by a comm
     <!-- check suite: arrive("shake", "homography") == 48; worlds("shake", "ica") == 50; arrive("shake", "ica") == 3 -->
 
 Every expression has to be true, and every number of the text has to stand in the comment: in an expression, or behind
-``given`` where it is not a result (``given 0.5`` for a parameter).
+``given`` where it is not a result (``given 0.5`` for a parameter). How many digits ``round`` and ``interval`` keep does
+not count.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from result_pages.expression import evaluate
+from result_pages.expression import evaluate, left_side, without_digits
 from result_pages.shipped_results import ShippedResults
 
 _CHECK = re.compile(r"<!--\s*check\s+(?P<study>[\w-]+):(?P<body>.*?)-->", re.DOTALL)
@@ -52,7 +53,8 @@ class Claim:
             else:
                 if holds is not True:
                     yield f"line {self.line}: not true: {expression} (left side: {_left(expression, results)})"
-        checked = set(_NUMBER.findall(" ".join([*self.expressions, self.given]).replace('"', " ")))
+        stated = [*map(without_digits, self.expressions), self.given]
+        checked = set(_NUMBER.findall(" ".join(stated).replace('"', " ")))
         for number in dict.fromkeys(_NUMBER.findall(_NOT_PROSE.sub(" ", self.text))):
             if number.lstrip("+") not in checked:
                 yield f"line {self.line}: the number {number} is not in the check"
@@ -81,8 +83,11 @@ def unchecked(markdown: str) -> Iterator[str]:
 
 
 def _left(expression: str, results: ShippedResults) -> object:
-    """Return the value of what stands before the first comparison."""
-    return evaluate(re.split(r"==|<=|>=|!=|<|>", expression, maxsplit=1)[0].strip(), results)
+    """Return the value of what stands before the first comparison; why it has none."""
+    try:
+        return evaluate(left_side(expression), results)
+    except ValueError as error:
+        return error
 
 
 def _blocks(markdown: str) -> Iterator[tuple[int, str]]:

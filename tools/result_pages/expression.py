@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
 from graphnav.errors import UserError
 from result_pages.functions import FUNCTIONS
-from result_pages.shipped_results import ShippedResults
+from result_pages.shipped_results import NotMeasuredError, ShippedResults
 
 _ARITHMETIC: Mapping[type[ast.operator], Callable[[float, float], float]] = {
     ast.Add: operator.add,
@@ -27,20 +28,60 @@ _COMPARISONS: Mapping[type[ast.cmpop], Callable[[object, object], bool]] = {
 }
 
 
+_DIGITS = "digits"
+"""The parameter of a function that says how a value is printed, not what it is."""
+
+
+class MissingError(ValueError):
+    """The case of an expression was not run, or none of its runs has the metric."""
+
+
 def evaluate(expression: str, results: ShippedResults) -> object:
     """Return the value of an expression.
 
     Raises
     ------
+    MissingError
+        It can be read, but there is no such run, or no run that has the metric.
     ValueError
         It cannot be read, or names what the results do not have.
     """
     try:
         return _value(ast.parse(expression, mode="eval").body, results)
-    except (SyntaxError, TypeError) as error:
+    except (SyntaxError, TypeError, ZeroDivisionError) as error:
         raise ValueError(f"cannot be read: {error}") from None
+    except NotMeasuredError as error:
+        raise MissingError(str(error)) from None
     except UserError as error:
         raise ValueError(str(error)) from None
+
+
+def left_side(expression: str) -> str:
+    """Return what stands before the first comparison of an expression that can be read; all of it without one."""
+    compared = [node for node in ast.walk(ast.parse(expression, mode="eval")) if isinstance(node, ast.Compare)]
+    first = min(compared, key=lambda node: node.col_offset, default=None)
+    return expression if first is None else str(ast.get_source_segment(expression, first.left))
+
+
+def without_digits(expression: str) -> str:
+    """Return an expression without the numbers of digits that it rounds to; unchanged if it cannot be read."""
+    text = expression.encode()
+    try:
+        nodes = list(ast.walk(ast.parse(expression, mode="eval")))
+    except SyntaxError:
+        return expression
+    for digits in (node for call in nodes if isinstance(call, ast.Call) for node in _digits_of(call)):
+        begin, end = digits.col_offset, digits.end_col_offset or digits.col_offset
+        text = text[:begin] + b" " * (end - begin) + text[end:]
+    return text.decode()
+
+
+def _digits_of(call: ast.Call) -> Iterator[ast.expr]:
+    function = FUNCTIONS.get(call.func.id) if isinstance(call.func, ast.Name) else None
+    if function is None or _DIGITS not in (names := list(inspect.signature(function).parameters)):
+        return
+    yield from call.args[names.index(_DIGITS) - 1 :][:1]
+    yield from (one.value for one in call.keywords if one.arg == _DIGITS)
 
 
 def _value(node: ast.expr, results: ShippedResults) -> object:

@@ -12,7 +12,7 @@ from graphnav.ablation.results.statistics import ALPHA, mean_interval
 from graphnav.ablation.results.study_values import difference as of_worlds
 from graphnav.arrays import Doubles
 from graphnav.errors import UserError
-from result_pages.shipped_results import Cell, ShippedResults
+from result_pages.shipped_results import Cell, NotMeasuredError, ShippedResults
 
 SUCCESS = "drive.success"
 
@@ -63,7 +63,10 @@ def interval(results: ShippedResults, graph: str, variant: str, metric: str, dig
 
 def difference(results: ShippedResults, graph: str, a: str, b: str, metric: str, *, at: str = "") -> float:
     """Return the mean of ``a - b`` over the worlds that both have."""
-    first, second = results.paired(Cell(graph, a, at), Cell(graph, b, at), metric)
+    cell, other = Cell(graph, a, at), Cell(graph, b, at)
+    first, second = results.paired(cell, other, metric)
+    if not first.size:
+        raise _nothing_in_common(cell, other, metric)
     return float((first - second).mean())
 
 
@@ -140,14 +143,18 @@ def _difference(results: ShippedResults, cell: Cell, base: Cell, metric: str) ->
     binary = _is_binary(np.array([*this.values(), *that.values()]))
     found = of_worlds(this, that, "higher", is_binary=binary, min_difference=results.min_difference(metric))
     if found is None:
-        raise UserError.of(f"{cell} and {base} have no world in common with '{metric}'", "compare others")
+        raise _nothing_in_common(cell, base, metric)
     return found
+
+
+def _nothing_in_common(cell: Cell, other: Cell, metric: str) -> UserError:
+    return NotMeasuredError.of(f"{cell} and {other} have no world in common with '{metric}'", "compare others")
 
 
 def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: str) -> Doubles:
     found = list(results.values(Cell(graph, variant, at), metric).values())
     if not found:
-        raise UserError.of(f"no run of '{variant}' on '{graph}' has '{metric}'", "name another metric")
+        raise NotMeasuredError.of(f"no run of '{variant}' on '{graph}' has '{metric}'", "name another metric")
     return np.array(found)
 
 

@@ -27,6 +27,10 @@ _BEFORE_AXES, _AFTER_AXES = "role", "seed"
 Row = Mapping[str, str]
 
 
+class NotMeasuredError(UserError):
+    """A case was not run, or none of its runs has the metric; all that was named is in the results."""
+
+
 class Cell(NamedTuple):
     """Whose runs are meant; ``at``: the choice of an axis within which variants are compared, empty without one."""
 
@@ -75,14 +79,17 @@ class ShippedResults:
 
         Raises
         ------
+        NotMeasuredError
+            There is none.
         UserError
-            There is none, or there are several of a world: the condition has to be named.
+            The results do not have what the cell names, or there are several runs of a world: the condition has to be
+            named.
         """
         found = tuple(
             row for row in self._by_case.get(cell[:2], ()) if not cell.at or cell.at in self._conditions_of(row)
         )
         if not found:
-            raise UserError.of(
+            raise (NotMeasuredError if self._knows(cell) else UserError).of(
                 f"the results of '{self.name}' have no run of {cell}",
                 f"graphs: {', '.join(self.graphs)}; variants: {', '.join(self.variants)}",
             )
@@ -135,6 +142,11 @@ class ShippedResults:
         text = "0.0" if row["outcome"] == FAILED and metric.endswith(".success") else row[metric]
         if text and math.isfinite(float(text)):
             yield float(text)
+
+    def _knows(self, cell: Cell) -> bool:
+        """Whether graph, variant and condition of a cell are in the results, if not together."""
+        knows_condition = not cell.at or any(cell.at in self._conditions_of(row) for row in self.rows)
+        return cell.graph in self.graphs and cell.variant in self.variants and knows_condition
 
     def _conditions_of(self, row: Row) -> Sequence[str]:
         columns = list(row)

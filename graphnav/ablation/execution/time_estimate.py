@@ -1,4 +1,4 @@
-"""An upper bound of the time that pending runs take, from the pace of each graph."""
+"""The time that pending runs take until their limits, from the pace of each graph."""
 
 from __future__ import annotations
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from graphnav.errors import Place, Problem, did_you_mean
+from graphnav.errors import Place, Problem
+from graphnav.graph import suggest_graph
 
 _PAIR = re.compile(r"\s*(.+?)\s*=\s*([1-9][0-9]{0,8})\s*", re.ASCII)
 
 
 def parse_worlds(texts: Sequence[str], problems: list[Problem]) -> dict[str, int]:
-    """Return what ``--worlds laps=10,tilt=20`` means; what is wrong is added to ``problems``."""
+    """Return what ``--worlds suite/laps=10,pillars=20`` means; what is wrong is added to ``problems``."""
     found: dict[str, int] = {}
     for text in (part for given in texts for part in given.split(",")):
         pair = _PAIR.fullmatch(text)
@@ -37,5 +38,5 @@ def replaced_worlds(
 def unknown_graph(name: str, graphs: Iterable[str], place: Place | None) -> Problem:
     """Return the problem of a number of worlds for a graph that the study does not have."""
     known = list(graphs)
-    hint = did_you_mean(name, known) or f"its graphs are {', '.join(known)}"
+    hint = suggest_graph(name, known) or f"its graphs are {', '.join(known)}"
     return Problem(place, f"'worlds' names '{name}', but the study has no such graph", hint)

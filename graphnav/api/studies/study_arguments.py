@@ -102,7 +102,7 @@ def worlds_of(worlds: object) -> Mapping[str, int]:
     UserError
         It is not a mapping of graphs to positive integers.
     """
-    hint = 'write worlds={"laps": 10}'
+    hint = 'write worlds={"suite/laps": 10}'
     if worlds is None:
         return {}
     if not isinstance(worlds, Mapping):

@@ -104,7 +104,7 @@ class StudyRun:
             yield batch
 
     def estimate(self, jobs: Sequence[Job]) -> TimeEstimate:
-        """Return an upper bound of the time of runs; may make a short run of each graph."""
+        """Return the time of runs, if each lasted until its limit; may make a short run of each graph."""
         return estimate_time(jobs, read_records(self.plan, self._folder.path), self._tasks, self.workers)
 
     def seconds_a_run(self) -> float:

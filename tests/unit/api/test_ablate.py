@@ -155,7 +155,10 @@ ENDLESS.append(ENDLESS)
             {"worlds": {"toy": None}},
             "worlds['toy'] must be an integer of at least 1, not None\n  write worlds['toy']=2",
         ),
-        ({"worlds": 3}, 'worlds must be a mapping of graphs to numbers, not 3 (int)\n  write worlds={"laps": 10}'),
+        (
+            {"worlds": 3},
+            'worlds must be a mapping of graphs to numbers, not 3 (int)\n  write worlds={"suite/laps": 10}',
+        ),
         ({"vary": {1: []}}, f"vary: 1 is not a stage, a parameter or a wire\n  {VARIES}"),
         ({"seeds": 10}, f"seeds must be a range or a list of integers, not 10 (int)\n  {SEEDS}"),
         ({"seeds": "0:10"}, f"seeds must be a range or a list of integers, not '0:10' (str)\n  {SEEDS}"),

@@ -52,14 +52,25 @@ def test_every_case_is_a_run_with_parameters_metrics_and_tables(
 def test_without_the_package_the_extra_is_named(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    importlib.import_module("mlflow.tracking")
-    monkeypatch.setitem(sys.modules, "mlflow.tracking", None)
-    assert main(["ablate", "--report", str(folder), "--export", "mlflow"]) == 2
+    with monkeypatch.context() as without:
+        for module in ("mlflow", "mlflow.exceptions"):  # whether it is installed, imported before, or neither
+            without.setitem(sys.modules, module, None)
+        assert main(["ablate", "--report", str(folder), "--export", "mlflow"]) == 2
     assert capsys.readouterr().err.startswith("--export mlflow needs MLflow\n  ")
-    monkeypatch.undo()
-    monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
+
+
+@pytest.mark.filterwarnings("default")  # of MLflow itself
+def test_without_a_server_the_way_to_start_one_is_named(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("mlflow.tracking")
+    monkeypatch.delenv("MLFLOW_TRACKING_URI")
     assert main(["ablate", "--report", str(folder), "--export", "mlflow"]) == 2
     assert "no MLflow server is named\n  start one by 'mlflow server'" in capsys.readouterr().err
+
+
+def test_a_study_that_is_made_is_not_exported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert folder.parent == Path.cwd()
     assert main(["ablate", "toy", "--export", "mlflow"]) == 2
     assert capsys.readouterr().err.startswith("--export is for --report")
 

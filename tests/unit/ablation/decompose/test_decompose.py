@@ -41,6 +41,42 @@ def graphnav_stages() -> list[type[Stage]]:
     return [Second]
 '''
 
+TWO_PLANES = '''
+"""A detector, and an oracle whose two planes could both take its place."""
+
+from typing import ClassVar, NamedTuple
+
+from graphnav import Flow, Plane, Role, Stage, Truth, hookimpl
+
+FAMILY = "twice"
+
+
+class Planes(NamedTuple):
+    plane: Plane
+    far: Plane
+
+
+class Detector(Stage):
+    """A plane of a flow."""
+
+    def step(self, flow: Flow) -> Plane | None:
+        return None
+
+
+class Oracle(Stage):
+    """Two planes of the truth."""
+
+    role: ClassVar[Role] = "oracle"
+
+    def step(self, truth: Truth) -> Planes:
+        raise NotImplementedError
+
+
+@hookimpl
+def graphnav_stages() -> list[type[Stage]]:
+    return [Detector, Oracle]
+'''
+
 
 def study_of(*graphs: str, metrics: tuple[str, ...] = (), catalog: Catalog = CATALOG) -> Study:
     asked = study_of_command(graphs, seeds="0:2", metrics=metrics, may_vary_nothing=True)
@@ -107,6 +143,26 @@ def test_a_family_of_two_oracles_is_refused(tmp_path: Path) -> None:
     catalog.add_file(tmp_path / "second.py")
     with pytest.raises(UserError, match=r"the family 'plane' has 2 oracles: plane\.second, plane\.truth"):
         study_of("corridor_ccw", catalog=catalog)
+
+
+def test_without_a_graph_there_is_nothing_to_swap() -> None:
+    with pytest.raises(UserError, match="--decompose: no graph is named"):
+        study_of()
+
+
+def test_each_variant_drives_itself_where_no_oracle_can_drive_for_all(tmp_path: Path) -> None:
+    (tmp_path / "twice.py").write_text(TWO_PLANES)
+    catalog = Catalog()
+    catalog.add_file(tmp_path / "twice.py")
+    graph = tmp_path / "mine.yaml"
+    graph.write_text("extends: corridor_ccw\nstages: {plane: {use: twice.detector}}\n")
+    study = study_of(str(graph), catalog=catalog)
+    assert study.decomposition is not None
+    assert study.decomposition.oracles["plane"] == "twice.oracle"
+    assert not study.decomposition.has_common_drive, "the guard would not know which of the oracle's planes to read"
+    assert [axis.name for axis in study.axes] == ["oracles"]
+    assert study.within == ()
+    assert "sight.auroc" in study.metrics
 
 
 @pytest.mark.parametrize("text", ["plane=plane.affine", "steer=steer.balance"])
