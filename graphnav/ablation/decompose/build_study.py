@@ -33,6 +33,10 @@ def decomposed_study(study: Study, catalog: Catalog) -> Study:
     if study.one_at_a_time:
         what = "one at a time is for axes; a decomposition swaps one stage at a time, and cumulatively"
         raise UserError.of(what, "leave out --one-at-a-time", PLACE)
+    if study.within:
+        raise UserError.of(
+            "within is for axes that are conditions; a decomposition has none", "leave out --within", PLACE
+        )
     if not study.graphs:
         raise UserError.of("no graph is named", "name one: graphnav ablate corridor_ccw --decompose", PLACE)
     graphs = {name: load_graph(name, catalog, study.overrides) for name in study.graphs}

@@ -68,7 +68,9 @@ def print_contrasts(console: Console, found: Iterable[Contrast], plan: Plan) -> 
         if rows:
             print_grouped(console, title, columns, [], rows)
         else:
-            console.print(Text(f"{title}: no world has runs of both", style="yellow"), soft_wrap=True)
+            own = any(metric in pair.estimates for metric in plan.metrics)
+            why = f"not compared: {OWN_FRAMES}" if own else "no world has runs of both"
+            console.print(Text(f"{title}: {why}", style="yellow"), soft_wrap=True)
 
 
 def _contrast_cells(pair: Contrast, metric: str, plan: Plan) -> list[Text]:

@@ -194,6 +194,12 @@ def test_one_at_a_time_is_refused_by_its_name() -> None:
     )
 
 
+def test_conditions_are_refused_by_their_name() -> None:
+    asked = study_of_command(["corridor_ccw"], seeds="0:2", within=["nonsense"], may_vary_nothing=True)
+    with pytest.raises(UserError, match="within is for axes that are conditions; a decomposition has none"):
+        decomposed_study(asked, CATALOG)
+
+
 def test_runs_show_the_same_drive_and_what_each_oracle_adds(tmp_path: Path) -> None:
     made = graphnav.ablate(
         "corridor_ccw", decompose=True, seeds=[3], set={"run.until_s": 1.2}, folder=tmp_path, jobs=1, gallery=0

@@ -29,3 +29,13 @@ def test_a_contrast_marks_means_of_fewer_worlds_than_the_graph_has(make_plan: An
     assert "affine (A), ica (B)" in printed(plan, records)
     assert "(n " not in printed(plan, records)
     assert "(n 9)" in printed(plan, records[1:])
+
+
+def test_a_contrast_of_own_frames_says_so(make_plan: Any, make_record: Any) -> None:
+    plan = make_plan(("ica", "affine"), range(3), {"sight.auroc": "higher"})
+    declared = {name: dataclasses.replace(metric, of_frames=True) for name, metric in plan.declared.items()}
+    cases = tuple(dataclasses.replace(case, drives_as=case.variant) for case in plan.cases)
+    records = [make_record(name, seed, {"sight.auroc": 0.9}) for seed in range(3) for name in ("ica", "affine")]
+    said = printed(dataclasses.replace(plan, declared=declared, cases=cases), records)
+    assert said == "corridor: affine (A), ica (B): not compared: own frames\n"
+    assert printed(plan, records[:1]) == "corridor: affine (A), ica (B): no world has runs of both\n"
