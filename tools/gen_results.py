@@ -11,6 +11,7 @@ import argparse
 import shutil
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from result_pages.claims import claims, unchecked
@@ -33,6 +34,7 @@ PICTURE = "decompose.png"
 def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
     """Yield what a page claims and the results do not bear out, what nothing checks, and tables that are not fresh."""
 
+    @cache
     def read(study: str) -> ShippedResults:
         return ShippedResults.read(study, folder)
 

@@ -48,6 +48,7 @@ def results(folder: Path) -> ShippedResults:
         'difference("bend", "ica", "blind", "drive.success") == 0.8',
         'apart("bend", "ica", "blind") and not apart("bend", "ica", "ica")',
         'clear("bend", "blind") and not clear("bend", "broken")',
+        'ahead("bend", "ica", "sim_s", "sight.auroc") and not ahead("bend", "ica", "sight.auroc", "sim_s")',
         'arrive("bend", "blind") < arrive("bend", "ica") <= 8',
         'arrive("bend", "ica", at="dim") - 3 == 5 and n_graphs() == 1 and n_runs() == 21',
         'low("bend", "ica", "drive.success") > 0.4 and high("bend", "ica", "drive.success") < 1',

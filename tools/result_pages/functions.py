@@ -45,19 +45,19 @@ def total(results: ShippedResults, graph: str, variant: str, metric: str, *, at:
 def low(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
     """Return the lower end of the mean's 95 % interval."""
     values = _values(results, graph, variant, metric, at)
-    return mean_interval(values, is_binary=_is_binary(values)).low
+    return mean_interval(values, is_binary=results.is_binary(metric)).low
 
 
 def high(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
     """Return the upper end of the mean's 95 % interval."""
     values = _values(results, graph, variant, metric, at)
-    return mean_interval(values, is_binary=_is_binary(values)).high
+    return mean_interval(values, is_binary=results.is_binary(metric)).high
 
 
 def interval(results: ShippedResults, graph: str, variant: str, metric: str, digits: int, *, at: str = "") -> str:
     """Return the mean with its 95 % interval as they are printed."""
     values = _values(results, graph, variant, metric, at)
-    ends = mean_interval(values, is_binary=_is_binary(values))
+    ends = mean_interval(values, is_binary=results.is_binary(metric))
     return f"{values.mean():.{digits}f} [{ends.low:.{digits}f}, {ends.high:.{digits}f}]"
 
 
@@ -93,6 +93,17 @@ def clear(results: ShippedResults, graph: str, variant: str, metric: str = SUCCE
     found = [_difference(results, cell, base, metric) for cell in cells.values()]
     judged = dict(zip(cells, as_family(found, len(found)), strict=True))
     return judged[results.measured(Cell(graph, variant, at))].is_clear
+
+
+def ahead(results: ShippedResults, graph: str, variant: str, a: str, b: str, *, at: str = "") -> bool:
+    """Return whether one metric of a variant's runs is above another, world by world: p at most 0.05, as one question.
+
+    So are detectors compared that look at the same frames, each with a score of its own.
+    """
+    cell = Cell(graph, variant, at)
+    this, that = results.values(cell, a), results.values(cell, b)
+    found = of_worlds(this, that, "higher", is_binary=False)
+    return found is not None and found.p <= ALPHA and found.low > 0
 
 
 def graphs_above(results: ShippedResults, variant: str, metric: str = SUCCESS) -> int:
@@ -140,7 +151,7 @@ def _graphs_where(results: ShippedResults, variant: str, metric: str, sign: int)
 
 def _difference(results: ShippedResults, cell: Cell, base: Cell, metric: str) -> Difference:
     this, that = results.values(cell, metric), results.values(base, metric)
-    binary = _is_binary(np.array([*this.values(), *that.values()]))
+    binary = results.is_binary(metric)
     found = of_worlds(this, that, "higher", is_binary=binary, min_difference=results.min_difference(metric))
     if found is None:
         raise _nothing_in_common(cell, base, metric)
@@ -158,10 +169,6 @@ def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: 
     return np.array(found)
 
 
-def _is_binary(values: Doubles) -> bool:
-    return bool(np.isin(values, (0.0, 1.0)).all())
-
-
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "worlds": worlds,
     "arrive": arrive,
@@ -175,6 +182,7 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "alike": alike,
     "apart": apart,
     "clear": clear,
+    "ahead": ahead,
     "graphs_above": graphs_above,
     "graphs_below": graphs_below,
     "graphs_apart": graphs_apart,

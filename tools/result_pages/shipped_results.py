@@ -45,8 +45,8 @@ class ShippedResults:
 
     name: str
     rows: tuple[Row, ...]
-    min_differences: Mapping[str, float] = field(default_factory=dict)
-    """By metric: what matters."""
+    metrics: Mapping[str, Row] = field(default_factory=dict)
+    """The rows of ``metrics.csv``, by metric."""
 
     @classmethod
     def read(cls, name: str, folder: Path = RESULTS) -> ShippedResults:
@@ -62,7 +62,7 @@ class ShippedResults:
             known = ", ".join(sorted(one.parent.name for one in folder.glob(f"*/{FILE}"))) or "none"
             raise UserError.of(f"no results of a study '{name}' ship", f"studies with results: {known}")
         metrics = _rows(path.with_name(METRICS)) if path.with_name(METRICS).is_file() else ()
-        return cls(name, _rows(path), {row["metric"]: float(row["min_difference"]) for row in metrics})
+        return cls(name, _rows(path), {row["metric"]: row for row in metrics})
 
     @property
     def graphs(self) -> tuple[str, ...]:
@@ -118,7 +118,15 @@ class ShippedResults:
 
     def min_difference(self, metric: str) -> float:
         """Return the smallest difference of a metric that matters."""
-        return self.min_differences.get(metric, 0.0)
+        return float(self.metrics[metric]["min_difference"]) if metric in self.metrics else 0.0
+
+    def is_binary(self, metric: str) -> bool:
+        """Return whether a metric is 0 or 1 wherever it is known and is meant to be: nothing with a unit is."""
+        if metric not in self._binary:
+            has_unit = metric in self.metrics and bool(self.metrics[metric]["unit"])
+            known = (float(row[metric]) for row in self.rows if row.get(metric))
+            self._binary[metric] = not has_unit and all(value in (0.0, 1.0) for value in known)
+        return self._binary[metric]
 
     def values(self, cell: Cell, metric: str) -> Mapping[int, float]:
         """Return a metric by seed, where it is known; a run in which a stage failed is not a success.
@@ -151,6 +159,11 @@ class ShippedResults:
     def _conditions_of(self, row: Row) -> Sequence[str]:
         columns = list(row)
         return [row[axis] for axis in columns[columns.index(_BEFORE_AXES) + 1 : columns.index(_AFTER_AXES)]]
+
+    @cached_property
+    def _binary(self) -> dict[str, bool]:
+        """Answers of `is_binary` so far."""
+        return {}
 
     @cached_property
     def _by_case(self) -> Mapping[tuple[str, str], list[Row]]:
