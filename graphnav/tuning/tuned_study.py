@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ def tuned_study(run: TuningRun, folder: Path) -> str:
         f"about: {write_value('Which rival is better, as it is and tuned?')}",
         "",
         f"# Tuned in the worlds {worlds_text(tuning)}, with {trials_text(run)}: judge them in others,",
-        f"# graphnav ablate {STUDY} --seeds 1000:1050",
+        f"# {_command(run, folder)}",
         "",
         f"graphs: {write_value([_seen_from(folder, name) for name in study.graphs])}",
     ]
@@ -39,6 +40,13 @@ def tuned_study(run: TuningRun, folder: Path) -> str:
     lines += [f"    {write_value(label)}: {write_value(sets)}" for label, sets in _choices(run, folder)]
     lines += ["", f"metrics: {write_value(list(tuning.metrics))}", ""]
     return "\n".join(lines)
+
+
+def _command(run: TuningRun, folder: Path) -> str:
+    """Return the command that judges the rivals, given in ``folder``."""
+    plugins = (os.path.relpath(Path(path).resolve(), folder.resolve()) for path in run.tuning.request.plugins)
+    words = [word for path in plugins for word in ("--plugin", path)]
+    return shlex.join(["graphnav", "ablate", STUDY, *words, "--seeds", "1000:1050"])
 
 
 def _choices(run: TuningRun, folder: Path) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -114,9 +114,12 @@ def check_fail_conditions(conditions: Sequence[FailCondition], pairing: PairedSt
 def failed_cases(conditions: Sequence[FailCondition], pairing: PairedStudies) -> Iterator[FailedCase]:
     """Yield the cases that meet a condition, and those that cannot be judged by it.
 
-    In these no world of both studies has the metric, or it depends on frames that are not the same in both.
+    In these no world of both studies has the metric, or it depends on frames that are not the same in both. A case
+    that only the first study has cannot be judged either: it is missing from the second.
     """
     for condition in conditions:
+        for graph, variant in pairing.only_a:
+            yield FailedCase(condition, graph, variant, None)
         for row in pairing.rows:
             difference = row.differences.get(condition.column.text)
             if difference is None or condition.is_met(difference):

@@ -44,6 +44,7 @@ def test_paths_and_worlds_are_those_of_the_tuning(
     written: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tuned = graphnav.tune(**written, folder="out/tuned")
+    assert "# graphnav ablate tuned.yaml --plugin ../../my_aims.py --seeds 1000:1050\n" in tuned.study.read_text()
     monkeypatch.chdir(tmp_path / "elsewhere")
     judged = graphnav.ablate(tuned.study, seeds=range(3), plugins=["../my_aims.py"], jobs=1)
     default = next(trial for trial in tuned.trials if trial.rival == "noted")

@@ -49,3 +49,14 @@ def test_wrong_conditions_are_refused(
     assert main(["ablate", "toy", "--fail-if", "drive.way_m < 0"]) == 2
     assert capsys.readouterr().err == "--fail-if is for --compare, which compares two studies\n  add --compare A B\n"
     assert not (tmp_path / "ablations").exists()
+
+
+def test_a_case_that_is_missing_fails(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    study.run()
+    first = str(study.out.rename(study.out.with_name("first")))
+    study.run(vary="robot.odd=fine")
+    capsys.readouterr()
+    assert main(["ablate", "--compare", first, str(study.out), "--fail-if", "drive.way_m < -99"]) == 1
+    said = capsys.readouterr().out
+    assert "drive.way_m < -99: toy, robot.odd=contact: no world of both studies has this metric" in said
+    assert main(["ablate", "--compare", str(study.out), first, "--fail-if", "drive.way_m < -99"]) == 0
