@@ -63,8 +63,14 @@ def test_messages_that_never_arrive_are_told_and_counted(live: Begin, outside: P
 
     program.wait_for(sees)
     program.lose("CAMERA", 7)
-    program.show("CAMERA", 1)
-    program.wait_for(lambda: told(run, "lost: 7 messages of camera.image on CAMERA never arrived"))
+    time.sleep(7 * 0.02)
+
+    def says_so() -> bool:
+        program.show("CAMERA", 1)
+        time.sleep(0.02)
+        return told(run, "lost: 7 messages of camera.image on CAMERA never arrived")
+
+    program.wait_for(says_so)
     summary, _ = run.stop()
     assert summary.live is not None
     assert [one["lost"] for one in summary.live["inputs"] if one["name"] == "camera.image"] == [7]
