@@ -42,6 +42,8 @@ stages:
   see: {use: probe.brightness, with: {dawdle_s: 0.2}, in: {image: camera.image}, deadline_ms: 50}
 outputs: {see.twist: {channel: SPEED, motor: false}}
 """
+BUSY_S = 0.5
+"""How late a busy machine may handle the last command; without its timeout the robot would drive on for 2.5 s."""
 
 
 def test_pub_drives_the_robot_which_stands_again_by_its_own_timeout(live: Begin, outside: Program, group: str) -> None:
@@ -50,17 +52,17 @@ def test_pub_drives_the_robot_which_stands_again_by_its_own_timeout(live: Begin,
     program.wait_for(lambda: bool(program.of("CAMERA")))
     assert main(["pub", "BASE_CMD", "Twist", "v_mps: 0.2", "--rate", "20", "--for", "1", "--url", group]) == 0
     published_s = time.monotonic()
-    program.wait_for(lambda: time.monotonic() > published_s + 1.5)
+    program.wait_for(lambda: time.monotonic() > published_s + 2.5)
     summary, log = run.stop()
     assert summary.outcome == "stopped"
     states = [(utime, m) for utime, _, m in log.messages("robot.state") if isinstance(m, State)]
     heard = [event.utime for event in log.events() if event.channel == "base.twist"]
     assert len(heard) >= 2
     (_, first), (_, last) = states[0], states[-1]
-    expected_m = 0.2 * ((heard[-1] - heard[0]) * 1e-6 + 0.5)
+    expected_m = 0.2 * ((heard[-1] - heard[0]) * 1e-6 + 0.5 + BUSY_S)
     assert 0.05 < math.hypot(last.x_m - first.x_m, last.y_m - first.y_m) < expected_m + 0.02
     stood_s = (max(utime for utime, m in states if m.v_mps > 0) - heard[-1]) * 1e-6
-    assert stood_s <= 0.5 + 0.2 / 2.0 + 0.02, "the command's timeout, then v/a"
+    assert stood_s <= 0.5 + 0.2 / 2.0 + BUSY_S, "the command's timeout, then v/a"
 
 
 def test_an_operator_overrides_the_graph_stops_it_and_arms_it_again(live: Begin, outside: Program) -> None:
