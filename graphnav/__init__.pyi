@@ -89,6 +89,9 @@ from .messages import (
     Image as Image,
 )
 from .messages import (
+    LocalMap as LocalMap,
+)
+from .messages import (
     Map as Map,
 )
 from .messages import (

@@ -1,5 +1,6 @@
 """The shipped message types."""
 
+from graphnav.messages.local_map import LocalMap
 from graphnav.messages.message import Message, snake_case
 from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
 from graphnav.messages.run import About, Fired, Status
@@ -13,6 +14,7 @@ __all__ = [
     "Goal",
     "GuardState",
     "Image",
+    "LocalMap",
     "Map",
     "Message",
     "Motion",

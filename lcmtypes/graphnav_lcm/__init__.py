@@ -13,6 +13,7 @@ from .goal_t import goal_t as goal_t
 from .guard_state_t import guard_state_t as guard_state_t
 from .image_t import image_t as image_t
 from .input_status_t import input_status_t as input_status_t
+from .local_map_t import local_map_t as local_map_t
 from .map_t import map_t as map_t
 from .motion_t import motion_t as motion_t
 from .odometry_t import odometry_t as odometry_t

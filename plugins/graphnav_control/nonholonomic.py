@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from graphnav import Continuity, ParamError, Stage, Stamp, Steering, Twist, param
+from graphnav import Continuity, Latest, LocalMap, ParamError, Stage, Stamp, Steering, Twist, param
+from graphnav_control.free_way import free_way_m, safe_speed_mps
 
 
 class Nonholonomic(Stage):
@@ -31,6 +32,11 @@ class Nonholonomic(Stage):
         0.0, ge=0.0, doc="time constant of a low-pass of the command; more is smoother and later, 0 is none"
     )
 
+    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; used with a map")
+    max_decel_mps2: float = param(0.5, gt=0.0, doc="deceleration to count on where a map limits the speed")
+    reaction_s: float = param(
+        0.25, ge=0.0, doc="time from what the camera sees to the brakes, where a map limits the speed: images and latency"
+    )
     reversing: bool = param(
         False, doc="the law as published also beyond a right angle: the robot drives backwards, where it does not see"
     )
@@ -47,7 +53,7 @@ class Nonholonomic(Stage):
         self._last: tuple[int, Twist] | None = None
         self._continuity = Continuity()
 
-    def step(self, steering: Steering, stamp: Stamp) -> Twist:
+    def step(self, steering: Steering, map: Latest[LocalMap], stamp: Stamp) -> Twist:  # noqa: A002  # the port's name
         """Return the command; the low-pass restarts after a gap of more than 3 periods."""
         if self._continuity.breaks(stamp):
             self._last = None
@@ -56,7 +62,11 @@ class Nonholonomic(Stage):
         if not self.reversing:
             speed_ratio = max(speed_ratio, self.floor_ratio)
             turn_ratio = turn_ratio if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
-        wanted = Twist(v_mps=self.max_speed_mps * speed_ratio, omega_radps=self.max_turn_radps * turn_ratio)
+        speed_mps = self.max_speed_mps * speed_ratio
+        if map.value is not None and speed_mps > 0.0:
+            way_m = free_way_m(map.value, self.robot_radius_m)
+            speed_mps = min(speed_mps, safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s))
+        wanted = Twist(v_mps=speed_mps, omega_radps=self.max_turn_radps * turn_ratio)
         twist = self._smoothed(wanted, stamp)
         self._last = stamp, twist
         return twist

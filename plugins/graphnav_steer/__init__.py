@@ -8,10 +8,12 @@ def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
     from graphnav_steer.balance import Balance
     from graphnav_steer.forward import Forward
+    from graphnav_steer.frontier import Frontier
+    from graphnav_steer.gap import Gap
     from graphnav_steer.mean_gradient import MeanGradient
     from graphnav_steer.oracle import Oracle
     from graphnav_steer.pca import Pca
     from graphnav_steer.random import Random
     from graphnav_steer.time_to_contact import TimeToContact
 
-    return [Balance, Forward, MeanGradient, Oracle, Pca, Random, TimeToContact]
+    return [Balance, Forward, Frontier, Gap, MeanGradient, Oracle, Pca, Random, TimeToContact]

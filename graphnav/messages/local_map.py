@@ -1,0 +1,69 @@
+"""The map of a robot's surroundings that it makes from what it sees while it drives."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import graphnav_lcm
+import numpy as np
+
+from graphnav.arrays import Bytes, Doubles, Floats, Indices
+from graphnav.messages.message import Message
+
+
+class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
+    """What the robot knows of the floor around it: a grid that moves along with the robot and does not turn with it.
+
+    The frame of the map is the robot's at its start (x forward, y left). Cell (r, c) has its middle at
+    x = origin_x_m + c * cell_m, y = origin_y_m + r * cell_m. ``x_m``, ``y_m``, ``yaw_rad``: pose of the robot.
+    ``state``: uint8 (rows, cols), 0 unknown, 1 free, 2 obstacle.
+    ``obstacle_m``, ``unknown_m``: float32 (rows, cols), distance from the middle of the cell to the rim of the nearest
+    cell that is an obstacle, or unknown; at most the size of the grid.
+    Lengths are in metres where the map was made with the camera's geometry, else in widths of the picture.
+    """
+
+    UNKNOWN: ClassVar[int] = 0
+    FREE: ClassVar[int] = 1
+    OBSTACLE: ClassVar[int] = 2
+    """The values of ``state``."""
+
+    cell_m: float
+    origin_x_m: float
+    origin_y_m: float
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    state: Bytes
+    obstacle_m: Floats
+    unknown_m: Floats
+
+    def cells_at(self, forward_m: Doubles, left_m: Doubles) -> tuple[Indices, Indices]:
+        """Return the rows and columns of the cells at points in the robot's frame (any shape), clipped to the grid."""
+        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
+        return self.cells_of(self.x_m + c * forward_m - s * left_m, self.y_m + s * forward_m + c * left_m)
+
+    def cells_of(self, x_m: Doubles, y_m: Doubles) -> tuple[Indices, Indices]:
+        """Return the rows and columns of the cells at points in the map's frame (any shape), clipped to the grid."""
+        rows, cols = self.state.shape
+        row = np.clip(np.rint((y_m - self.origin_y_m) / self.cell_m), 0, rows - 1).astype(np.intp)
+        col = np.clip(np.rint((x_m - self.origin_x_m) / self.cell_m), 0, cols - 1).astype(np.intp)
+        return row, col
+
+    def obstacle_m_at(self, forward_m: Doubles, left_m: Doubles) -> Doubles:
+        """Return the distance to the nearest obstacle from points in the robot's frame (any shape), interpolated."""
+        return self._interpolated(self.obstacle_m, forward_m, left_m)
+
+    def unknown_m_at(self, forward_m: Doubles, left_m: Doubles) -> Doubles:
+        """Return the distance to the nearest unknown cell from points in the robot's frame (any shape), interpolated."""
+        return self._interpolated(self.unknown_m, forward_m, left_m)
+
+    def _interpolated(self, values: Floats, forward_m: Doubles, left_m: Doubles) -> Doubles:
+        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
+        rows, cols = values.shape
+        x = np.clip((self.x_m + c * forward_m - s * left_m - self.origin_x_m) / self.cell_m, 0, cols - 1.001)
+        y = np.clip((self.y_m + s * forward_m + c * left_m - self.origin_y_m) / self.cell_m, 0, rows - 1.001)
+        col, row = x.astype(np.intp), y.astype(np.intp)
+        along, down = x - col, y - row
+        upper = values[row, col] * (1 - along) + values[row, col + 1] * along
+        lower = values[row + 1, col] * (1 - along) + values[row + 1, col + 1] * along
+        return np.asarray(upper * (1 - down) + lower * down)

@@ -1,0 +1,109 @@
+"""Visual odometry: the motion of a frame from the flow of the floor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphnav import Flow, Motion, Plane, Stage, coarsen, param
+from graphnav.arrays import Doubles
+from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
+
+MIN_VECTORS = 12
+_ITERATIONS = 4
+_RIDGE = 1e-9
+
+
+class Egomotion(Stage):
+    """Motion of the frame from the flow of the floor, in metres, by a camera of known mounting.
+
+    The flow of floor points depends on the forward displacement, the turn, and the pitch and roll by which the camera
+    shakes: to first order it is linear in these four [LHP]. They are fitted to the cells that the detector calls ground,
+    by reweighted least squares (Geman and McClure's estimator). The positions are taken midway between both frames,
+    which makes the fit exact to second order. The robot cannot slip sideways: ``left_m`` is zero.
+
+    Publishes nothing where fewer than 12 ground cells have a vector.
+
+    References
+    ----------
+    .. [LHP] H. C. Longuet-Higgins, K. Prazdny, The Interpretation of a Moving Retinal Image, Proceedings of the Royal
+       Society B 208, 1980.
+    """
+
+    camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc=HEIGHT_DOC)
+    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
+    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
+    camera_forward_m: float = param(0.0, doc=FORWARD_DOC)
+    shakes: bool = param(True, doc="whether pitch and roll are estimated too; false: the camera is rigid")
+    noise_px: float = param(0.1, gt=0.0, doc="flow noise: a vector that differs by this has a weight of a quarter")
+    max_distance_m: float = param(3.0, gt=0.0, doc="distance on the floor beyond which the flow is too short to count")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
+        """Forget the picture's size."""
+        self._mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
+
+    def step(self, flow: Flow, plane: Plane) -> Motion | None:
+        """Return the motion since the last frame.
+
+        Raises
+        ------
+        ValueError
+            Flow and plane are of different image sizes.
+        """
+        cells = coarsen(flow, plane.step_px)
+        if cells.valid.shape != plane.valid.shape:
+            raise ValueError(
+                f"the flow has {cells.valid.shape[1]}x{cells.valid.shape[0]} cells of {plane.step_px} px, but the plane "
+                f"{plane.valid.shape[1]}x{plane.valid.shape[0]}: wire the flow from which the plane is made"
+            )
+        near = self._mount.floor_distance_m(*plane.valid.shape) < self.max_distance_m
+        counts = near & (cells.valid != 0) & (plane.valid != 0) & (plane.obstacle == 0)
+        if np.count_nonzero(counts) < MIN_VECTORS:
+            return None
+        moved = self._fitted(cells, counts)
+        return Motion(
+            forward_m=float(moved[0]), left_m=0.0, turn_rad=float(moved[1]), interval_us=flow.interval_us
+        )
+
+    def _fitted(self, cells: Flow, counts: np.ndarray) -> Doubles:
+        rows, cols = counts.shape
+        focal_px = self._mount.intrinsics(rows, cols)[0, 0]
+        uv = cells.uv_px[counts].astype(np.float64) / (cells.step_px * focal_px)
+        rays = self._mount.rays(rows, cols)[counts]
+        rays[:, :2] -= uv / 2
+        columns = _columns(self._mount, rays)
+        if not self.shakes:
+            columns = columns[:2]
+        equations = columns.reshape(len(columns), -1).T
+        measured = uv.T.reshape(-1)
+        noise = self.noise_px / (cells.step_px * focal_px)
+        weight = np.ones(len(uv))
+        for _ in range(_ITERATIONS):
+            both = np.concatenate([weight, weight])
+            normal = (equations.T * both) @ equations + _RIDGE * np.eye(len(columns))
+            moved = np.linalg.solve(normal, (equations.T * both) @ measured)
+            left = (measured - equations @ moved).reshape(2, -1)
+            weight = 1.0 / (1.0 + (left**2).sum(axis=0) / noise**2) ** 2
+        return np.asarray(moved)
+
+
+def _columns(mount: Mount, rays: Doubles) -> Doubles:
+    """Return the flow (4, 2, n) of floor points seen at ``rays`` (n, 3) by 1 m forward and 1 rad of turn, pitch, roll."""
+    R = mount.R_CR
+    x, y = rays[:, 0], rays[:, 1]
+    inverse_depth = np.maximum(-(rays @ R)[:, 2], 0.0) / mount.height_m
+    forward = R @ [1.0, 0.0, 0.0]
+    sideways = mount.forward_m * (R @ [0.0, 1.0, 0.0])
+    still = np.zeros(3)
+    columns = []
+    for translation, rotation in (
+        (forward, still),
+        (sideways, R @ [0.0, 0.0, 1.0]),
+        (still, R @ [0.0, 1.0, 0.0]),
+        (still, R @ [1.0, 0.0, 0.0]),
+    ):
+        tx, ty, tz = translation
+        wx, wy, wz = rotation
+        u = (x * tz - tx) * inverse_depth + x * y * wx - (1 + x * x) * wy + y * wz
+        v = (y * tz - ty) * inverse_depth + (1 + y * y) * wx - x * y * wy - x * wz
+        columns.append([u, v])
+    return np.array(columns)

@@ -1,0 +1,134 @@
+"""Map of the floor around the robot, from the planes of the frames."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+
+from graphnav import Continuity, LocalMap, Motion, Plane, Stage, Stamp, param
+from graphnav.arrays import Bools, Bytes, Floats
+from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
+from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
+
+_OBSTACLE_EVIDENCE = 1.0
+_PRESUMED_FREE = -0.2
+_BESIDE = np.ones((3, 3), np.uint8)
+
+
+class Local(Stage):
+    """Map of what is free, obstacle or unknown around the robot; it remembers what has left the view.
+
+    Every cell of the floor that the picture shows gains evidence from the plane: an obstacle's cell for, a ground
+    cell against an obstacle. What the picture does not show keeps its evidence; the map moves under the robot by the
+    motion of each frame. Cells that were never judged are unknown.
+
+    An obstacle is placed where the lines of sight to its foot meet the floor. What is above the foot hides floor,
+    which gains no evidence.
+
+    Flow shows obstacles only to a robot that drives: evidence counts in proportion to the displacement, in full from
+    ``full_motion_m`` on. A robot that stands, or turns on the spot, presumes that unknown ground cells are free.
+    """
+
+    camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc=HEIGHT_DOC)
+    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
+    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
+    camera_forward_m: float = param(0.0, doc=FORWARD_DOC)
+    size_m: float = param(4.0, gt=0.0, le=100.0, doc="side of the map")
+    cell_m: float = param(0.04, gt=0.0, le=1.0, doc="side of a cell")
+    max_distance_m: float = param(2.0, gt=0.0, doc="distance from the camera's foot beyond which the plane is not used")
+    hit: float = param(0.8, gt=0.0, doc="dimensionless: evidence of a frame for an obstacle; from 1 on it is one")
+    miss: float = param(0.4, gt=0.0, doc="dimensionless: evidence of a frame against an obstacle")
+    max_evidence: float = param(3.0, ge=1.0, doc="dimensionless: evidence, for or against, that more frames do not add to")
+    full_motion_m: float = param(0.02, gt=0.0, doc="displacement of a frame from which its evidence counts in full")
+    blind_height_m: float = param(
+        0.08,
+        ge=0.0,
+        doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this much "
+        "from where they are seen",
+    )
+    foot_height_m: float = param(
+        0.15, gt=0.0, doc="height up to which an obstacle marks the floor; what is higher hides floor that stays unknown"
+    )
+    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; the floor below it is free")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
+        """Know nothing."""
+        self._mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
+        self._continuity = Continuity()
+        self._near: Bools | None = None
+        self._start()
+
+    def step(self, plane: Plane, motion: Motion, stamp: Stamp) -> LocalMap:
+        """Return the map with this frame; it begins anew after a gap of more than 3 periods."""
+        if self._continuity.breaks(stamp):
+            self._start()
+        grid = self._grid
+        grid.move(motion.forward_m, motion.left_m, motion.turn_rad)
+        seen = grid.seen(self._labels(plane), self._floor_to_cells(plane))
+        self._add(seen, min(1.0, math.hypot(motion.forward_m, motion.left_m) / self.full_motion_m))
+        self._stand()
+        return self._map()
+
+    def _start(self) -> None:
+        self._grid = RollingGrid(math.ceil(self.size_m / self.cell_m), self.cell_m)
+
+    def _labels(self, plane: Plane) -> Bytes:
+        """Return the labels of the plane's cells, 0 beyond the distance that is used."""
+        shape = plane.valid.shape
+        if self._near is None or self._near.shape != shape:
+            self._near = self._mount.floor_distance_m(*shape) <= self.max_distance_m
+        labels = np.where(plane.valid != 0, np.uint8(GROUND), np.uint8(0))
+        labels[cv2.dilate(plane.obstacle, _BESIDE) != 0] = 0
+        labels[self._feet(plane.obstacle) != 0] = OBSTACLE
+        labels[~self._near] = 0
+        return labels
+
+    def _feet(self, obstacle: Bytes) -> Bytes:
+        """Return where obstacles (rows, cols) stand: their lowest part, and below it down by ``blind_height_m``."""
+        grown = obstacle
+        for height_m in (self.blind_height_m / 2, self.blind_height_m):
+            grown = np.maximum(grown, self._mount.lowered(obstacle, height_m))
+        return grown & ~self._mount.lowered(obstacle, -self.foot_height_m)
+
+    def _floor_to_cells(self, plane: Plane) -> np.ndarray:
+        return self._mount.floor_to_pixels(*plane.valid.shape)
+
+    def _add(self, seen: Bytes, weight: float) -> None:
+        evidence = self._grid.evidence
+        added = np.array([0.0, -self.miss * weight, self.hit * weight], np.float32)
+        evidence += added[seen]
+        np.clip(evidence, -self.max_evidence, self.max_evidence, evidence)
+        evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE
+
+    def _stand(self) -> None:
+        """Note that the floor below the robot is free."""
+        grid = self._grid
+        below = np.zeros(grid.evidence.shape, np.uint8)
+        cv2.circle(below, grid.cell(), math.ceil(self.robot_radius_m / grid.cell_m), 1, cv2.FILLED)
+        grid.evidence[below != 0] = -self.max_evidence
+
+    def _map(self) -> LocalMap:
+        grid = self._grid
+        obstacle = grid.evidence >= _OBSTACLE_EVIDENCE
+        free = grid.evidence < 0.0
+        state = np.where(obstacle, np.uint8(LocalMap.OBSTACLE), free.astype(np.uint8))
+        return LocalMap(
+            cell_m=grid.cell_m,
+            origin_x_m=grid.origin_x_m,
+            origin_y_m=grid.origin_y_m,
+            x_m=grid.x_m,
+            y_m=grid.y_m,
+            yaw_rad=grid.yaw_rad,
+            state=state,
+            obstacle_m=_distance(obstacle, grid.cell_m),
+            unknown_m=_distance(state == LocalMap.UNKNOWN, grid.cell_m),
+        )
+
+
+def _distance(there: Bools, cell_m: float) -> Floats:
+    """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
+    farthest = np.float32(cell_m * math.hypot(*there.shape))
+    apart = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)

@@ -1,0 +1,91 @@
+"""Steering to the gap: the free way nearest to where the robot wants to go."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from graphnav import Goal, Latest, LocalMap, Stage, Steering, param
+from graphnav.arrays import Doubles
+from graphnav_steer.axes import toward
+
+
+class Gap(Stage):
+    """Heads for the gap: the heading with the longest free way, less the cost of turning there.
+
+    For each heading the free way of a disc is as long as nothing on the map is nearer to its middle than the robot's
+    radius and a margin. The heading with the greatest length, less costs for turning, for changing the last choice and
+    for leaving the goal's bearing, wins. Where no way is free for ``min_way_m``, the robot turns on the spot towards
+    the longest one, to the side that it has begun with.
+
+    References
+    ----------
+    .. [VFH] J. Borenstein, Y. Koren, The Vector Field Histogram, IEEE Transactions on Robotics and Automation 7(3), 1991.
+    .. [ND] J. Minguez, L. Montano, Nearness Diagram Navigation, IEEE Transactions on Robotics and Automation 20(1), 2004.
+    """
+
+    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
+    margin_m: float = param(0.06, ge=0.0, doc="distance to keep from obstacles beyond the radius")
+    unknown: Literal["obstacle", "free"] = param(
+        "obstacle", doc="what cells that were never judged count as; free drives where nothing was seen"
+    )
+    max_way_m: float = param(1.0, gt=0.0, doc="a longer free way counts as this long")
+    min_way_m: float = param(0.1, ge=0.0, doc="with no heading free for this long the robot turns on the spot")
+    turn_cost_m: float = param(0.25, ge=0.0, doc="cost of turning by half a circle")
+    change_cost_m: float = param(0.3, ge=0.0, doc="cost of a heading at half a circle from the last choice")
+    goal_cost_m: float = param(1.5, ge=0.0, doc="cost of a heading at half a circle from the goal")
+    headings: int = param(72, ge=8, le=720, doc="number of headings around the robot")
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
+        """Forget the last choice."""
+        half = np.arange(self.headings) - self.headings // 2
+        self._headings_rad = half * 2 * math.pi / self.headings
+        self._chosen_rad: float | None = None
+        self._spin = 0.0
+
+    def step(self, map: LocalMap, goal: Latest[Goal]) -> Steering:  # noqa: A002  # the port's name
+        """Return the steering towards the chosen heading: no repulsive force, a guiding force of length 1."""
+        way_m = self._ways_m(map)
+        cost_m = self._costs_m(map, goal.value)
+        theta_rad = self._choice(np.minimum(way_m, self.max_way_m), cost_m)
+        self._chosen_rad = theta_rad + map.yaw_rad
+        along, nothing = toward(theta_rad), np.zeros(2)
+        return Steering(repulsive=nothing, guiding=along, control=along, theta_rad=theta_rad, eigenvalues=nothing)
+
+    def _ways_m(self, map: LocalMap) -> Doubles:  # noqa: A002
+        """Return the free way of each heading, (headings,)."""
+        steps_m = map.cell_m * np.arange(0, math.ceil(self.max_way_m / map.cell_m) + 1)
+        cells = map.cells_at(*(np.outer(f(self._headings_rad), steps_m) for f in (np.cos, np.sin)))
+        kept_m = self.robot_radius_m + self.margin_m
+        clearance_m = map.obstacle_m[cells]
+        free = clearance_m >= np.minimum(kept_m, clearance_m[:, :1] - map.cell_m / 4)
+        if self.unknown == "obstacle":
+            known_m = map.unknown_m[cells]
+            free &= known_m >= np.minimum(self.robot_radius_m, known_m[:, :1] - map.cell_m / 4)
+        free[:, 0] = True
+        return np.asarray(map.cell_m * (np.logical_and.accumulate(free, axis=1).sum(axis=1) - 1.0))
+
+    def _costs_m(self, map: LocalMap, goal: Goal | None) -> Doubles:  # noqa: A002
+        cost_m = self.turn_cost_m * _apart(self._headings_rad, 0.0)
+        if self._chosen_rad is not None:
+            cost_m += self.change_cost_m * _apart(self._headings_rad, self._chosen_rad - map.yaw_rad)
+        if goal is not None:
+            cost_m += self.goal_cost_m * _apart(self._headings_rad, goal.bearing_rad)
+        return cost_m
+
+    def _choice(self, way_m: Doubles, cost_m: Doubles) -> float:
+        best = int(np.argmax(way_m - cost_m))
+        if way_m[best] >= self.min_way_m:
+            self._spin = 0.0
+            return float(self._headings_rad[best])
+        if not self._spin:
+            longest = float(self._headings_rad[int(np.argmax(way_m - cost_m))])
+            self._spin = math.copysign(1.0, longest)
+        return self._spin * math.pi / 2
+
+
+def _apart(headings_rad: Doubles, other_rad: float) -> Doubles:
+    """Return the angles between headings and another one, as shares of half a circle."""
+    return np.abs(np.remainder(headings_rad - other_rad + math.pi, 2 * math.pi) - math.pi) / math.pi
