@@ -20,8 +20,9 @@ def free_way_m(map: LocalMap, radius_m: float) -> float:  # noqa: A002  # the po
     """
     steps_m = map.cell_m / 2 * np.arange(max(map.state.shape))
     aside_m = np.zeros_like(steps_m)
-    near_m = np.minimum(map.obstacle_m_at(steps_m, aside_m), map.unknown_m_at(steps_m, aside_m))
+    near_m, unknown_m = map.obstacle_m_at(steps_m, aside_m), map.unknown_m_at(steps_m, aside_m)
     blocked = near_m < min(radius_m, float(near_m[0]) - TOLERANCE_M)
+    blocked |= unknown_m <= 0.0
     return float(steps_m[max(int(np.argmax(blocked)) - 1, 0)]) if blocked.any() else float(steps_m[-1])
 
 

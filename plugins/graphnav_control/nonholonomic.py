@@ -35,7 +35,9 @@ class Nonholonomic(Stage):
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; used with a map")
     max_decel_mps2: float = param(0.5, gt=0.0, doc="deceleration to count on where a map limits the speed")
     reaction_s: float = param(
-        0.25, ge=0.0, doc="time from what the camera sees to the brakes, where a map limits the speed: images and latency"
+        0.25,
+        ge=0.0,
+        doc="time from what the camera sees to the brakes, where a map limits the speed: images and latency",
     )
     reversing: bool = param(
         False, doc="the law as published also beyond a right angle: the robot drives backwards, where it does not see"

@@ -60,9 +60,7 @@ class Egomotion(Stage):
         if np.count_nonzero(counts) < MIN_VECTORS:
             return None
         moved = self._fitted(cells, counts)
-        return Motion(
-            forward_m=float(moved[0]), left_m=0.0, turn_rad=float(moved[1]), interval_us=flow.interval_us
-        )
+        return Motion(forward_m=float(moved[0]), left_m=0.0, turn_rad=float(moved[1]), interval_us=flow.interval_us)
 
     def _fitted(self, cells: Flow, counts: np.ndarray) -> Doubles:
         rows, cols = counts.shape

@@ -35,12 +35,14 @@ class Local(Stage):
     tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
     camera_forward_m: float = param(0.0, doc=FORWARD_DOC)
-    size_m: float = param(4.0, gt=0.0, le=100.0, doc="side of the map")
+    size_m: float = param(7.0, gt=0.0, le=100.0, doc="side of the map")
     cell_m: float = param(0.04, gt=0.0, le=1.0, doc="side of a cell")
     max_distance_m: float = param(2.0, gt=0.0, doc="distance from the camera's foot beyond which the plane is not used")
     hit: float = param(0.8, gt=0.0, doc="dimensionless: evidence of a frame for an obstacle; from 1 on it is one")
     miss: float = param(0.4, gt=0.0, doc="dimensionless: evidence of a frame against an obstacle")
-    max_evidence: float = param(3.0, ge=1.0, doc="dimensionless: evidence, for or against, that more frames do not add to")
+    max_evidence: float = param(
+        3.0, ge=1.0, doc="dimensionless: evidence, for or against, that more frames do not add to"
+    )
     full_motion_m: float = param(0.02, gt=0.0, doc="displacement of a frame from which its evidence counts in full")
     blind_height_m: float = param(
         0.08,
@@ -49,7 +51,9 @@ class Local(Stage):
         "from where they are seen",
     )
     foot_height_m: float = param(
-        0.15, gt=0.0, doc="height up to which an obstacle marks the floor; what is higher hides floor that stays unknown"
+        0.15,
+        gt=0.0,
+        doc="height up to which an obstacle marks the floor; what is higher hides floor that stays unknown",
     )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; the floor below it is free")
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, Stage, Steering, param
 from graphnav.arrays import Bools, Doubles, Indices
 from graphnav_steer.axes import toward
-from graphnav_steer.local_paths import Paths, beside, cheapest_paths
+from graphnav_steer.local_paths import beside, cheapest_paths
 
 Point = tuple[float, float]
 
@@ -21,12 +22,10 @@ _SAME_M = 0.3
 
 
 class Way(NamedTuple):
-    """A path (n, 2) of rows and columns to a frontier, its cost with what comes after, its end, and the open cells."""
+    """A path (n, 2) of rows and columns to a frontier, and its end in the frame of the map."""
 
-    cost_m: float
     end_m: Point
     path: Indices
-    passable: Bools
 
 
 class Frontier(Stage):
@@ -48,8 +47,18 @@ class Frontier(Stage):
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
     margin_m: float = param(0.05, ge=0.0, doc="distance to keep from obstacles beyond the radius")
-    narrow_cost_m: float = param(1.5, ge=0.0, doc="cost of a way that cannot keep `margin_m`")
-    comfort_m: float = param(0.25, gt=0.0, doc="distance from obstacles beyond the radius from which nearness costs nothing")
+    unknown_margin_m: float = param(
+        0.08, ge=0.0, doc="distance that the robot's centre keeps from floor that it has not seen"
+    )
+    narrow_cost: float = param(
+        4.0,
+        ge=0.0,
+        doc="dimensionless: cost of a metre that cannot keep `margin_m`, in addition to what nearness costs",
+    )
+    min_frontier_m2: float = param(0.15, ge=0.0, doc="unknown floor of a smaller area is not worth a visit")
+    comfort_m: float = param(
+        0.25, gt=0.0, doc="distance from obstacles beyond the radius from which nearness costs nothing"
+    )
     near_cost: float = param(
         6.0, ge=0.0, doc="dimensionless: cost of a metre along an obstacle, in addition to 1; more keeps to the middle"
     )
@@ -78,40 +87,38 @@ class Frontier(Stage):
             self._trail = [*self._trail[1 - _MAX_TRAIL :], here]
 
     def _theta_rad(self, map: LocalMap, goal: Goal | None) -> float:  # noqa: A002
-        ways = [self._way(map, goal, margin_m) for margin_m in (self.margin_m, 0.0)]
-        costs_m = [math.inf if way is None else way.cost_m for way in ways]
-        way = ways[0] if costs_m[0] <= costs_m[1] + self.narrow_cost_m else ways[1]
+        way = self._way(map, goal)
         if way is None:
             self._chosen = None
             return self._spin * math.pi / 2
         self._chosen = way.end_m
-        theta_rad = self._toward(map, way.path, way.passable)
+        theta_rad = self._toward(map, way.path)
         if theta_rad:
             self._spin = math.copysign(1.0, theta_rad)
         return theta_rad
 
-    def _way(self, map: LocalMap, goal: Goal | None, margin_m: float) -> Way | None:  # noqa: A002
-        """Return the cheapest way that keeps a distance from obstacles beyond the radius, None if there is none."""
+    def _way(self, map: LocalMap, goal: Goal | None) -> Way | None:  # noqa: A002
+        """Return the cheapest way to a frontier, None if there is none."""
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
-        kept_m = min(self.robot_radius_m + margin_m, float(map.obstacle_m[row, col]))
-        open_cells = map.obstacle_m >= kept_m
-        known = open_cells & (map.unknown_m >= min(self.robot_radius_m, float(map.unknown_m[row, col])))
-        frontier = open_cells & ~known & beside(known)
-        passable = known | frontier
-        paths = self._paths((int(row), int(col)), map, passable)
+        open_cells = map.obstacle_m >= min(self.robot_radius_m, float(map.obstacle_m[row, col]))
+        known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
+        beyond = _wide(open_cells & ~known, self.min_frontier_m2 / map.cell_m**2)
+        frontier = beyond & beside(known)
+        price = np.where(known | frontier, self._price(map), math.inf)
+        paths = cheapest_paths((int(row), int(col)), price, map.cell_m)
         rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
         if not len(rows):
             return None
         x_m, y_m = map.origin_x_m + cols * map.cell_m, map.origin_y_m + rows * map.cell_m
         cost_m = paths.cost_m[rows, cols] + self._cost_beyond_m(map, goal, x_m, y_m)
         best = self._best(x_m, y_m, cost_m)
-        path = paths.to(int(rows[best]), int(cols[best]))
-        return Way(float(cost_m[best]), (float(x_m[best]), float(y_m[best])), path, passable)
+        return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))
 
-    def _paths(self, start: tuple[int, int], map: LocalMap, passable: Bools) -> Paths:  # noqa: A002
-        near = np.clip(1.0 - (map.obstacle_m - self.robot_radius_m) / self.comfort_m, 0.0, 1.0)
-        price = np.where(passable, 1.0 + self.near_cost * near**2, math.inf)
-        return cheapest_paths(start, price, map.cell_m, limit_m=50.0)
+    def _price(self, map: LocalMap) -> Doubles:  # noqa: A002
+        """Return the cost of a metre at each cell: 1, and more near obstacles."""
+        beyond_m = map.obstacle_m - self.robot_radius_m
+        near = np.clip(1.0 - beyond_m / self.comfort_m, 0.0, 1.0)
+        return np.asarray(1.0 + self.near_cost * near**2 + self.narrow_cost * (beyond_m < self.margin_m))
 
     def _cost_beyond_m(self, map: LocalMap, goal: Goal | None, x_m: Doubles, y_m: Doubles) -> Doubles:  # noqa: A002
         """Return the cost of what comes after points on the map: the way to the goal, or a return."""
@@ -136,17 +143,30 @@ class Frontier(Stage):
         apart_m = np.hypot(x_m[:, None] - trail[:, 0], y_m[:, None] - trail[:, 1]).min(axis=1)
         return np.asarray(cost_m + self.back_cost_m * np.clip(1.0 - apart_m / 1.0, 0.0, 1.0))
 
-    def _toward(self, map: LocalMap, path: Indices, passable: Bools) -> float:  # noqa: A002  # the port's name
-        """Return the angle from forward to the farthest point of the path to which a straight way leads."""
+    def _toward(self, map: LocalMap, path: Indices) -> float:  # noqa: A002
+        """Return the angle from forward to the farthest point of the path to which a straight way leads.
+
+        A straight way keeps ``margin_m`` from obstacles beyond the radius, or as much as the path does up to there.
+        """
         x_m, y_m = map.origin_x_m + path[:, 1] * map.cell_m, map.origin_y_m + path[:, 0] * map.cell_m
         away_m = np.hypot(x_m - map.x_m, y_m - map.y_m)
+        kept_m = np.minimum.accumulate(map.obstacle_m[path[:, 0], path[:, 1]])
+        kept_m = np.minimum(kept_m, self.robot_radius_m + self.margin_m)
         last = min(2, len(path) - 1)
         for k in range(last, len(path)):
             if away_m[k] > self.look_ahead_m:
                 break
             share = np.linspace(0.0, 1.0, max(2, math.ceil(away_m[k] / map.cell_m * 2)))
             cells = map.cells_of(map.x_m + share * (x_m[k] - map.x_m), map.y_m + share * (y_m[k] - map.y_m))
-            if not passable[cells][1:].all():
+            if map.obstacle_m[cells][1:].min() < kept_m[k]:
                 break
             last = k
         return math.remainder(math.atan2(y_m[last] - map.y_m, x_m[last] - map.x_m) - map.yaw_rad, 2 * math.pi)
+
+
+def _wide(cells: Bools, min_cells: float) -> Bools:
+    """Return the ``cells`` (rows, cols) that are in connected regions of at least so many."""
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=4)
+    is_wide = stats[:, cv2.CC_STAT_AREA] >= min_cells
+    is_wide[0] = False
+    return np.asarray(is_wide[labels])

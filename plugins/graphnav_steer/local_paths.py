@@ -31,8 +31,8 @@ class Paths(NamedTuple):
         return np.array([divmod(cell, cols) for cell in reversed(cells)])
 
 
-def cheapest_paths(start: tuple[int, int], price: Doubles, cell_m: float, limit_m: float) -> Paths:
-    """Return the cheapest paths from a cell, over cells of finite ``price`` per metre (rows, cols), up to a cost."""
+def cheapest_paths(start: tuple[int, int], price: Doubles, cell_m: float) -> Paths:
+    """Return the cheapest paths from a cell, over cells of finite ``price`` per metre (rows, cols)."""
     rows, cols = price.shape
     here, there, length = _edges(rows, cols)
     prices = price.reshape(-1)
@@ -40,9 +40,7 @@ def cheapest_paths(start: tuple[int, int], price: Doubles, cell_m: float, limit_
         costs = (prices[here] + prices[there]) * (length * cell_m / 2)
     passable = np.isfinite(costs)
     graph = csr_array((costs[passable], (here[passable], there[passable])), shape=(rows * cols, rows * cols))
-    cost_m, before = dijkstra(
-        graph, indices=start[0] * cols + start[1], return_predecessors=True, directed=False, limit=limit_m
-    )
+    cost_m, before = dijkstra(graph, indices=start[0] * cols + start[1], return_predecessors=True, directed=False)
     return Paths(cost_m.reshape(rows, cols), before)
 
 
