@@ -33,6 +33,7 @@ class Nonholonomic(Stage):
     )
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; used with a map")
+    map_error_m: float = param(0.02, ge=0.0, doc="how much nearer than they are obstacles may be on the map")
     max_decel_mps2: float = param(0.5, gt=0.0, doc="deceleration to count on where a map limits the speed")
     reaction_s: float = param(
         0.25,
@@ -66,7 +67,7 @@ class Nonholonomic(Stage):
             turn_ratio = turn_ratio if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
         speed_mps = self.max_speed_mps * speed_ratio
         if map.value is not None and speed_mps > 0.0:
-            way_m = free_way_m(map.value, self.robot_radius_m)
+            way_m = free_way_m(map.value, self.robot_radius_m - self.map_error_m)
             speed_mps = min(speed_mps, safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s))
         wanted = Twist(v_mps=speed_mps, omega_radps=self.max_turn_radps * turn_ratio)
         twist = self._smoothed(wanted, stamp)

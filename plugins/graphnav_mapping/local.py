@@ -28,14 +28,15 @@ class Local(Stage):
     which gains no evidence.
 
     Flow shows obstacles only to a robot that drives: evidence counts in proportion to the displacement, in full from
-    ``full_motion_m`` on. A robot that stands, or turns on the spot, presumes that unknown ground cells are free.
+    ``full_motion_m`` on. Until the robot has driven ``presumed_m``, it presumes that unknown ground cells are free:
+    it has to set out to see.
     """
 
     camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc=HEIGHT_DOC)
     tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
     camera_forward_m: float = param(0.0, doc=FORWARD_DOC)
-    size_m: float = param(7.0, gt=0.0, le=100.0, doc="side of the map")
+    size_m: float = param(9.0, gt=0.0, le=100.0, doc="side of the map")
     cell_m: float = param(0.04, gt=0.0, le=1.0, doc="side of a cell")
     max_distance_m: float = param(2.0, gt=0.0, doc="distance from the camera's foot beyond which the plane is not used")
     hit: float = param(0.8, gt=0.0, doc="dimensionless: evidence of a frame for an obstacle; from 1 on it is one")
@@ -55,6 +56,7 @@ class Local(Stage):
         gt=0.0,
         doc="height up to which an obstacle marks the floor; what is higher hides floor that stays unknown",
     )
+    presumed_m: float = param(0.15, ge=0.0, doc="distance from the start up to which ground is free until it is judged")
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; the floor below it is free")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
@@ -71,11 +73,14 @@ class Local(Stage):
         grid = self._grid
         grid.move(motion.forward_m, motion.left_m, motion.turn_rad)
         seen = grid.seen(self._labels(plane), self._floor_to_cells(plane))
-        self._add(seen, min(1.0, math.hypot(motion.forward_m, motion.left_m) / self.full_motion_m))
+        moved_m = math.hypot(motion.forward_m, motion.left_m)
+        self._driven_m += moved_m
+        self._add(seen, min(1.0, moved_m / self.full_motion_m))
         self._stand()
         return self._map()
 
     def _start(self) -> None:
+        self._driven_m = 0.0
         self._grid = RollingGrid(math.ceil(self.size_m / self.cell_m), self.cell_m)
 
     def _labels(self, plane: Plane) -> Bytes:
@@ -104,7 +109,8 @@ class Local(Stage):
         added = np.array([0.0, -self.miss * weight, self.hit * weight], np.float32)
         evidence += added[seen]
         np.clip(evidence, -self.max_evidence, self.max_evidence, evidence)
-        evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE
+        if self._driven_m < self.presumed_m:
+            evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE
 
     def _stand(self) -> None:
         """Note that the floor below the robot is free."""
@@ -116,7 +122,7 @@ class Local(Stage):
     def _map(self) -> LocalMap:
         grid = self._grid
         obstacle = grid.evidence >= _OBSTACLE_EVIDENCE
-        free = grid.evidence < 0.0
+        free = grid.evidence <= _PRESUMED_FREE
         state = np.where(obstacle, np.uint8(LocalMap.OBSTACLE), free.astype(np.uint8))
         return LocalMap(
             cell_m=grid.cell_m,

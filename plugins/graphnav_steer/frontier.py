@@ -47,11 +47,16 @@ class Frontier(Stage):
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
     margin_m: float = param(0.05, ge=0.0, doc="distance to keep from obstacles beyond the radius")
+    map_error_m: float = param(
+        0.02,
+        ge=0.0,
+        doc="how much nearer than they are obstacles may be on the map; more squeezes through narrower gaps",
+    )
     unknown_margin_m: float = param(
         0.08, ge=0.0, doc="distance that the robot's centre keeps from floor that it has not seen"
     )
     narrow_cost: float = param(
-        4.0,
+        1.0,
         ge=0.0,
         doc="dimensionless: cost of a metre that cannot keep `margin_m`, in addition to what nearness costs",
     )
@@ -60,13 +65,13 @@ class Frontier(Stage):
         0.25, gt=0.0, doc="distance from obstacles beyond the radius from which nearness costs nothing"
     )
     near_cost: float = param(
-        6.0, ge=0.0, doc="dimensionless: cost of a metre along an obstacle, in addition to 1; more keeps to the middle"
+        1.5, ge=0.0, doc="dimensionless: cost of a metre along an obstacle, in addition to 1; more keeps to the middle"
     )
     look_ahead_m: float = param(0.6, gt=0.0, doc="distance of the farthest point of the path to head for")
     turn_cost_m: float = param(0.6, ge=0.0, doc="cost of a first turn by half a circle where there is no goal")
     back_cost_m: float = param(3.0, ge=0.0, doc="cost of a frontier where the robot has been, where there is no goal")
     commit_m: float = param(0.4, ge=0.0, doc="by how much another frontier must be cheaper to be preferred")
-    goal_weight: float = param(1.0, ge=0.0, doc="dimensionless: cost of a metre between a frontier and the goal")
+    goal_weight: float = param(2.0, ge=0.0, doc="dimensionless: cost of a metre between a frontier and the goal")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget where the robot has been."""
@@ -100,7 +105,7 @@ class Frontier(Stage):
     def _way(self, map: LocalMap, goal: Goal | None) -> Way | None:  # noqa: A002
         """Return the cheapest way to a frontier, None if there is none."""
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
-        open_cells = map.obstacle_m >= min(self.robot_radius_m, float(map.obstacle_m[row, col]))
+        open_cells = map.obstacle_m >= min(self.robot_radius_m - self.map_error_m, float(map.obstacle_m[row, col]))
         known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
         beyond = _wide(open_cells & ~known, self.min_frontier_m2 / map.cell_m**2)
         frontier = beyond & beside(known)

@@ -36,10 +36,11 @@ def cheapest_paths(start: tuple[int, int], price: Doubles, cell_m: float) -> Pat
     rows, cols = price.shape
     here, there, length = _edges(rows, cols)
     prices = price.reshape(-1)
-    with np.errstate(invalid="ignore"):
-        costs = (prices[here] + prices[there]) * (length * cell_m / 2)
-    passable = np.isfinite(costs)
-    graph = csr_array((costs[passable], (here[passable], there[passable])), shape=(rows * cols, rows * cols))
+    passable = np.isfinite(prices)
+    inside = np.flatnonzero(passable[here] & passable[there])
+    here, there, length = here[inside], there[inside], length[inside]
+    costs = (prices[here] + prices[there]) * (length * cell_m / 2)
+    graph = csr_array((costs, (here, there)), shape=(rows * cols, rows * cols))
     cost_m, before = dijkstra(graph, indices=start[0] * cols + start[1], return_predecessors=True, directed=False)
     return Paths(cost_m.reshape(rows, cols), before)
 
