@@ -9,6 +9,7 @@ import numpy as np
 
 from graphnav import Continuity, LocalMap, Motion, Plane, Stage, Stamp, param
 from graphnav.arrays import Bools, Bytes, Floats
+from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
 
@@ -42,8 +43,20 @@ class Local(Stage):
     hit: float = param(0.8, gt=0.0, doc="dimensionless: evidence of a frame for an obstacle; from 1 on it is one")
     miss: float = param(0.4, gt=0.0, doc="dimensionless: evidence of a frame against an obstacle")
     max_evidence: float = param(
-        3.0, ge=1.0, doc="dimensionless: evidence, for or against, that more frames do not add to"
+        3.0, ge=1.0, doc="dimensionless: evidence for an obstacle that more frames do not add to"
     )
+    max_free_evidence: float = param(
+        1.0,
+        gt=0.0,
+        doc="dimensionless: evidence against an obstacle that more frames do not add to; less reacts sooner",
+    )
+    ahead_s: float = param(
+        1.5,
+        ge=0.0,
+        doc="time for which obstacles that move are expected to go on; they block that floor; 0 expects none",
+    )
+    min_mover_mps: float = param(0.06, gt=0.0, doc="speed from which an obstacle counts as moving")
+    max_mover_mps: float = param(0.6, gt=0.0, le=5.0, doc="fastest obstacle that is followed")
     full_motion_m: float = param(0.02, gt=0.0, doc="displacement of a frame from which its evidence counts in full")
     blind_height_m: float = param(
         0.08,
@@ -51,10 +64,10 @@ class Local(Stage):
         doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this much "
         "from where they are seen",
     )
-    foot_height_m: float = param(
+    foot_m: float = param(
         0.15,
         gt=0.0,
-        doc="height up to which an obstacle marks the floor; what is higher hides floor that stays unknown",
+        doc="depth of the floor that an obstacle marks from its foot on; floor that it hides stays unknown",
     )
     presumed_m: float = param(0.15, ge=0.0, doc="distance from the start up to which ground is free until it is judged")
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; the floor below it is free")
@@ -76,11 +89,20 @@ class Local(Stage):
         moved_m = math.hypot(motion.forward_m, motion.left_m)
         self._driven_m += moved_m
         self._add(seen, min(1.0, moved_m / self.full_motion_m))
+        movers = self._movers.find(Look(stamp, seen, grid.corner), self.min_mover_mps) if self.ahead_s else []
+        self._forget_where_they_were(movers, seen)
         self._stand()
-        return self._map()
+        return self._map(swept(seen.shape, movers, self.ahead_s))
+
+    def _forget_where_they_were(self, movers: list[Mover], seen: Bytes) -> None:
+        """Believe at once that the floor behind what moves is free."""
+        if movers:
+            behind = cv2.dilate(swept(seen.shape, movers, -1.0), _BESIDE)
+            self._grid.evidence[(behind != 0) & (seen == GROUND)] = _PRESUMED_FREE
 
     def _start(self) -> None:
         self._driven_m = 0.0
+        self._movers = Movers(0.8, self.max_mover_mps, self.cell_m)
         self._grid = RollingGrid(math.ceil(self.size_m / self.cell_m), self.cell_m)
 
     def _labels(self, plane: Plane) -> Bytes:
@@ -98,8 +120,8 @@ class Local(Stage):
         """Return where obstacles (rows, cols) stand: their lowest part, and below it down by ``blind_height_m``."""
         grown = obstacle
         for height_m in (self.blind_height_m / 2, self.blind_height_m):
-            grown = np.maximum(grown, self._mount.lowered(obstacle, height_m))
-        return grown & ~self._mount.lowered(obstacle, -self.foot_height_m)
+            grown = np.maximum(grown, self._mount.outward(obstacle, height_m))
+        return grown & ~self._mount.inward(obstacle, 0.0, self.foot_m)
 
     def _floor_to_cells(self, plane: Plane) -> np.ndarray:
         return self._mount.floor_to_pixels(*plane.valid.shape)
@@ -108,7 +130,7 @@ class Local(Stage):
         evidence = self._grid.evidence
         added = np.array([0.0, -self.miss * weight, self.hit * weight], np.float32)
         evidence += added[seen]
-        np.clip(evidence, -self.max_evidence, self.max_evidence, evidence)
+        np.clip(evidence, -self.max_free_evidence, self.max_evidence, evidence)
         if self._driven_m < self.presumed_m:
             evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE
 
@@ -117,11 +139,11 @@ class Local(Stage):
         grid = self._grid
         below = np.zeros(grid.evidence.shape, np.uint8)
         cv2.circle(below, grid.cell(), math.ceil(self.robot_radius_m / grid.cell_m), 1, cv2.FILLED)
-        grid.evidence[below != 0] = -self.max_evidence
+        grid.evidence[below != 0] = -self.max_free_evidence
 
-    def _map(self) -> LocalMap:
+    def _map(self, ahead: Bytes) -> LocalMap:
         grid = self._grid
-        obstacle = grid.evidence >= _OBSTACLE_EVIDENCE
+        obstacle = (grid.evidence >= _OBSTACLE_EVIDENCE) | (ahead != 0)
         free = grid.evidence <= _PRESUMED_FREE
         state = np.where(obstacle, np.uint8(LocalMap.OBSTACLE), free.astype(np.uint8))
         return LocalMap(

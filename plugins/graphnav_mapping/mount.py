@@ -9,7 +9,7 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from graphnav.arrays import Bytes, Doubles
+from graphnav.arrays import Bytes, Doubles, Floats
 
 HEIGHT_DOC = "height of the camera above the floor; all lengths scale with it"
 TILT_DOC = "tilt of the camera below the horizontal; 90 looks straight down"
@@ -61,14 +61,31 @@ class Mount:
         y = (np.arange(rows) - matrix[1, 2]) / matrix[1, 1]
         return np.dstack([*np.meshgrid(x, y), np.ones((rows, cols))])
 
-    def lowered(self, mask: Bytes, height_m: float) -> Bytes:
-        """Return a mask (rows, cols) of things on the floor as if all of it were nearer to the floor by a height.
+    def outward(self, mask: Bytes, height_m: float) -> Bytes:
+        """Return a mask (rows, cols) with every pixel taken from farther from the camera's foot: that of lower things."""
+        return self.inward(mask, -height_m)
 
-        Vertical lines meet in the pixel of the camera's foot: what is lower is nearer to it.
+    def inward(self, mask: Bytes, height_m: float, floor_m: float = 0.0) -> Bytes:
+        """Return a mask (rows, cols) with every pixel taken from nearer to the camera's foot, where vertical lines meet.
+
+        What stands there at the floor covers the pixel with what is ``height_m`` above, or with what is ``floor_m``
+        behind it.
         """
-        rows, cols = mask.shape
-        x, y, depth = self.intrinsics(rows, cols) @ self.R_CR @ [0.0, 0.0, -1.0]
-        scale = 1.0 - height_m / self.height_m
-        toward = np.array([[scale, 0.0, (1 - scale) * x / depth], [0.0, scale, (1 - scale) * y / depth]])
-        found: Bytes = cv2.warpAffine(mask, toward, (cols, rows), flags=cv2.INTER_NEAREST)
+        key = (*mask.shape, height_m, floor_m)
+        if key not in self._maps:
+            self._maps[key] = self._inward_map(*key)
+        found: Bytes = cv2.remap(mask, self._maps[key], None, cv2.INTER_NEAREST)
         return found
+
+    @cached_property
+    def _maps(self) -> dict[tuple[int, int, float, float], Floats]:
+        return {}
+
+    def _inward_map(self, rows: int, cols: int, height_m: float, floor_m: float) -> Floats:
+        matrix = self.intrinsics(rows, cols)
+        x, y, depth = matrix @ self.R_CR @ [0.0, 0.0, -1.0]
+        foot = np.array([x, y]) / depth
+        away = np.dstack(np.meshgrid(np.arange(cols), np.arange(rows))) - foot
+        length = np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-6)
+        kept = (1.0 - height_m / self.height_m) - floor_m * matrix[0, 0] / self.height_m / length
+        return np.asarray(foot + away * np.maximum(kept, 0.0), np.float32)

@@ -33,6 +33,7 @@ class RollingGrid:
         self._middle_m = (cells - 1) / 2 * cell_m
         self.origin_x_m = self.origin_y_m = -self._middle_m
         self.x_m = self.y_m = self.yaw_rad = 0.0
+        self.corner = (0, 0)
 
     def move(self, forward_m: float, left_m: float, turn_rad: float) -> None:
         """Move the robot by a displacement in the frame that it had before, and turn it."""
@@ -82,5 +83,6 @@ class RollingGrid:
         to_rows, to_cols = slice(max(-down, 0), size + min(-down, 0)), slice(max(-right, 0), size + min(-right, 0))
         moved[to_rows, to_cols] = self.evidence[rows, cols]
         self.evidence = moved
+        self.corner = self.corner[0] + right, self.corner[1] + down
         self.origin_x_m += right * self.cell_m
         self.origin_y_m += down * self.cell_m

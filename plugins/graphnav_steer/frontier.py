@@ -17,6 +17,8 @@ Point = tuple[float, float]
 
 _TRAIL_STEP_M = 0.1
 _MAX_TRAIL = 400
+_TOUCH_COST = 20.0
+"""Cost of a metre in touch with an obstacle, which is relevant only to a robot that leaves one."""
 _SAME_M = 0.3
 """Frontiers nearer to the last choice than this are the same choice."""
 
@@ -105,7 +107,7 @@ class Frontier(Stage):
     def _way(self, map: LocalMap, goal: Goal | None) -> Way | None:  # noqa: A002
         """Return the cheapest way to a frontier, None if there is none."""
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
-        open_cells = map.obstacle_m >= min(self.robot_radius_m - self.map_error_m, float(map.obstacle_m[row, col]))
+        open_cells = self._open(map, int(row), int(col))
         known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
         beyond = _wide(open_cells & ~known, self.min_frontier_m2 / map.cell_m**2)
         frontier = beyond & beside(known)
@@ -119,11 +121,24 @@ class Frontier(Stage):
         best = self._best(x_m, y_m, cost_m)
         return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))
 
+    def _open(self, map: LocalMap, row: int, col: int) -> Bools:  # noqa: A002
+        """Return the cells where the robot touches nothing, and those by which it can leave what it touches now."""
+        open_cells: Bools = map.obstacle_m >= self.robot_radius_m - self.map_error_m
+        reach = math.ceil((self.robot_radius_m + self.margin_m) / map.cell_m)
+        near = (slice(max(row - reach, 0), row + reach + 1), slice(max(col - reach, 0), col + reach + 1))
+        open_cells[near] |= map.obstacle_m[near] >= map.obstacle_m[row, col]
+        return open_cells
+
     def _price(self, map: LocalMap) -> Doubles:  # noqa: A002
         """Return the cost of a metre at each cell: 1, and more near obstacles."""
         beyond_m = map.obstacle_m - self.robot_radius_m
         near = np.clip(1.0 - beyond_m / self.comfort_m, 0.0, 1.0)
-        return np.asarray(1.0 + self.near_cost * near**2 + self.narrow_cost * (beyond_m < self.margin_m))
+        return np.asarray(
+            1.0
+            + self.near_cost * near**2
+            + self.narrow_cost * (beyond_m < self.margin_m)
+            + _TOUCH_COST * (beyond_m < -self.map_error_m)
+        )
 
     def _cost_beyond_m(self, map: LocalMap, goal: Goal | None, x_m: Doubles, y_m: Doubles) -> Doubles:  # noqa: A002
         """Return the cost of what comes after points on the map: the way to the goal, or a return."""

@@ -1,0 +1,113 @@
+"""Obstacles that move: found by comparing what is seen of the floor now with what was seen a moment ago."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from graphnav.arrays import Bools, Bytes, Indices
+from graphnav_mapping.rolling_grid import GROUND, OBSTACLE
+
+_MIN_CELLS = 6
+_MIN_NEW_RATIO = 0.05
+"""Share of an obstacle's cells that were free floor before: less is noise of its foot."""
+_MIN_GAIN_RATIO = 0.1
+"""By how much more of its cells a shift must explain than standing still does."""
+_NEAR = np.ones((3, 3), np.uint8)
+
+
+class Look(NamedTuple):
+    """Labels of the grid's cells at a time, and the grid's corner in cells, (columns, rows) from its first corner."""
+
+    utime: int
+    labels: Bytes
+    corner: tuple[int, int]
+
+
+class Mover(NamedTuple):
+    """The rows and columns of an obstacle's cells, (n,) each, and how many of them it moves in a second."""
+
+    rows: Indices
+    cols: Indices
+    rows_per_s: float
+    cols_per_s: float
+
+
+class Movers:
+    """Finds the obstacles that have moved since a moment ago.
+
+    An obstacle moves if a part of its cells was free floor before, away from all obstacles, and a shift explains where
+    it came from: the smallest one with which nearly most of its cells fall on obstacles of before.
+
+    Parameters
+    ----------
+    interval_s
+        How long ago the moment is.
+    max_speed_mps, cell_m
+        Fastest obstacle, and the side of a cell.
+    """
+
+    def __init__(self, interval_s: float, max_speed_mps: float, cell_m: float) -> None:
+        self._interval_us = round(1e6 * interval_s)
+        self._reach_m, self._cell_m = max_speed_mps, cell_m
+        self._looks: deque[Look] = deque()
+
+    def find(self, look: Look, min_speed_mps: float) -> list[Mover]:
+        """Return the obstacles of a look that move at ``min_speed_mps`` at least; looks must come in order."""
+        self._looks.append(look)
+        while len(self._looks) > 1 and self._looks[1].utime <= look.utime - self._interval_us:
+            self._looks.popleft()
+        before = self._looks[0]
+        elapsed_s = (look.utime - before.utime) * 1e-6
+        if look.utime - before.utime < self._interval_us / 2:
+            return []
+        was = _shifted(before.labels, before.corner[0] - look.corner[0], before.corner[1] - look.corner[1])
+        was_obstacle = (was == OBSTACLE).view(np.uint8)
+        there = cv2.dilate(was_obstacle, _NEAR) != 0
+        is_new = (was == GROUND) & ~there
+        _, regions = cv2.connectedComponents((look.labels == OBSTACLE).view(np.uint8), connectivity=8)
+        movers = []
+        for region in np.unique(regions[is_new & (regions != 0)]):
+            rows, cols = np.nonzero(regions == region)
+            if len(rows) < _MIN_CELLS or is_new[rows, cols].mean() < _MIN_NEW_RATIO:
+                continue
+            shift = self._shift(rows, cols, there, elapsed_s)
+            if np.hypot(*shift) * self._cell_m >= min_speed_mps * elapsed_s:
+                movers.append(Mover(rows, cols, shift[0] / elapsed_s, shift[1] / elapsed_s))
+        return movers
+
+    def _shift(self, rows: Indices, cols: Indices, there: Bools, elapsed_s: float) -> tuple[int, int]:
+        """Return by how many rows and columns the cells have moved from where an obstacle was, 0 if unknown."""
+        reach = round(self._reach_m * elapsed_s / self._cell_m)
+        best, chosen = there[rows, cols].mean() + _MIN_GAIN_RATIO, (0, 0)
+        for down in range(-reach, reach + 1):
+            for right in range(-reach, reach + 1):
+                row, col = rows - down, cols - right
+                inside = (row >= 0) & (col >= 0) & (row < there.shape[0]) & (col < there.shape[1])
+                overlap = there[row[inside], col[inside]].sum() / len(rows) - 0.02 * float(np.hypot(down, right))
+                if overlap > best:
+                    best, chosen = overlap, (down, right)
+        return chosen
+
+
+def swept(shape: tuple[int, int], movers: list[Mover], ahead_s: float) -> Bytes:
+    """Return the cells (rows, cols) that the movers reach within a time, uint8 0 or 1."""
+    found = np.zeros(shape, np.uint8)
+    for mover in movers:
+        steps = max(1, round(ahead_s * max(abs(mover.rows_per_s), abs(mover.cols_per_s))))
+        for share in np.linspace(0.0, 1.0, steps + 1):
+            row = np.rint(mover.rows + share * ahead_s * mover.rows_per_s).astype(np.intp)
+            col = np.rint(mover.cols + share * ahead_s * mover.cols_per_s).astype(np.intp)
+            inside = (row >= 0) & (col >= 0) & (row < shape[0]) & (col < shape[1])
+            found[row[inside], col[inside]] = 1
+    return found
+
+
+def _shifted(labels: Bytes, right: int, down: int) -> Bytes:
+    """Return labels (rows, cols) moved by cells, 0 where none were."""
+    moved = np.array([[1.0, 0.0, right], [0.0, 1.0, down]])
+    found: Bytes = cv2.warpAffine(labels, moved, labels.shape[::-1], flags=cv2.INTER_NEAREST)
+    return found
