@@ -13,14 +13,16 @@ TOLERANCE_M = 0.005
 """How much nearer to what touches it already the robot may come."""
 
 
-def free_way_m(map: LocalMap, radius_m: float) -> float:  # noqa: A002  # the port's name
+def free_way_m(map: LocalMap, radius_m: float, sign: float = 1.0) -> float:  # noqa: A002  # the port's name
     """Return how far a disc of ``radius_m`` drives straight on before it meets an obstacle or unknown floor, metres.
+
+    ``sign``: 1 forward, -1 backward.
 
     Where the disc is in touch already, only a nearer touch ends the way.
     """
     steps_m = map.cell_m / 2 * np.arange(max(map.state.shape))
     aside_m = np.zeros_like(steps_m)
-    near_m, unknown_m = map.obstacle_m_at(steps_m, aside_m), map.unknown_m_at(steps_m, aside_m)
+    near_m, unknown_m = map.obstacle_m_at(sign * steps_m, aside_m), map.unknown_m_at(sign * steps_m, aside_m)
     blocked = near_m < min(radius_m, float(near_m[0]) - TOLERANCE_M)
     blocked |= unknown_m <= 0.0
     return float(steps_m[max(int(np.argmax(blocked)) - 1, 0)]) if blocked.any() else float(steps_m[-1])

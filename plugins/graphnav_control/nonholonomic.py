@@ -66,9 +66,11 @@ class Nonholonomic(Stage):
             speed_ratio = max(speed_ratio, self.floor_ratio)
             turn_ratio = turn_ratio if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
         speed_mps = self.max_speed_mps * speed_ratio
-        if map.value is not None and speed_mps > 0.0:
-            way_m = free_way_m(map.value, self.robot_radius_m - self.map_error_m)
-            speed_mps = min(speed_mps, safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s))
+        if map.value is not None:
+            sign = math.copysign(1.0, speed_mps)
+            way_m = free_way_m(map.value, self.robot_radius_m - self.map_error_m, sign)
+            safe_mps = safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s)
+            speed_mps = sign * min(abs(speed_mps), safe_mps)
         wanted = Twist(v_mps=speed_mps, omega_radps=self.max_turn_radps * turn_ratio)
         twist = self._smoothed(wanted, stamp)
         self._last = stamp, twist

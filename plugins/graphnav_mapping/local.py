@@ -51,7 +51,7 @@ class Local(Stage):
         doc="dimensionless: evidence against an obstacle that more frames do not add to; less reacts sooner",
     )
     ahead_s: float = param(
-        1.5,
+        3.0,
         ge=0.0,
         doc="time for which obstacles that move are expected to go on; they block that floor; 0 expects none",
     )

@@ -16,6 +16,8 @@ _MIN_NEW_RATIO = 0.05
 """Share of an obstacle's cells that were free floor before: less is noise of its foot."""
 _MIN_GAIN_RATIO = 0.1
 """By how much more of its cells a shift must explain than standing still does."""
+_KEPT_US = 3_000_000
+"""How long a mover that has left the view is expected to go on."""
 _NEAR = np.ones((3, 3), np.uint8)
 
 
@@ -36,8 +38,25 @@ class Mover(NamedTuple):
     cols_per_s: float
 
 
+class Track(NamedTuple):
+    """A mover as it was at a time, on the grid with this corner."""
+
+    utime: int
+    mover: Mover
+    corner: tuple[int, int]
+
+    def now(self, look: Look) -> Mover:
+        """Return the mover where it is expected at a look."""
+        elapsed_s = (look.utime - self.utime) * 1e-6
+        down = elapsed_s * self.mover.rows_per_s + self.corner[1] - look.corner[1]
+        right = elapsed_s * self.mover.cols_per_s + self.corner[0] - look.corner[0]
+        rows, cols = self.mover.rows + round(down), self.mover.cols + round(right)
+        inside = (rows >= 0) & (cols >= 0) & (rows < look.labels.shape[0]) & (cols < look.labels.shape[1])
+        return self.mover._replace(rows=rows[inside], cols=cols[inside])
+
+
 class Movers:
-    """Finds the obstacles that have moved since a moment ago.
+    """Finds the obstacles that have moved since a moment ago; those that leave the view are expected to go on.
 
     An obstacle moves if a part of its cells was free floor before, away from all obstacles, and a shift explains where
     it came from: the smallest one with which nearly most of its cells fall on obstacles of before.
@@ -54,9 +73,25 @@ class Movers:
         self._interval_us = round(1e6 * interval_s)
         self._reach_m, self._cell_m = max_speed_mps, cell_m
         self._looks: deque[Look] = deque()
+        self._tracks: list[Track] = []
 
     def find(self, look: Look, min_speed_mps: float) -> list[Mover]:
-        """Return the obstacles of a look that move at ``min_speed_mps`` at least; looks must come in order."""
+        """Return the obstacles that move at ``min_speed_mps`` at least, those out of view too; looks come in order."""
+        seen = self._seen(look, min_speed_mps)
+        tracks = [Track(look.utime, mover, look.corner) for mover in seen]
+        for track in self._tracks:
+            mover = track.now(look)
+            if (
+                look.utime - track.utime <= _KEPT_US
+                and len(mover.rows)
+                and not look.labels[mover.rows, mover.cols].any()
+            ):
+                seen.append(mover)
+                tracks.append(track)
+        self._tracks = tracks
+        return seen
+
+    def _seen(self, look: Look, min_speed_mps: float) -> list[Mover]:
         self._looks.append(look)
         while len(self._looks) > 1 and self._looks[1].utime <= look.utime - self._interval_us:
             self._looks.popleft()
