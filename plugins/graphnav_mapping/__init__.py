@@ -1,4 +1,4 @@
-"""Stages of the family ``mapping``: from what a camera of known mounting sees to a map of the floor around the robot."""
+"""Stages of the family ``mapping``: from the view of a camera of known mounting to a map of the floor."""
 
 from graphnav import Stage, hookimpl
 

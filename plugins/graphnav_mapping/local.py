@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 
 from graphnav import Continuity, LocalMap, Motion, Plane, Stage, Stamp, param
-from graphnav.arrays import Bools, Bytes, Floats
-from graphnav_mapping.movers import Look, Mover, Movers, swept
+from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
+from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
 
 _OBSTACLE_EVIDENCE = 1.0
@@ -53,7 +53,7 @@ class Local(Stage):
     ahead_s: float = param(
         3.0,
         ge=0.0,
-        doc="time for which obstacles that move are expected to go on; they block that floor; 0 expects none",
+        doc="time for which moving obstacles are expected to go on, and block that floor; 0 expects none",
     )
     min_mover_mps: float = param(0.06, gt=0.0, doc="speed from which an obstacle counts as moving")
     max_mover_mps: float = param(0.6, gt=0.0, le=5.0, doc="fastest obstacle that is followed")
@@ -123,7 +123,7 @@ class Local(Stage):
             grown = np.maximum(grown, self._mount.outward(obstacle, height_m))
         return grown & ~self._mount.inward(obstacle, 0.0, self.foot_m)
 
-    def _floor_to_cells(self, plane: Plane) -> np.ndarray:
+    def _floor_to_cells(self, plane: Plane) -> Doubles:
         return self._mount.floor_to_pixels(*plane.valid.shape)
 
     def _add(self, seen: Bytes, weight: float) -> None:
@@ -163,4 +163,4 @@ def _distance(there: Bools, cell_m: float) -> Floats:
     """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
     farthest = np.float32(cell_m * math.hypot(*there.shape))
     apart = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
+    return np.asarray(np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest))

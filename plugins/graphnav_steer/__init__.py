@@ -15,5 +15,6 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_steer.pca import Pca
     from graphnav_steer.random import Random
     from graphnav_steer.time_to_contact import TimeToContact
+    from graphnav_steer.vfh import Vfh
 
-    return [Balance, Forward, Frontier, Gap, MeanGradient, Oracle, Pca, Random, TimeToContact]
+    return [Balance, Forward, Frontier, Gap, MeanGradient, Oracle, Pca, Random, TimeToContact, Vfh]

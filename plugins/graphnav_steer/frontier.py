@@ -116,7 +116,7 @@ class Frontier(Stage):
         rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
         if not len(rows):
             return None
-        x_m, y_m = map.origin_x_m + cols * map.cell_m, map.origin_y_m + rows * map.cell_m
+        x_m, y_m = _places_m(map, rows, cols)
         cost_m = paths.cost_m[rows, cols] + self._cost_beyond_m(map, goal, x_m, y_m)
         best = self._best(x_m, y_m, cost_m)
         return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))
@@ -168,7 +168,7 @@ class Frontier(Stage):
 
         A straight way keeps ``margin_m`` from obstacles beyond the radius, or as much as the path does up to there.
         """
-        x_m, y_m = map.origin_x_m + path[:, 1] * map.cell_m, map.origin_y_m + path[:, 0] * map.cell_m
+        x_m, y_m = _places_m(map, path[:, 0], path[:, 1])
         away_m = np.hypot(x_m - map.x_m, y_m - map.y_m)
         kept_m = np.minimum.accumulate(map.obstacle_m[path[:, 0], path[:, 1]])
         kept_m = np.minimum(kept_m, self.robot_radius_m + self.margin_m)
@@ -182,6 +182,11 @@ class Frontier(Stage):
                 break
             last = k
         return math.remainder(math.atan2(y_m[last] - map.y_m, x_m[last] - map.x_m) - map.yaw_rad, 2 * math.pi)
+
+
+def _places_m(map: LocalMap, rows: Indices, cols: Indices) -> tuple[Doubles, Doubles]:  # noqa: A002
+    """Return the middles of cells in the frame of the map, x and y."""
+    return np.asarray(map.origin_x_m + cols * map.cell_m), np.asarray(map.origin_y_m + rows * map.cell_m)
 
 
 def _wide(cells: Bools, min_cells: float) -> Bools:

@@ -22,12 +22,12 @@ class Gap(Stage):
 
     References
     ----------
-    .. [VFH] J. Borenstein, Y. Koren, The Vector Field Histogram, IEEE Transactions on Robotics and Automation 7(3), 1991.
-    .. [ND] J. Minguez, L. Montano, Nearness Diagram Navigation, IEEE Transactions on Robotics and Automation 20(1), 2004.
+    .. [VFH] J. Borenstein, Y. Koren, The Vector Field Histogram, IEEE Trans. on Robotics and Automation 7(3), 1991.
+    .. [ND] J. Minguez, L. Montano, Nearness Diagram Navigation, IEEE Trans. on Robotics and Automation 20(1), 2004.
     """
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
-    margin_m: float = param(0.06, ge=0.0, doc="distance to keep from obstacles beyond the radius")
+    margin_m: float = param(0.03, ge=0.0, doc="distance to keep from obstacles beyond the radius")
     unknown: Literal["obstacle", "free"] = param(
         "obstacle", doc="what cells that were never judged count as; free drives where nothing was seen"
     )
@@ -56,16 +56,14 @@ class Gap(Stage):
 
     def _ways_m(self, map: LocalMap) -> Doubles:  # noqa: A002
         """Return the free way of each heading, (headings,)."""
-        steps_m = map.cell_m * np.arange(0, math.ceil(self.max_way_m / map.cell_m) + 1)
-        cells = map.cells_at(*(np.outer(f(self._headings_rad), steps_m) for f in (np.cos, np.sin)))
-        kept_m = self.robot_radius_m + self.margin_m
-        clearance_m = map.obstacle_m[cells]
-        free = clearance_m >= np.minimum(kept_m, clearance_m[:, :1] - map.cell_m / 4)
+        steps_m = map.cell_m / 2 * np.arange(0, math.ceil(2 * self.max_way_m / map.cell_m) + 1)
+        ways = [np.outer(f(self._headings_rad), steps_m) for f in (np.cos, np.sin)]
+        clearance_m = map.obstacle_m_at(ways[0], ways[1])
+        free = clearance_m >= np.minimum(self.robot_radius_m + self.margin_m, clearance_m[:, :1] - map.cell_m / 8)
         if self.unknown == "obstacle":
-            known_m = map.unknown_m[cells]
-            free &= known_m >= np.minimum(self.robot_radius_m, known_m[:, :1] - map.cell_m / 4)
+            free &= map.unknown_m_at(ways[0], ways[1]) > 0.0
         free[:, 0] = True
-        return np.asarray(map.cell_m * (np.logical_and.accumulate(free, axis=1).sum(axis=1) - 1.0))
+        return np.asarray(map.cell_m / 2 * (np.logical_and.accumulate(free, axis=1).sum(axis=1) - 1.0))
 
     def _costs_m(self, map: LocalMap, goal: Goal | None) -> Doubles:  # noqa: A002
         cost_m = self.turn_cost_m * _apart(self._headings_rad, 0.0)
