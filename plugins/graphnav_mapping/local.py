@@ -53,7 +53,7 @@ class Local(Stage):
     ahead_s: float = param(
         3.0,
         ge=0.0,
-        doc="time for which moving obstacles are expected to go on, and block that floor; 0 expects none",
+        doc="time for which moving obstacles are expected to go on, which blocks that floor; 0: none",
     )
     min_mover_mps: float = param(0.06, gt=0.0, doc="speed from which an obstacle counts as moving")
     max_mover_mps: float = param(0.6, gt=0.0, le=5.0, doc="fastest obstacle that is followed")

@@ -39,8 +39,10 @@ class Frontier(Stage):
     and from there the way to the goal. Without a goal the turn that it takes, and returning to where the robot has
     been, cost instead. It keeps to its choice until another one is cheaper by ``commit_m``.
 
-    The steering points to the farthest point of the path that the robot can drive to straight on. Where there is neither
-    a frontier nor the goal, the robot turns on the spot.
+    Once the goal is on floor that is known and within reach, the path leads there.
+
+    The steering points to the farthest point of the path that the robot can drive to straight on. Where there is
+    neither a frontier nor the goal, the robot turns on the spot.
 
     References
     ----------
@@ -113,6 +115,9 @@ class Frontier(Stage):
         frontier = beyond & beside(known)
         price = np.where(known | frontier, self._price(map), math.inf)
         paths = cheapest_paths((int(row), int(col)), price, map.cell_m)
+        end = None if goal is None else self._at_goal(map, goal, np.isfinite(paths.cost_m))
+        if goal is not None and end is not None:
+            return Way(_goal_m(map, goal), paths.to(*end))
         rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
         if not len(rows):
             return None
@@ -144,10 +149,16 @@ class Frontier(Stage):
         """Return the cost of what comes after points on the map: the way to the goal, or a return."""
         if goal is None:
             return self._cost_of_return_m(map, x_m, y_m)
-        bearing_rad = map.yaw_rad + goal.bearing_rad
-        goal_x_m = map.x_m + goal.distance_m * math.cos(bearing_rad)
-        goal_y_m = map.y_m + goal.distance_m * math.sin(bearing_rad)
+        goal_x_m, goal_y_m = _goal_m(map, goal)
         return np.asarray(self.goal_weight * np.hypot(x_m - goal_x_m, y_m - goal_y_m))
+
+    @staticmethod
+    def _at_goal(map: LocalMap, goal: Goal, reached: Bools) -> tuple[int, int] | None:  # noqa: A002
+        """Return the row and column of the goal if it is among the cells that are ``reached``."""
+        x_m, y_m = _goal_m(map, goal)
+        col, row = round((x_m - map.origin_x_m) / map.cell_m), round((y_m - map.origin_y_m) / map.cell_m)
+        inside = 0 <= row < reached.shape[0] and 0 <= col < reached.shape[1]
+        return (row, col) if inside and reached[row, col] else None
 
     def _best(self, x_m: Doubles, y_m: Doubles, cost_m: Doubles) -> int:
         """Return which point is cheapest; the last choice has `commit_m` less."""
@@ -182,6 +193,12 @@ class Frontier(Stage):
                 break
             last = k
         return math.remainder(math.atan2(y_m[last] - map.y_m, x_m[last] - map.x_m) - map.yaw_rad, 2 * math.pi)
+
+
+def _goal_m(map: LocalMap, goal: Goal) -> Point:  # noqa: A002
+    """Return the goal in the frame of the map."""
+    bearing_rad = map.yaw_rad + goal.bearing_rad
+    return map.x_m + goal.distance_m * math.cos(bearing_rad), map.y_m + goal.distance_m * math.sin(bearing_rad)
 
 
 def _places_m(map: LocalMap, rows: Indices, cols: Indices) -> tuple[Doubles, Doubles]:  # noqa: A002
