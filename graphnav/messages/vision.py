@@ -7,12 +7,13 @@ block of pixels whose top left pixel is (r * step_px, c * step_px).
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any, ClassVar, Self
 
 import graphnav_lcm
 import numpy as np
 
-from graphnav.arrays import Bytes, Doubles, Floats
+from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav.messages.message import Message, may_be_infinite
 
 
@@ -76,10 +77,15 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
 
     ``obstacle``: uint8 (rows, cols), the dominant map d of [OI]: 0 on the ground plane, 1 elsewhere.
     ``score``: float32 (rows, cols), higher is more obstacle; ``threshold``: cells above are obstacle.
-    ``valid``: uint8 (rows, cols), 1 where the cell was judged; elsewhere ``obstacle`` is 0.
+    ``valid``: uint8 (rows, cols), 1 where the cell was judged; elsewhere ``obstacle`` is 0, which does not mean free:
+    see `unknown`.
     ``obstacle_ratio``: share of obstacle among the valid cells.
     ``converged``: whether an iterative detector converged; true for the others.
     """
+
+    RIM_RATIO: ClassVar[float] = 0.17
+    """The default width of the rim, a share of the picture's shorter side: in the drives of the shipped graphs all
+    cells farther inside are judged, also in their fastest turns."""
 
     obstacle: Bytes
     score: Floats
@@ -88,6 +94,23 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
     obstacle_ratio: float
     threshold: float = 0.0
     converged: bool = True
+
+    def unknown(self, rim_ratio: float = RIM_RATIO) -> Bools:
+        """Return the cells that were not judged although they lie inside the rim, bool (rows, cols).
+
+        Near the border of the picture flow is never valid: windows reach out of the picture, and what has just moved
+        into view was not seen before. Cells whose centre is nearer to the border than ``rim_ratio`` times the shorter
+        side of the grid (0 to 0.5) are this rim, and never unknown. Farther inside a cell is not judged because it has
+        no texture, as on a white wall, because it reflects, or because it is above the horizon: it may be an obstacle.
+        """
+        unknown = self.valid == 0
+        unknown &= _inside_rim(*unknown.shape, rim_ratio)
+        return unknown
+
+    def unknown_ratio(self, rim_ratio: float = RIM_RATIO) -> float:
+        """Return the share of unknown cells among the cells inside the rim, 0 to 1; 0 where the rim is everything."""
+        inside = int(np.count_nonzero(_inside_rim(*self.valid.shape, rim_ratio)))
+        return int(np.count_nonzero(self.unknown(rim_ratio))) / max(inside, 1)
 
 
 class Components(Message, lcm=graphnav_lcm.components_t, grid=("alpha", "beta", "valid")):
@@ -138,6 +161,16 @@ class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flo
     flow_px: Floats
     interval_us: int
     step_px: int = 1
+
+
+@lru_cache(maxsize=16)
+def _inside_rim(rows: int, cols: int, rim_ratio: float) -> Bools:
+    """Return where a cell's centre is at least ``rim_ratio`` times the shorter side from the border, (rows, cols)."""
+    from_left, from_top = np.arange(cols) + 0.5, np.arange(rows)[:, None] + 0.5
+    border_cells = np.minimum(np.minimum(from_left, cols - from_left), np.minimum(from_top, rows - from_top))
+    inside: Bools = border_cells >= rim_ratio * min(rows, cols)
+    inside.setflags(write=False)
+    return inside
 
 
 class PlanarModel(Message, lcm=graphnav_lcm.planar_model_t):
