@@ -6,8 +6,8 @@ block of pixels whose top left pixel is (r * step_px, c * step_px).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any, ClassVar, Self
 
 import graphnav_lcm
@@ -96,21 +96,34 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
     converged: bool = True
 
     def unknown(self, rim_ratio: float = RIM_RATIO) -> Bools:
-        """Return the cells that were not judged although they lie inside the rim, bool (rows, cols).
+        """Return the cells that were not judged for lack of texture, bool (rows, cols).
 
         Near the border of the picture flow is never valid: windows reach out of the picture, and what has just moved
         into view was not seen before. Cells whose centre is nearer to the border than ``rim_ratio`` times the shorter
-        side of the grid (0 to 0.5) are this rim, and never unknown. Farther inside a cell is not judged because it has
-        no texture, as on a white wall, because it reflects, or because it is above the horizon: it may be an obstacle.
+        side of the grid (0 to 0.4) are this rim. Inside it, every cell that was not judged is unknown: it has no
+        texture, as a white wall, it reflects, or it is above the horizon, and it may be an obstacle. A cell of the rim
+        that was not judged is unknown if the nearest cell inside the rim is: what fills the picture's upper half
+        reaches up to the border.
         """
-        unknown = self.valid == 0
-        unknown &= _inside_rim(*unknown.shape, rim_ratio)
-        return unknown
+        unjudged = self.valid == 0
+        inner = unjudged[_inside_rim(*unjudged.shape, rim_ratio)]
+        if not inner.any():
+            return np.zeros_like(unjudged)
+        rim_rows, rim_cols = ((all_ - left) // 2 for all_, left in zip(unjudged.shape, inner.shape, strict=True))
+        extended: Bools = np.pad(inner, ((rim_rows, rim_rows), (rim_cols, rim_cols)), mode="edge")
+        extended &= unjudged
+        return extended
 
     def unknown_ratio(self, rim_ratio: float = RIM_RATIO) -> float:
-        """Return the share of unknown cells among the cells inside the rim, 0 to 1; 0 where the rim is everything."""
-        inside = int(np.count_nonzero(_inside_rim(*self.valid.shape, rim_ratio)))
-        return int(np.count_nonzero(self.unknown(rim_ratio))) / max(inside, 1)
+        """Return the share of unknown cells among the cells inside the rim, 0 to 1; 0 for a grid without cells."""
+        inner = self.valid[_inside_rim(*self.valid.shape, rim_ratio)]
+        return (inner.size - int(np.count_nonzero(inner))) / max(inner.size, 1)
+
+
+def _inside_rim(rows: int, cols: int, rim_ratio: float) -> tuple[slice, slice]:
+    """Return the rows and columns of the cells whose centre is inside the rim of `Plane.unknown`."""
+    rim_cells = max(math.ceil(rim_ratio * min(rows, cols) - 0.5), 0)
+    return slice(rim_cells, rows - rim_cells), slice(rim_cells, cols - rim_cells)
 
 
 class Components(Message, lcm=graphnav_lcm.components_t, grid=("alpha", "beta", "valid")):
@@ -161,16 +174,6 @@ class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flo
     flow_px: Floats
     interval_us: int
     step_px: int = 1
-
-
-@lru_cache(maxsize=16)
-def _inside_rim(rows: int, cols: int, rim_ratio: float) -> Bools:
-    """Return where a cell's centre is at least ``rim_ratio`` times the shorter side from the border, (rows, cols)."""
-    from_left, from_top = np.arange(cols) + 0.5, np.arange(rows)[:, None] + 0.5
-    border_cells = np.minimum(np.minimum(from_left, cols - from_left), np.minimum(from_top, rows - from_top))
-    inside: Bools = border_cells >= rim_ratio * min(rows, cols)
-    inside.setflags(write=False)
-    return inside
 
 
 class PlanarModel(Message, lcm=graphnav_lcm.planar_model_t):

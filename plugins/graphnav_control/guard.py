@@ -53,7 +53,8 @@ class Guard(Stage):
         ge=0.0,
         le=1.0,
         doc="minimum share of judged cells of the plane for the robot to move; flow is never valid at the border of "
-        "the picture, which leaves 0.77 and more in the drives of the shipped graphs; 0 moves blind",
+        "the picture, which leaves 0.77 and more in the drives of the shipped graphs, except before a white wall; 0 with "
+        "``unjudged: ignore`` moves blind",
     )
     max_obstacle_ratio: float = param(
         0.9,
@@ -71,13 +72,13 @@ class Guard(Stage):
         0.1,
         ge=0.0,
         le=1.0,
-        doc="share of unknown cells among the cells inside the rim above which ``unjudged`` applies; 0 in the drives of "
-        "the shipped graphs, except before a white wall; 1 sets no limit",
+        doc="share of unknown cells among the cells inside the rim above which ``unjudged`` applies; in the drives of "
+        "the shipped graphs it is 0, except before a white wall; 1 sets no limit",
     )
     rim_ratio: float = param(
         Plane.RIM_RATIO,
         ge=0.0,
-        lt=0.5,
+        le=0.4,
         doc="width of the rim, a share of the picture's shorter side, in which a cell that was not judged is not "
         "unknown: flow is never valid there",
     )

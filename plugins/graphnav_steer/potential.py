@@ -61,7 +61,7 @@ class Potential(Forces):
     rim_ratio: float = param(
         Plane.RIM_RATIO,
         ge=0.0,
-        lt=0.5,
+        le=0.4,
         doc="width of the rim, a share of the picture's shorter side: there flow is not valid, so that cells that were "
         "not judged mean nothing; the faster the robot moves and turns between two frames, the wider",
     )
