@@ -53,8 +53,8 @@ class Guard(Stage):
         ge=0.0,
         le=1.0,
         doc="minimum share of judged cells of the plane for the robot to move; flow is never valid at the border of "
-        "the picture, which leaves 0.77 and more in the drives of the shipped graphs, except before a white wall; 0 with "
-        "``unjudged: ignore`` moves blind",
+        "the picture, which leaves 0.77 and more in the drives of the shipped graphs except `white_wall`; 0 moves "
+        "blind, with ``unjudged: ignore``",
     )
     max_obstacle_ratio: float = param(
         0.9,
@@ -73,7 +73,7 @@ class Guard(Stage):
         ge=0.0,
         le=1.0,
         doc="share of unknown cells among the cells inside the rim above which ``unjudged`` applies; in the drives of "
-        "the shipped graphs it is 0, except before a white wall; 1 sets no limit",
+        "the shipped graphs except `white_wall` it is 0; 1 sets no limit",
     )
     rim_ratio: float = param(
         Plane.RIM_RATIO,

@@ -85,7 +85,7 @@ def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int,
     nothing = np.empty((0, 0), np.float32)
     plane = Plane(obstacle, nothing, valid, step_px=step_px, obstacle_ratio=0.0)
     if not context.with_colour:
-        return _gray(_stretch(obstacle.shape, context), (obstacle != 0) + _UNKNOWN_LEVEL * plane.unknown())
+        return _gray(_stretch(obstacle.shape, context), (obstacle != 0) + _UNKNOWN_LEVEL * plane.unknown(), 1.0)
     if image is None or not _is_same_view(obstacle.shape, step_px, image):
         step_px = 1
         stretch = _stretch(obstacle.shape, context)
@@ -96,9 +96,9 @@ def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int,
     return plane_tile(stretch, camera, replace(plane, step_px=step_px), with_legend=_has_room(stretch, context))
 
 
-def _gray(stretch: Stretch, values: npt.NDArray[Any]) -> Bytes:
-    """Draw a grid of numbers as brightness: 0 black, the largest white."""
-    levels = (255 * (values / max(values.max(initial=0.0), _MIN_SCALE))).astype(np.uint8)
+def _gray(stretch: Stretch, values: npt.NDArray[Any], white: float = _MIN_SCALE) -> Bytes:
+    """Draw a grid of numbers as brightness: 0 black, the largest, at least ``white``, white."""
+    levels = (255 * (values / values.max(initial=white))).astype(np.uint8)
     return stretch.placed(np.repeat(stretch.resized(levels, 1)[..., None], 3, axis=-1))
 
 
