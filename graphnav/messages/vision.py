@@ -106,7 +106,8 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
         reaches up to the border.
         """
         unjudged = self.valid == 0
-        inner = unjudged[_inside_rim(*unjudged.shape, rim_ratio)]
+        rows, cols = _inside_rim(unjudged.shape, rim_ratio)
+        inner = unjudged[rows, cols]
         if not inner.any():
             return np.zeros_like(unjudged)
         rim_rows, rim_cols = ((all_ - left) // 2 for all_, left in zip(unjudged.shape, inner.shape, strict=True))
@@ -116,12 +117,14 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
 
     def unknown_ratio(self, rim_ratio: float = RIM_RATIO) -> float:
         """Return the share of unknown cells among the cells inside the rim, 0 to 1; 0 for a grid without cells."""
-        inner = self.valid[_inside_rim(*self.valid.shape, rim_ratio)]
+        rows, cols = _inside_rim(self.valid.shape, rim_ratio)
+        inner = self.valid[rows, cols]
         return (inner.size - int(np.count_nonzero(inner))) / max(inner.size, 1)
 
 
-def _inside_rim(rows: int, cols: int, rim_ratio: float) -> tuple[slice, slice]:
+def _inside_rim(shape: tuple[int, ...], rim_ratio: float) -> tuple[slice, slice]:
     """Return the rows and columns of the cells whose centre is inside the rim of `Plane.unknown`."""
+    rows, cols = shape
     rim_cells = max(math.ceil(rim_ratio * min(rows, cols) - 0.5), 0)
     return slice(rim_cells, rows - rim_cells), slice(rim_cells, cols - rim_cells)
 
