@@ -26,6 +26,7 @@ from acceptance.same_results import results_item
 from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
+from acceptance.unknown_cells import unknown_item
 from acceptance.watch_cost import cost_item
 from acceptance.watch_hostile import hostile_item
 from acceptance.watch_loss import loss_item
@@ -65,6 +66,7 @@ ITEMS = {
     "exports": exports_item,
     "notebook": notebook_item,
     "coverage": coverage_item,
+    "unknown": unknown_item,
 }
 
 
