@@ -25,11 +25,16 @@ def write_pictures(reader: Reader, target: Path, channel: str | None, *, force: 
     GraphnavError
         Writing fails.
     """
-    images = [name for name in reader.channels if reader.message_type(name) is Image]
-    if channel is None and len(images) == 1:
-        channel = images[0]
+    images = [name for name in reader.recording.channels if reader.message_type(name) is Image]
+    selected = [name for name in images if name in reader.channels]
+    if channel is None and len(selected) == 1:
+        channel = selected[0]
     if channel is None or channel not in images:
-        what = "no channel of images is selected" if channel is None else f"channel '{channel}' holds no images"
+        what = (
+            f"{len(selected)} channels of images are selected"
+            if channel is None
+            else f"channel '{channel}' holds no images"
+        )
         known = f"select one with --channel: {', '.join(images)}" if images else "export a log that holds images"
         raise UserError.of(what, known)
     names = []
