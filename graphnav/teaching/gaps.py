@@ -1,4 +1,4 @@
-"""What is missing in what was driven, and why there is no model: hints that follow from the messages of the run."""
+"""Hints that follow from the messages of a run: motions that were not driven, and why there is no model."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def gaps(taught: Taught) -> list[str]:
         missing.append("the robot never drove forward")
     elif speeds.max() - speeds.min() < MIN_SPAN_MPS:
         missing.append(f"the speed did not vary: {speeds.min():.2f} to {speeds.max():.2f} m/s")
-    sides = [name for name, most in (("left", turns.max()), ("right", -turns.min())) if most < MIN_TURN_RADPS]
+    sides = [name for name, max_radps in (("left", turns.max()), ("right", -turns.min())) if max_radps < MIN_TURN_RADPS]
     if len(sides) == 2:
         missing.append("no turn was driven")
     elif sides:

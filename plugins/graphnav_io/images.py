@@ -13,7 +13,7 @@ from graphnav_io.preparation import Prepared
 class Images(Prepared, Source):
     """Pictures in files, one per firing, in natural order (frame_2 before frame_10); the last one ends the run.
 
-    They are prepared: undistorted, rotated, cropped, resized and converted to gray, in this order. A picture that
+    They are prepared: converted to gray, undistorted, rotated, cropped and resized, in this order. A picture that
     cannot be decoded, or has another size than the first, stops the run.
     """
 

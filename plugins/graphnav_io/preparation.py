@@ -1,4 +1,4 @@
-"""Prepare pictures: undistort, rotate, crop, resize, convert to gray, in this order."""
+"""Prepare pictures: convert to gray, undistort, rotate, crop, resize, in this order."""
 
 from __future__ import annotations
 

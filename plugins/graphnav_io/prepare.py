@@ -7,7 +7,7 @@ from graphnav_io.preparation import Prepared
 
 
 class Prepare(Prepared):
-    """Undistort, rotate, crop, resize and convert to gray, in this order: what `Images` and `Video` do, for an input.
+    """Convert to gray, undistort, rotate, crop and resize, in this order: for an input, as `Images` and `Video` do.
 
     The pictures of a graph with inputs come from a channel; this stage stands behind it. The maps are computed for the
     first picture, which fixes the size: a picture of another size ends the run.
