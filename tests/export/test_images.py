@@ -24,7 +24,7 @@ def test_every_image_is_a_file_with_its_pixels(drive: Path, tmp_path: Path, caps
     for file in frames.iterdir():
         image = sent[int(file.stem)]
         assert isinstance(image, Image)
-        assert np.array_equal(cv2.imread(str(file), cv2.IMREAD_UNCHANGED), image.pixels)
+        assert np.array_equal(np.asarray(cv2.imread(str(file), cv2.IMREAD_UNCHANGED)), image.pixels)
 
 
 def test_colours_stay(tmp_path: Path) -> None:
@@ -33,7 +33,7 @@ def test_colours_stay(tmp_path: Path) -> None:
         writer.write("CAMERA", 9, encode(Image(pixels=pixels), 123, 0))
     words = ["export", str(tmp_path / "a.lcmlog"), "--to", "images", "--channel", "CAMERA", "-o", str(tmp_path / "out")]
     assert main(words) == 0
-    assert np.array_equal(cv2.imread(str(tmp_path / "out" / f"{123:016d}.ppm"))[..., ::-1], pixels)
+    assert np.array_equal(np.asarray(cv2.imread(str(tmp_path / "out" / f"{123:016d}.ppm")))[..., ::-1], pixels)
 
 
 def test_a_channel_without_images_is_refused(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from graphnav_io.recording import Drive, Recording
 
-from graphnav import Finished, Odometry, ParamError
+from graphnav import Finished, Odometry, ParamError, Stamp
 from graphnav.api.run import run
 from graphnav.codec import encode
 from graphnav.record import LogWriter
@@ -78,7 +78,7 @@ def play(source: Recording) -> list[tuple[int, Drive]]:
     try:
         while True:
             utime = source.due_us(len(drives))
-            drives.append((utime, source.step(utime)))
+            drives.append((utime, source.step(Stamp(utime))))
     except Finished as finished:
         drives.append((utime, finished.outputs))
     finally:
@@ -165,8 +165,8 @@ def test_no_motion_is_told_beyond_the_odometry_and_across_a_gap(frames: Path, tm
 def test_live_pictures_whose_time_has_passed_are_skipped(frames: Path, tmp_path: Path) -> None:
     source = Recording(path=frames, odometry=poses(tmp_path))
     source.reset(0)
-    source.step(5_000_000)
-    drive = source.step(5_000_000 + STAMPS[2])
+    source.step(Stamp(5_000_000))
+    drive = source.step(Stamp(5_000_000 + STAMPS[2]))
     source.close()
     assert int(drive.image.pixels[0, 0]) == 40
     assert drive.motion is not None
