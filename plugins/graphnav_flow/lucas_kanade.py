@@ -7,8 +7,10 @@ import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Floats
+from graphnav_flow.consistency import Consistency
 from graphnav_flow.enlargement import Enlargement
 from graphnav_flow.frames import Frames
+from graphnav_flow.normalization import Normalization
 from graphnav_flow.pyramid import Doubling, Pyramid
 from graphnav_flow.refinement import Refinement
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
@@ -58,6 +60,19 @@ class LucasKanade(Stage):
         le=31,
         doc="side of the box that averages the flow before each iteration and at the end; less is noisier and sharper",
     )
+    normalize_sigma_px: float | None = param(
+        None,
+        gt=0.0,
+        le=30.0,
+        doc="standard deviation of the Gaussian window in which brightness and contrast are normalized before matching, "
+        "in pixels of each layer; less than 2 counts as 2; null does not normalize, 4 where the light changes",
+    )
+    max_disagreement_px: float | None = param(
+        None,
+        gt=0.0,
+        doc="a vector is not valid if the flow of the reversed pair misses its start by more than this; null does not "
+        "check, 1 is usual",
+    )
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
     min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
 
@@ -67,6 +82,7 @@ class LucasKanade(Stage):
         self._validity = Validity(self.margin_px, self.min_texture_gray2)
         self._enlargement = Enlargement(self.smooth_px)
         self._pyramids: list[Pyramid] = []
+        self._normalization: Normalization | None = None
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
         """Return the flow since the last image, None without one."""
@@ -76,14 +92,24 @@ class LucasKanade(Stage):
         self._pyramids.reverse()
         now, last = self._pyramids
         now.fill(gray)
+        if self._normalization:
+            self._normalization.normalize(now.layers)
         if not interval_us:
             return None
         uv_px = self._solve(now, last)
-        return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, now.layers[0]), interval_us=interval_us)
+        valid = self._validity.mark(uv_px, gray if self._normalization else now.layers[0])
+        if self.max_disagreement_px is not None:
+            off_px = self._consistency.disagreement_px(uv_px, self._solve(last, now))
+            valid &= off_px <= self.max_disagreement_px
+        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
 
     def _make_buffers(self, rows: int, cols: int) -> None:
         self._pyramids = [Pyramid(rows, cols, self.layers) for _ in range(2)]
         self._doubling = Doubling(rows, cols)
+        self._consistency = Consistency(rows, cols)
+        if self.normalize_sigma_px is not None:
+            shapes = [layer.shape for layer in self._pyramids[0].layers]
+            self._normalization = Normalization(shapes, self.normalize_sigma_px)
         self._merged, self._filtered = np.empty((2, rows, cols, 2), np.float32)
         self._refinements = [
             Refinement(
