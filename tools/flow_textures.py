@@ -1,7 +1,7 @@
 """Which flow follows which texture and displacement: ``python tools/flow_textures.py [CARPET]``.
 
-Warps a picture by a known homography (a shift, with up to 3 % of zoom and 0.02 rad of rotation), adds noise of 1.5 gray,
-and prints the percentage of vectors that are off by more than a pixel, 18 px from the border and more. The pictures: a
+Warps a picture by a known homography (a shift, with up to 3 % of zoom and 0.02 rad of rotation), adds noise of 1.5
+gray, and prints the percentage of vectors that are off by more than a pixel, 18 px from the border and more. The pictures: a
 pattern that repeats every so many pixels under irregular texture of 2 or 10 gray, and, where its folder is given, every
 15th frame of ``donkeycar_carpet`` below row 30, in steady light and 30 % brighter in the later frame.
 """
@@ -50,7 +50,8 @@ def pattern(seed: int, period_px: float, irregular_gray: float) -> Floats:
     u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
     coarse = cv2.GaussianBlur(rng.standard_normal((ROWS, COLS)).astype(np.float32), (0, 0), 6)
     spots = np.sin(2 * np.pi * u / period_px) * np.sin(2 * np.pi * v / period_px)
-    return (128 + 30 * spots + irregular_gray * coarse / coarse.std()).astype(np.float32)
+    gray: Floats = (128 + 30 * spots + irregular_gray * coarse / coarse.std()).astype(np.float32)
+    return gray
 
 
 def warped(picture: Floats, seed: int, shift_px: float, light: float = 1.0) -> Pair:
@@ -95,7 +96,7 @@ def main(carpet: str | None = None) -> None:
     }
     if carpet:
         paths = sorted(Path(carpet).glob("*.jpg"))[::15]
-        frames = [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)[30:].astype(np.float32) for path in paths]
+        frames = [np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), np.float32)[30:] for path in paths]
         pictures |= {("carpet", 1.0): frames, ("carpet, 30 % brighter in the later frame", 1.3): frames}
     for (name, light), shown in pictures.items():
         print(f"{name}: % of vectors off by more than 1 px, at {', '.join(map(str, SHIFTS_PX))} px")

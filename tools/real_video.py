@@ -1,8 +1,9 @@
-"""Measure flows and detectors on real forward cameras: ``python tools/real_video.py DATA [PICTURE.png]``.
+"""Measure flows and detectors on real forward cameras: ``python tools/real_video.py DATA``.
 
 DATA holds the folders ``udacity_road`` (a highway, 960x540, 25 Hz; GitHub udacity/CarND-LaneLines-P1) and
 ``donkeycar_carpet`` (a small robot on a carpet, 160x120, 20 Hz; GitHub yuki-shimoda-crypto/Donkey_Car). The labels are
-drawn by hand, in ``real_video_labels.json``: 6 road frames with their cars, 15 carpet frames with the foot of the walls.
+drawn by hand, in ``real_video_labels.json``: 6 road frames with their cars, 15 carpet frames with the foot of the
+walls.
 Prints the mean over frames of the AUROC of obstacle against ground on the cells that are judged, and the share of the
 labelled cells that are. The flow's length is that at the cell, plus one pixel.
 """
@@ -43,7 +44,7 @@ Cells = tuple[Bools, Bools]
 
 @dataclass(frozen=True)
 class Labelled:
-    """A labelled frame with the frames before it, the labels of its pixels, and the first row that is no sky."""
+    """A labelled frame with the frames before it, the labels of its pixels, and the first row below the sky."""
 
     frames: Sequence[Bytes]
     obstacle: Bytes
@@ -101,7 +102,8 @@ def _road(folder: Path, size: tuple[int, int]) -> list[Bytes]:
 
 
 def _carpet(folder: Path) -> list[Bytes]:
-    return [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in sorted(folder.glob("*.jpg"))]
+    paths = sorted(folder.glob("*.jpg"))
+    return [np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), np.uint8) for path in paths]
 
 
 def judged(case: Labelled, stage: Stage, detector: Stage, row: int) -> tuple[Plane, Flow]:
@@ -123,7 +125,7 @@ def cell_labels(case: Labelled, plane: Plane, row: int) -> Cells:
     shares = []
     for mask in (case.obstacle, case.ground):
         part = mask[row : row + rows * step, : cols * step].astype(np.float32)
-        shares.append(cv2.resize(part, (cols, rows), interpolation=cv2.INTER_AREA) > 0.75)  # noqa: PLR2004
+        shares.append(cv2.resize(part, (cols, rows), interpolation=cv2.INTER_AREA) > 0.75)
     return shares[0], shares[1]
 
 
@@ -150,8 +152,8 @@ def measure(cases: Sequence[Labelled], stage: Stage, detector: Stage, *, crop: b
     return np.array(found)
 
 
-def main(data: str, picture: str | None = None) -> None:
-    """Print the table, and draw it."""
+def main(data: str) -> None:
+    """Print the table."""
     cv2.setNumThreads(1)
     detectors: dict[str, tuple[Callable[[], Stage], dict[str, bool]]] = {
         "homography": (lambda: Homography(threshold_px=0.5), {}),

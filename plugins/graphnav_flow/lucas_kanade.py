@@ -35,9 +35,9 @@ class LucasKanade(Stage):
     floors that show little but a repeating pattern, where it raises noise above the weak texture that tells the repeats
     apart.
 
-    ``max_disagreement_px`` doubles the time. At 1 px it removes a sixth to a quarter of the vectors that are off by more
-    than a pixel where displacements are too large to be followed (two thirds to three quarters of what it removes are
-    off), a quarter of what an occlusion covers, and next to nothing where the flow is right already.
+    ``max_disagreement_px`` doubles the time. At 1 px it removes a sixth to a quarter of the vectors that are off by
+    more than a pixel where displacements are too large to be followed (two thirds to three quarters of what it removes
+    are off), a quarter of what an occlusion covers, and next to nothing where the flow is right already.
 
     References
     ----------
@@ -74,8 +74,8 @@ class LucasKanade(Stage):
         None,
         gt=0.0,
         le=30.0,
-        doc="standard deviation of the Gaussian window in which brightness and contrast are normalized before matching, "
-        "in pixels of each layer; less than 2 counts as 2; null does not normalize, 4 where the light changes",
+        doc="standard deviation of the Gaussian window in which brightness and contrast are normalized before matching,"
+        " in pixels of each layer; less than 2 counts as 2; null does not normalize, 4 where the light changes",
     )
     max_disagreement_px: float | None = param(
         None,

@@ -58,7 +58,7 @@ class Normalization:
             np.subtract(layer, large, layer)
             np.multiply(layer, layer, large)
             self._window(large, small)
-            small += _FLOOR_GRAY**2
+            np.add(small, _FLOOR_GRAY**2, small)
             np.sqrt(small, small)
             np.divide(CONTRAST_GRAY, small, small)
             cv2.pyrUp(small, large, size)

@@ -29,7 +29,7 @@ def lit(pair: Pair, ratio: float) -> Pair:
     """Return the pair with the later frame brighter or darker, and no gray level cut off."""
     now = np.rint(128 + (pair.now - 128.0) / 2) * ratio
     before = np.rint(128 + (pair.before - 128.0) / 2)
-    assert 0 <= now.min()
+    assert now.min() >= 0
     assert now.max() <= 255
     return type(pair)(before.astype(np.uint8), np.rint(now).astype(np.uint8), pair.flow_px, pair.inside)
 
