@@ -1,9 +1,9 @@
 """Which flow follows which texture and displacement: ``python tools/flow_textures.py [CARPET]``.
 
 Warps a picture by a known homography (a shift, with up to 3 % of zoom and 0.02 rad of rotation), adds noise of 1.5
-gray, and prints the percentage of vectors that are off by more than a pixel, 18 px from the border and more. The pictures: a
-pattern that repeats every so many pixels under irregular texture of 2 or 10 gray, and, where its folder is given, every
-15th frame of ``donkeycar_carpet`` below row 30, in steady light and 30 % brighter in the later frame.
+gray, and prints the percentage of vectors that are off by more than a pixel, 18 px from the border and more. The
+pictures: a pattern that repeats every so many pixels under irregular texture of 2 or 10 gray, and, where its folder is
+given, every 15th frame of ``donkeycar_carpet`` below row 30, in steady light and 30 % brighter in the later frame.
 """
 
 from __future__ import annotations
