@@ -12,6 +12,7 @@ from acceptance.driving import drives_item, sign_item
 from acceptance.exchange import exchange_item
 from acceptance.exporting import exports_item
 from acceptance.guarding import guard_item
+from acceptance.lighting import light_item
 from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item
 from acceptance.live_interop import interop_item
@@ -67,6 +68,7 @@ ITEMS = {
     "notebook": notebook_item,
     "coverage": coverage_item,
     "unknown": unknown_item,
+    "light": light_item,
 }
 
 
