@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphnav import Continuity, Flow, Planar, PlanarModel, Stamp, param
+from graphnav import Continuity, Flow, ParamError, Planar, PlanarModel, Stamp, param
 from graphnav.arrays import Bools, Doubles
-from graphnav_planar.estimation.egomotion import best_motion, fitted_motion, motions_of_pairs
+from graphnav_planar.estimation.egomotion import best_motion, fitted_motion, motions_of_subsets
 from graphnav_planar.estimation.robust import NOISE_DOC, NOISE_PX
 from graphnav_planar.estimation.series import Series
 from graphnav_planar.fitted import fitted
 from graphnav_planar.taught import Taught
-from graphnav_planar.terms import driving_terms, orders
+from graphnav_planar.terms import driving_terms, free_terms, orders
 
 
 class Subspace(Taught):
@@ -46,7 +46,7 @@ class Subspace(Taught):
         """Read the model and stand still."""
         super().reset(seed)
         self._rng = np.random.default_rng(seed)
-        self._motion = np.zeros(2)
+        self._motion = np.zeros(self._series.unknowns)
         self._continuity = Continuity()
 
     def step(self, flow: Flow, stamp: Stamp) -> Planar:
@@ -58,25 +58,36 @@ class Subspace(Taught):
             The flow is of another image size than the model.
         """
         if self._continuity.breaks(stamp):
-            self._motion = np.zeros(2)
+            self._motion = np.zeros(self._series.unknowns)
         return fitted(self._model, flow, self._moved)
 
     def _moved(self, uv_px: Doubles, counts: Bools) -> Doubles:
         """Estimate the motion; return its planar flow, (2n,), without that of the turn where it is not wanted."""
         series, seen = self._series, np.flatnonzero(counts)
         products = series.products(uv_px)
-        starts = np.zeros((2, 2 + self.draws))
-        starts[:, 0], starts[0, 1] = self._motion, self._motion[0]
+        starts = np.zeros((series.unknowns, 2 + self.draws))
+        starts[:, 0] = self._motion
+        if series.n_driving:
+            starts[0, 1] = self._motion[0]
         if self.draws:
-            starts[:, 2:] = motions_of_pairs(series, products, seen, self.draws, self._rng)
+            starts[:, 2:] = motions_of_subsets(series, products, seen, self.draws, self._rng)
         start = best_motion(series, products, seen, starts, self.noise_px)
         self._motion = fitted_motion(series, products, counts.astype(np.float64), start, self.noise_px)
-        return series.flow(self._motion if self.with_turn else self._motion * (1.0, 0.0))
+        if self.with_turn:
+            return series.flow(self._motion)
+        return series.flow(np.eye(series.unknowns)[0] * self._motion)
 
     def _use(self, model: PlanarModel) -> None:
-        terms = driving_terms(model.terms)
-        if not {"v", "w"} <= set(terms):
+        driving, free = driving_terms(model.terms), free_terms(model.terms)
+        if not ({"v", "w"} <= set(driving) or (free and not driving)):
             raise self._not_taught("how the flow depends on the motion", model)
+        if not (driving or self.with_turn):
+            raise ParamError(
+                "with_turn",
+                f"{self.model} was taught without odometry: its components do not separate turn and translation",
+                "write with_turn: true, or teach a model with odometry: wire 'motion' of planar.teach",
+            )
+        terms = driving + free
         fields = model.basis[[model.terms.index(term) for term in terms]]
-        self._series = Series(fields.reshape(len(terms), -1).astype(np.float64), orders(terms))
+        self._series = Series(fields.reshape(len(terms), -1).astype(np.float64), orders(driving))
         self._model = model
