@@ -34,7 +34,7 @@ class KeptFrames:
     @property
     def count(self) -> npt.NDArray[np.int64]:
         """Number of kept frames in which each cell is valid, (rows, cols)."""
-        return np.sum([valid for _, _, valid in self._frames], axis=0, dtype=np.int64)
+        return np.asarray(np.sum([valid for _, _, valid in self._frames], axis=0, dtype=np.int64))
 
     def arrays(self) -> tuple[Doubles, Floats, Bools]:
         """Return the kept factors (frames, k), vectors (frames, rows, cols, 2), and which of them count."""

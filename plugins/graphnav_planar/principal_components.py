@@ -91,7 +91,7 @@ def _solved(products: Doubles, moments: Doubles) -> Doubles:
     matrices = products.reshape(*products.shape[:-1], k, k)
     scale = np.sqrt(np.einsum("...kk->...k", matrices)) + np.finfo(np.float32).tiny
     scaled = matrices / (scale[..., :, None] * scale[..., None, :]) + _RIDGE_RATIO * np.eye(k)
-    return np.linalg.solve(scaled, moments / scale[..., None]) / scale[..., None]
+    return np.asarray(np.linalg.solve(scaled, moments / scale[..., None]) / scale[..., None])
 
 
 def _ordered(fields: Doubles, factors: Doubles) -> Doubles:

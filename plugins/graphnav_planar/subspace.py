@@ -22,19 +22,26 @@ class Subspace(Taught):
     displacement and turn determine all of them. So two numbers are fitted, by reweighted least squares in which
     obstacles do not count (Geman and McClure's estimator).
 
+    A model may also have principal components (``components`` of `planar.teach`), whose factors are free: beside v and
+    w the flow of a camera that shakes, or, taught without odometry, all of the flow. They are fitted along. The more
+    unknowns, the fewer random subsets of vectors are free of obstacles, so that fit begins with a noise of 16 times
+    ``noise_px`` and narrows it down [BZ].
+
     That fit ends near where it starts. It starts from the best of these: the last frame's motion (standing still after
-    a gap of more than 3 periods), the same without its turn, and the motions that explain random pairs of vectors [FB].
+    a gap of more than 3 periods), the same without its turn, and the motions that explain random subsets of as many
+    vectors as there are unknowns [FB].
     So the ground need only be the largest part of the picture that moves as one plane. With fewer than 6 valid vectors
     there is nothing to fit, and no cell of the planar flow is valid.
 
     References
     ----------
     .. [FB] M. A. Fischler, R. C. Bolles, Random sample consensus, Communications of the ACM 24(6), 1981.
+    .. [BZ] A. Blake, A. Zisserman, Visual Reconstruction, MIT Press, 1987 (graduated non-convexity).
     """
 
     noise_px: float = param(NOISE_PX, gt=0.0, doc=NOISE_DOC)
     draws: int = param(
-        16, ge=0, le=1000, doc="random pairs of vectors whose motions the fit may start from; 0 trusts the last frame"
+        16, ge=0, le=1000, doc="random subsets of vectors whose motions the fit may start from; 0 trusts the last frame"
     )
     with_turn: bool = param(
         True,

@@ -29,7 +29,7 @@ class Teach(Stage):
 
     With ``components`` the model also has principal components of what the terms of v and w leave of the flow: the
     flow of a camera that pitches, rolls and bounces while teaching and later, at rates that no odometry knows. A stage
-    that uses the model fits their factors to each frame; 5 hold the flow of a camera on a mast that sways.
+    that uses the model fits their factors to each frame; 4 hold the flow of a camera on a mast that sways.
 
     Without ``motion`` (a video) every frame counts as straight, and terms of v and w cannot be taught. Components can:
     they are those of the flow itself. A rigid plane seen by a moving camera has a flow of 8 parameters, to first order

@@ -85,9 +85,7 @@ def test_odometry_is_not_asked_how_the_camera_shakes(
 @pytest.mark.parametrize("taught", MODELS, indirect=True)
 @pytest.mark.parametrize("covered", [0.2, 0.4])
 @pytest.mark.parametrize("seed", range(10))
-def test_obstacles_are_not_followed(
-    floor: Floor, taught: PlanarModel, save: Save, covered: float, seed: int
-) -> None:
+def test_obstacles_are_not_followed(floor: Floor, taught: PlanarModel, save: Save, covered: float, seed: int) -> None:
     rng = np.random.default_rng(seed)
     turn_rad, shake = rng.uniform(-0.12, 0.12), floor.shake(rng)
     exact = floor.uv_px(0.03, turn_rad, *shake)
@@ -118,7 +116,9 @@ def test_a_model_of_components_is_read_as_it_was_taught(unaided_model: PlanarMod
 
 @pytest.mark.parametrize("taught", MODELS, indirect=True)
 def test_the_stage_keeps_its_contract(floor: Floor, taught: PlanarModel, save: Save) -> None:
-    steps = [{"flow": floor.flow(floor.uv_px(*motion)), "stamp": Stamp(100_000 * k)} for k, motion in enumerate(MOTIONS)]
+    steps = [
+        {"flow": floor.flow(floor.uv_px(*motion)), "stamp": Stamp(100_000 * k)} for k, motion in enumerate(MOTIONS)
+    ]
     check_stage(Subspace, *steps, model=save(taught))
 
 
@@ -148,7 +148,7 @@ def test_components_alone_need_no_mean(floor: Floor) -> None:
 
 @pytest.mark.parametrize("frames", [20, 200])
 def test_more_components_than_the_drive_has_are_not_published(floor: Floor, frames: int) -> None:
-    """Driving straight on, exactly: a field for the first and second power of the displacement, the rest is rounding."""
+    """The exact flow of driving straight on has fields of few powers of the displacement; the rest is rounding."""
     stage = Teach(terms=(), components=9, every_frames=5)
     stage.reset(0)
     flows = [floor.flow(floor.uv_px(forward_m, 0.0)) for forward_m in np.linspace(0.0, 0.04, frames)]
