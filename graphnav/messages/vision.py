@@ -182,7 +182,8 @@ class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flo
 class PlanarModel(Message, lcm=graphnav_lcm.planar_model_t):
     """A taught planar flow model: basis fields, combined by the motion of a frame.
 
-    ``terms``: the factor of each field: "mean" (1), "v" (forward_m), "w" (turn_rad), "vw", "ww".
+    ``terms``: the factor of each field: "mean" (1), "v" (forward_m), "w" (turn_rad), "vw", "ww"; "c1", "c2", ...:
+    principal components, whose factors are fitted to each frame (root mean square 1 when taught).
     ``basis``: float32 (terms, rows, cols, 2). ``valid``: uint8 (rows, cols). ``residual_px``: float32 (rows, cols),
     root mean square residual of the taught flow.
     ``forward_range_m``, ``turn_range_rad``: float64 (2,), minimum and maximum taught motion per frame.
