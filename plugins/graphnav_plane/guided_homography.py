@@ -38,8 +38,8 @@ class GuidedHomography(Detector):
 
     On recorded drives of the worlds of `graphnav ablate suite` (two seeds each, planar flow of `planar.subspace`) AUROC
     was 0.990 among corners, 0.986 with low obstacles, 0.981 with a tilted camera and 0.995 with a shaking one;
-    `plane.homography` had 0.971, 0.978, 0.963 and 0.994, and found more of obstacles that cover 1 to 3 % of the view,
-    mostly because it judges cells that were not taught.
+    `plane.homography` had 0.971, 0.978, 0.963 and 0.994, and found more of the obstacles that cover 1 to 3 % of the
+    view except with the tilted camera: it also judges cells that were not taught.
 
     That cannot tell a floor that covers less than half of the view from an obstacle's top where the camera also
     rotates by so much that few vectors agree with the planar flow.
@@ -52,8 +52,8 @@ class GuidedHomography(Detector):
         0.6,
         ge=0.0,
         le=1.0,
-        doc="mean agreement (1 for a vector on the ground, 1/2 at ``noise_px``) from which the fit seeded by the planar "
-        "flow is taken without looking for a larger plane; 0 never looks for one",
+        doc="mean agreement (1 for a vector on the ground, 1/2 at ``noise_px``) from which the fit seeded by the "
+        "planar flow is taken without looking for a larger plane; 0 never looks for one",
     )
 
     def step(self, flow: Flow, planar: Planar, stamp: Stamp) -> Plane:

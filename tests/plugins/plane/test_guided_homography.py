@@ -46,8 +46,8 @@ def test_the_floor_is_ground_where_another_plane_is_larger(scenes: Scenes, share
     scene, top, _ = raised_top(scenes, share, rise, 0.0)
     free, guided = scored(Homography(), scene), scored(GuidedHomography(), scene)
     assert free[:, 0].mean() > free[top].mean()  # takes the top for the ground
-    # the floor moves by 3 px; a third of the parallax is left for what a fit to one side adds on the other
-    assert guided[top].mean() > 2 / 3 * 3 * rise
+    # the floor moves by 3 px; half of the parallax is left for what a fit to one side errs by on the other
+    assert guided[top].mean() > 0.5 * 3 * rise
     assert guided[~top].mean() < 0.15
 
 
@@ -57,7 +57,7 @@ def test_a_rotation_of_the_camera_is_no_obstacle(scenes: Scenes, pitch_px: float
     assert scored(Residual(), scene)[~top].mean() > 1.0
     guided = scored(GuidedHomography(), scene)
     assert guided[~top].mean() < 0.15
-    assert guided[top].mean() > 2 / 3 * 3 * 0.35
+    assert guided[top].mean() > 0.5 * 3 * 0.35
 
 
 def test_without_the_free_homography_a_top_of_the_rotations_size_is_the_ground(scenes: Scenes) -> None:
