@@ -9,6 +9,7 @@ from acceptance.comparing import controls_item, targets_item
 from acceptance.coverage import coverage_item
 from acceptance.damaging import damage_item
 from acceptance.driving import drives_item, sign_item
+from acceptance.empty_floor import empty_floor_item
 from acceptance.exchange import exchange_item
 from acceptance.exporting import exports_item
 from acceptance.guarding import guard_item
@@ -42,6 +43,7 @@ ITEMS = {
     "sign": sign_item,
     "sees": sees_item,
     "floor": floor_item,
+    "empty_floor": empty_floor_item,
     "kill": kill_item,
     "parallel": parallel_item,
     "heard": heard_item,
