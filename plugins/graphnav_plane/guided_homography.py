@@ -18,7 +18,7 @@ Indices = npt.NDArray[np.intp]
 _SEED_RATIO = 2.0
 """Flow noise assumed of the seeds, in units of ``noise_px``."""
 _PARALLAX_RATIO = 3.0
-"""What counts as above or below a plane, in units of ``noise_px``."""
+"""Difference from a plane that counts as above or below it, in units of ``noise_px``."""
 _REPROJECTION_PX, _DRAWS = 0.1, 200
 
 
