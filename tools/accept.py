@@ -9,9 +9,11 @@ from acceptance.comparing import controls_item, targets_item
 from acceptance.coverage import coverage_item
 from acceptance.damaging import damage_item
 from acceptance.driving import drives_item, sign_item
+from acceptance.empty_floor import empty_floor_item
 from acceptance.exchange import exchange_item
 from acceptance.exporting import exports_item
 from acceptance.guarding import guard_item
+from acceptance.lighting import light_item
 from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item
 from acceptance.live_interop import interop_item
@@ -19,6 +21,7 @@ from acceptance.live_late import late_item
 from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
+from acceptance.no_odometry import no_odometry_item
 from acceptance.notebook import notebook_item
 from acceptance.replayable import replayable_item
 from acceptance.replaying import replay_item
@@ -26,6 +29,7 @@ from acceptance.same_results import results_item
 from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.studying import kill_item, parallel_item
+from acceptance.unknown_cells import unknown_item
 from acceptance.watch_cost import cost_item
 from acceptance.watch_hostile import hostile_item
 from acceptance.watch_loss import loss_item
@@ -39,6 +43,7 @@ ITEMS = {
     "sign": sign_item,
     "sees": sees_item,
     "floor": floor_item,
+    "empty_floor": empty_floor_item,
     "kill": kill_item,
     "parallel": parallel_item,
     "heard": heard_item,
@@ -65,6 +70,9 @@ ITEMS = {
     "exports": exports_item,
     "notebook": notebook_item,
     "coverage": coverage_item,
+    "unknown": unknown_item,
+    "light": light_item,
+    "no_odometry": no_odometry_item,
 }
 
 

@@ -27,7 +27,7 @@ COMMANDS = {
     "profile": "measure where the time of a tick goes: by stage, by channel; a flame graph",
     "replay": "step the stages of a recorded run again, with swaps, and compare with the recorded messages",
     "figure": "redraw the pictures of a recorded run: panels, single frames, a contact sheet",
-    "export": "write a log as video, tables, or a file for Foxglove or Rerun",
+    "export": "write a log as video, pictures, tables, or a file for Foxglove or Rerun",
     "record": "record LCM channels into a self-describing log",
     "play": "publish the messages of a log again: faster, slower, paused, step by step",
     "info": "describe a log: channels, types, rates, losses, damage, the graph that produced it",

@@ -1,4 +1,4 @@
-"""``graphnav export``: write a log as video, tables, or a file for Foxglove or Rerun."""
+"""``graphnav export``: write a log as video, pictures, tables, or a file for Foxglove or Rerun."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from graphnav.notices import print_notice
 
 FORMATS = {
     "mp4": "the panels as a video; with --channel the pictures of that channel",
+    "images": "the images of a channel, unchanged: a folder of .pgm or .ppm files, named by their stamps in us",
     "csv": "scalars: a folder with a table for each channel; with --channel one file",
     "parquet": "the same with the types of the fields (extra: parquet)",
     "mcap": "for Foxglove: pictures, scalars to plot, map, path, log (extra: foxglove)",
@@ -24,6 +25,7 @@ _EXAMPLES = """\
 examples:
   graphnav export runs/a --to mcap -o a.mcap
   graphnav export runs/a --to csv -o tables
+  graphnav export runs/a --to images --channel robot.image -o frames
   graphnav export runs/a --to csv --channel control.twist -o twist.csv
   graphnav export runs/a --to mp4 --channel plane.plane --from 10s --until 20s -o plane.mp4
 """
@@ -36,7 +38,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
     parser.add_argument("--to", dest="kind", choices=FORMATS, required=True, help="the format, see below")
     parser.add_argument(
-        "-o", dest="target", type=Path, metavar="FILE", required=True, help="the file, or the folder of tables"
+        "-o",
+        dest="target",
+        type=Path,
+        metavar="FILE",
+        required=True,
+        help="the file, or the folder of pictures or tables",
     )
     parser.add_argument(
         "--channel",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shutil
 import sys
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from graphnav.cli.options import add_graph_options, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
@@ -15,7 +17,7 @@ from graphnav.errors import UserError
 
 if TYPE_CHECKING:
     from graphnav.graph import Graph
-    from graphnav.runner.recording.summary import Summary
+    from graphnav.teaching import Coverage, Taught
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +31,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="URL",
         help="LCM URL of live inputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
     )
+    parser.add_argument(
+        "--until-taught",
+        type=coverage,
+        metavar="V,W",
+        help="live: end once speeds up to V m/s and turning rates up to W rad/s to both sides are taught",
+    )
     parser.add_argument("--force", action="store_true", help="replace FILE if it exists")
+
+
+def coverage(text: str) -> Coverage:
+    """Parse a speed in m/s and a turning rate in rad/s, both above 0."""
+    from graphnav.teaching import Coverage
+
+    try:
+        speed, turn = (float(word) for word in text.split(","))
+    except ValueError:
+        speed = turn = math.nan
+    if not (0 < speed < math.inf and 0 < turn < math.inf):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a speed and a turning rate above 0, such as 0.3,1.2")
+    return Coverage(speed, turn)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -37,12 +58,7 @@ def main(args: argparse.Namespace) -> int:
 
     Ctrl-C discards the result in simulated time, which ends by itself; in a live run it ends teaching.
     """
-    from rich.console import Console
-
-    from graphnav.codec import encode
     from graphnav.messages import PlanarModel
-    from graphnav.record import LOG, LogWriter, Recording
-    from graphnav.runner import Outcome
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} already exists", "choose another file, or replace it with --force")
@@ -54,60 +70,100 @@ def main(args: argparse.Namespace) -> int:
             "end the graph in one planar.teach stage",
         )
     channel = learning[0].name
+    is_live = args.live or graph.is_live
+    for option, given in (("--url", args.url), ("--until-taught", args.until_taught)):
+        if given is not None and not is_live:
+            raise UserError.of(
+                f"{option} is for live runs, but this graph runs in lockstep", "add --live, or leave it out"
+            )
     with tempfile.TemporaryDirectory() as scratch:
-        summary = _run(graph, Path(scratch), channel, args)
-        if summary.failure:
-            print(summary.failure, file=sys.stderr)
-            return FAILED
-        if summary.outcome == Outcome.STOPPED and summary.live is None:
-            print(f"interrupted: teaching was not finished, and {args.model} is not written", file=sys.stderr)
-            return INTERRUPTED
-        with Recording(Path(scratch) / LOG) as recording:
-            if not recording.count(channel):
-                raise UserError.of(f"{graph.path} did not publish a planar model", _why_none(summary))
-            utime, _, model = recording.message(channel, -1)
-        assert isinstance(model, PlanarModel)
-        fresh = Path(scratch) / "model.lcmlog"
-        try:
-            with LogWriter(fresh) as writer:
-                writer.write(channel, utime, encode(model, utime, 0))
-            args.model.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(fresh, args.model)
-        except OSError as error:
-            raise UserError.of(f"cannot write {args.model}: {error.strerror}", "choose another file with -o") from error
-    rows, cols = model.valid.shape
-    Console(highlight=False, soft_wrap=True).print(
-        f"{args.model}: {', '.join(model.terms)} on {cols} x {rows} cells of {model.step_px} px, "
-        f"from {model.frames} frames",
-        markup=False,
-    )
-    return OK
+        teach = _teach_live if is_live else _teach
+        return teach(graph, Path(scratch), channel, args)
 
 
-def _run(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> Summary:
+def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
     from rich.console import Console
 
     from graphnav.cli.progress import progress_bar
-    from graphnav.live import live_url, run_live
+    from graphnav.runner import Outcome
     from graphnav.runner.recording.run_recorded import run_recorded
+    from graphnav.teaching import Taught
 
-    stages = graph.make_stages()
-    if not (args.live or graph.is_live):
-        if args.url is not None:
-            raise UserError.of("--url is for live runs, but this graph runs in lockstep", "add --live, or leave it out")
-        with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-            return run_recorded(graph, stages, folder, keep=[channel], on_tick=on_tick)
-    until = "Ctrl-C" if graph.run.until_s is None else f"{graph.run.until_s:g} s or Ctrl-C"
-    print(f"teaching live on {live_url(graph, args.url)} until {until}", file=sys.stderr)
+    taught = Taught(graph, channel)
     with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-        return run_live(
-            graph, stages, folder, url=args.url, keep=[channel], on_time=lambda run_s: on_tick(round(run_s * 1e6))
+        summary = run_recorded(graph, graph.make_stages(), folder, keep=[channel], tap=taught, on_tick=on_tick)
+    if summary.failure:
+        print(summary.failure, file=sys.stderr)
+        return FAILED
+    if summary.outcome == Outcome.STOPPED:
+        print(f"interrupted: teaching was not finished, and {args.model} is not written", file=sys.stderr)
+        return INTERRUPTED
+    return _save(folder, channel, args.model, graph, taught)
+
+
+def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from graphnav.cli.teaching_progress import teaching_progress
+    from graphnav.live import live_url, run_live
+    from graphnav.teaching import Taught
+
+    taught, wanted = Taught(graph, channel), args.until_taught
+    ends = ["Ctrl-C"] if graph.run.until_s is None else [f"{graph.run.until_s:g} s", "Ctrl-C"]
+    ends = ends if wanted is None else [f"{wanted.speed_mps:g} m/s and {wanted.turn_radps:g} rad/s are taught", *ends]
+    print(f"teaching live on {live_url(graph, args.url)} until {' or '.join(ends)}", file=sys.stderr)
+    stages = graph.make_stages()
+    with teaching_progress(Console(stderr=True, highlight=False, soft_wrap=True), taught) as show:
+        summary = run_live(
+            graph,
+            stages,
+            folder,
+            url=args.url,
+            keep=[channel],
+            tap=taught,
+            on_time=show,
+            should_stop=lambda: wanted is not None and wanted.is_reached(taught),
         )
+    if summary.failure:
+        print(summary.failure, file=sys.stderr)
+        return FAILED
+    return _save(folder, channel, args.model, graph, taught, (summary.live or {}).get("inputs", ()))
 
 
-def _why_none(summary: Summary) -> str:
-    """Return the hint for a missing model: in a live run an input may have been silent."""
-    silent = [one["channel"] for one in (summary.live or {}).get("inputs", ()) if not one["accepted"]]
-    if silent:
-        return f"no message on {', '.join(silent)}: start its sender, or give its URL with --url"
-    return "run it longer with --until"
+def _save(
+    folder: Path, channel: str, target: Path, graph: Graph, taught: Taught, inputs: Sequence[Mapping[str, Any]] = ()
+) -> int:
+    """Write the newest model of a run as a log of one message; say what it holds, and what was not driven.
+
+    ``inputs``: status of the inputs of a live run.
+    """
+    from rich.console import Console
+
+    from graphnav.codec import encode
+    from graphnav.messages import PlanarModel
+    from graphnav.notices import print_notice
+    from graphnav.record import LOG, LogWriter, Recording
+    from graphnav.teaching import gaps, why_no_model
+
+    with Recording(folder / LOG) as recording:
+        if not recording.count(channel):
+            raise UserError.of(f"{graph.path} did not publish a planar model", why_no_model(taught, inputs))
+        utime, _, model = recording.message(channel, -1)
+    assert isinstance(model, PlanarModel)
+    fresh = folder / "model.lcmlog"
+    try:
+        with LogWriter(fresh) as writer:
+            writer.write(channel, utime, encode(model, utime, 0))
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(fresh, target)
+    except OSError as error:
+        raise UserError.of(f"cannot write {target}: {error.strerror}", "choose another file with -o") from error
+    rows, cols = model.valid.shape
+    Console(highlight=False, soft_wrap=True).print(
+        f"{target}: {', '.join(model.terms)} on {cols} x {rows} cells of {model.step_px} px, "
+        f"from {model.frames} frames",
+        markup=False,
+    )
+    for missing in gaps(taught):
+        print_notice(f"{missing}: the model does not hold for such motions")
+    return OK

@@ -13,6 +13,7 @@ from graphnav.export.entries.run_entries import RunEntries
 from graphnav.export.entries.viewer_file import write_entries
 from graphnav.export.extras import require
 from graphnav.export.foxglove.mcap_file import McapFile
+from graphnav.export.pictures import write_pictures
 from graphnav.export.reader import Reader
 from graphnav.export.rerun.rerun_blueprint import blueprint_of
 from graphnav.export.rerun.rerun_file import RerunFile
@@ -64,6 +65,11 @@ def _mp4(job: Job) -> Written:
     return Written(contents, losses, [job.target])
 
 
+def _images(job: Job) -> Written:
+    count, files = write_pictures(job.reader, job.target, job.channel, force=job.force)
+    return Written("1 picture" if count == 1 else f"{count} pictures", job.reader.losses(), files)
+
+
 def _csv(job: Job) -> Written:
     return _tables(job, ".csv", open_csv)
 
@@ -96,6 +102,7 @@ def _rrd(job: Job) -> Written:
 
 FORMATS: dict[str, Callable[[Job], Written]] = {
     "mp4": _mp4,
+    "images": _images,
     "csv": _csv,
     "parquet": _parquet,
     "mcap": _mcap,

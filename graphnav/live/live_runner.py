@@ -16,7 +16,7 @@ from graphnav.live.firing import FIRED, Used, encoded_firing
 from graphnav.live.inputs.intake import Intake, Received
 from graphnav.live.live_unit import LiveUnit
 from graphnav.live.outlet import Outlet
-from graphnav.live.timer import Timer
+from graphnav.live.timer import Timer, every
 from graphnav.messages import Message
 from graphnav.runner.lifecycle import close_stages, reset_stages
 from graphnav.runner.lockstep import Outcome
@@ -117,10 +117,10 @@ class LiveRunner:
         for unit in self._units.values():
             unit.start_utime = self.clock.start_utime
         self._clocked = [
-            (Timer(unit.node.every_ms / 1e3, now_s), unit) for unit in self._units.values() if unit.node.every_ms
+            (Timer(every(unit.node.every_ms / 1e3), now_s), unit) for unit in self._units.values() if unit.node.every_ms
         ]
         self._sources = [
-            (Timer(1 / stage.rate(), now_s), self._units[node.name])
+            (Timer(_after_s(stage), now_s), self._units[node.name])
             for node in self.graph.sources
             if isinstance(stage := self._units[node.name].stage, Source)
         ]
@@ -318,3 +318,8 @@ class LiveRunner:
         seq = self._seqs[channel]
         self._seqs[channel] = seq + 1
         return seq
+
+
+def _after_s(source: Source) -> Callable[[int], float]:
+    """Return when each firing of a source is due, in seconds after the first one."""
+    return lambda firing: source.due_us(firing) * 1e-6

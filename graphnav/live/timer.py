@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 
 
 class Timer:
-    """Due at ``start_s`` and every ``period_s`` after it; missed firings are counted, not made up for."""
+    """Due at ``start_s`` and ``after_s(k)`` after it, k = 1, 2, ...; missed firings are counted, not made up for."""
 
-    def __init__(self, period_s: float, start_s: float) -> None:
+    def __init__(self, after_s: Callable[[int], float], start_s: float) -> None:
         self.due_s = start_s
         self.skipped = 0
-        self._period_s, self._start_s = period_s, start_s
+        self._after_s, self._start_s = after_s, start_s
         self._count = 0
 
     def is_due(self, now_s: float) -> bool:
@@ -19,8 +19,15 @@ class Timer:
         return now_s >= self.due_s
 
     def advance(self, now_s: float) -> None:
-        """Schedule the next firing; skip those that are late by more than a period."""
-        following = max(self._count + 1, math.floor((now_s - self._start_s) / self._period_s))
+        """Schedule the next firing; skip those after which another one is due already."""
+        following = self._count + 1
+        while self._start_s + self._after_s(following + 1) <= now_s:
+            following += 1
         self.skipped += following - self._count - 1
         self._count = following
-        self.due_s = self._start_s + following * self._period_s
+        self.due_s = self._start_s + self._after_s(following)
+
+
+def every(period_s: float) -> Callable[[int], float]:
+    """Return the times of a timer with a constant period."""
+    return lambda firing: firing * period_s

@@ -76,10 +76,11 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
     ``may_move``: whether any motion is allowed; ``may_advance``: whether forward motion is. ``overridden``: an
     override is active. ``stopped``: a stop was requested and the guard was not armed again since.
 
-    ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that forbids motion now, or would without
-    the override: "waiting" (no message yet), "stale", "fault" (of the sender's timestamps, or a value that is not
-    finite), "blind", "obstacle" or "stop"; the guard's input port; the measured value and its limit (seconds for
-    waiting and stale; for blind a ratio of a plane or gray levels of an image; a ratio for obstacle; else 0).
+    ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that restricts motion now, or would
+    without the override: "waiting" (no message yet), "stale", "fault" (of the sender's timestamps, or a value that is
+    not finite), "blind", "unknown" (cells that were not judged), "obstacle" or "stop"; the guard's input port; the
+    measured value and its limit (seconds for waiting and stale; for blind a ratio of a plane or gray levels of an
+    image; a ratio for unknown and obstacle; else 0).
     """
 
     may_move: bool

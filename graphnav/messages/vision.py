@@ -6,13 +6,14 @@ block of pixels whose top left pixel is (r * step_px, c * step_px).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Self
 
 import graphnav_lcm
 import numpy as np
 
-from graphnav.arrays import Bytes, Doubles, Floats
+from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav.messages.message import Message, may_be_infinite
 
 
@@ -76,10 +77,15 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
 
     ``obstacle``: uint8 (rows, cols), the dominant map d of [OI]: 0 on the ground plane, 1 elsewhere.
     ``score``: float32 (rows, cols), higher is more obstacle; ``threshold``: cells above are obstacle.
-    ``valid``: uint8 (rows, cols), 1 where the cell was judged; elsewhere ``obstacle`` is 0.
+    ``valid``: uint8 (rows, cols), 1 where the cell was judged; elsewhere ``obstacle`` is 0, which does not mean free:
+    see `unknown`.
     ``obstacle_ratio``: share of obstacle among the valid cells.
     ``converged``: whether an iterative detector converged; true for the others.
     """
+
+    RIM_RATIO: ClassVar[float] = 0.17
+    """The default width of the rim, a share of the picture's shorter side: in the drives of the shipped graphs all
+    cells farther inside are judged, also in their fastest turns."""
 
     obstacle: Bytes
     score: Floats
@@ -88,6 +94,39 @@ class Plane(Message, lcm=graphnav_lcm.plane_t, grid=("obstacle", "score", "valid
     obstacle_ratio: float
     threshold: float = 0.0
     converged: bool = True
+
+    def unknown(self, rim_ratio: float = RIM_RATIO) -> Bools:
+        """Return the cells that were not judged for lack of texture, bool (rows, cols).
+
+        Near the border of the picture flow is never valid: windows reach out of the picture, and what has just moved
+        into view was not seen before. Cells whose centre is nearer to the border than ``rim_ratio`` times the shorter
+        side of the grid (0 to 0.4) are this rim. Inside it, every cell that was not judged is unknown: it has no
+        texture, as a white wall, it reflects, or it is above the horizon, and it may be an obstacle. A cell of the rim
+        that was not judged is unknown if the nearest cell inside the rim is: what fills the picture's upper half
+        reaches up to the border.
+        """
+        unjudged = self.valid == 0
+        rows, cols = _inside_rim(unjudged.shape, rim_ratio)
+        inner = unjudged[rows, cols]
+        if not inner.any():
+            return np.zeros_like(unjudged)
+        rim_rows, rim_cols = ((all_ - left) // 2 for all_, left in zip(unjudged.shape, inner.shape, strict=True))
+        extended: Bools = np.pad(inner, ((rim_rows, rim_rows), (rim_cols, rim_cols)), mode="edge")
+        extended &= unjudged
+        return extended
+
+    def unknown_ratio(self, rim_ratio: float = RIM_RATIO) -> float:
+        """Return the share of unknown cells among the cells inside the rim, 0 to 1; 0 for a grid without cells."""
+        rows, cols = _inside_rim(self.valid.shape, rim_ratio)
+        inner = self.valid[rows, cols]
+        return (inner.size - int(np.count_nonzero(inner))) / max(inner.size, 1)
+
+
+def _inside_rim(shape: tuple[int, ...], rim_ratio: float) -> tuple[slice, slice]:
+    """Return the rows and columns of the cells whose centre is inside the rim of `Plane.unknown`."""
+    rows, cols = shape
+    rim_cells = max(math.ceil(rim_ratio * min(rows, cols) - 0.5), 0)
+    return slice(rim_cells, rows - rim_cells), slice(rim_cells, cols - rim_cells)
 
 
 class Components(Message, lcm=graphnav_lcm.components_t, grid=("alpha", "beta", "valid")):
@@ -143,7 +182,8 @@ class Truth(Message, lcm=graphnav_lcm.truth_t, grid=("obstacle", "depth_m", "flo
 class PlanarModel(Message, lcm=graphnav_lcm.planar_model_t):
     """A taught planar flow model: basis fields, combined by the motion of a frame.
 
-    ``terms``: the factor of each field: "mean" (1), "v" (forward_m), "w" (turn_rad), "vw", "ww".
+    ``terms``: the factor of each field: "mean" (1), "v" (forward_m), "w" (turn_rad), "vw", "ww"; "c1", "c2", ...:
+    principal components, whose factors are fitted to each frame (root mean square 1 when taught).
     ``basis``: float32 (terms, rows, cols, 2). ``valid``: uint8 (rows, cols). ``residual_px``: float32 (rows, cols),
     root mean square residual of the taught flow.
     ``forward_range_m``, ``turn_range_rad``: float64 (2,), minimum and maximum taught motion per frame.

@@ -27,9 +27,9 @@ class Outcome(StrEnum):
 class Runner(WiredStages):
     """Owns the stages of a graph and the bus, and fires by the firing rule.
 
-    A source fires at stamps ``round(k * 1e6 / rate_hz)`` microseconds; sources that are due at one stamp fire in the
-    graph's order, then every other stage whose plain inputs are complete, in firing order. Joins that are still
-    incomplete at the end of the tick are dropped and counted.
+    A source fires at stamps ``round(k * 1e6 / rate_hz)`` microseconds, or at recorded ones; sources that are due at one
+    stamp fire in the graph's order, then every other stage whose plain inputs are complete, in firing order. Joins that
+    are still incomplete at the end of the tick are dropped and counted.
     """
 
     def __init__(self, graph: Graph, stages: Mapping[str, Stage], bus: Bus, sinks: Sequence[Sink]) -> None:
@@ -38,7 +38,6 @@ class Runner(WiredStages):
         self._order = [self._units[node.name] for node in graph.order]
         self._due: list[tuple[int, int, int]] = []
         self._sources = [self._units[node.name] for node in graph.sources]
-        self._rates: list[float] = []
 
     @property
     def next_utime(self) -> int:
@@ -54,7 +53,6 @@ class Runner(WiredStages):
             A stage cannot be reset.
         """
         super().reset(seed)
-        self._rates = [source.rate() for unit in self._sources if isinstance(source := unit.stage, Source)]
         self._due = [(0, place, 0) for place in range(len(self._sources))]
         heapq.heapify(self._due)
 
@@ -71,11 +69,16 @@ class Runner(WiredStages):
         while self._due[0][0] == stamp:
             _, place, k = heapq.heappop(self._due)
             outcome = self._fire(self._sources[place], stamp) or outcome
-            heapq.heappush(self._due, (round((k + 1) * 1e6 / self._rates[place]), place, k + 1))
+            heapq.heappush(self._due, (self._due_us(place, k + 1), place, k + 1))
         for unit in self._order:
             self._fire_complete(unit, stamp)
         self.ticks += 1
         return outcome
+
+    def _due_us(self, place: int, firing: int) -> int:
+        source = self._sources[place].stage
+        assert isinstance(source, Source)
+        return source.due_us(firing)
 
     def run(self, until_s: float | None = None, before_tick: Callable[[int], bool] = lambda _: True) -> str:
         """Tick until a source ends the run, ``until_s`` has passed, or ``before_tick`` returns False.

@@ -124,8 +124,16 @@ class Source(Stage):
     rate_hz: float = param(10.0, gt=0.0, le=10_000.0, doc="firings per second")
 
     def rate(self) -> float:
-        """Return firings per second; called once, after `reset`."""
+        """Return firings per second; called after `reset`."""
         return self.rate_hz
+
+    def due_us(self, firing: int) -> int:
+        """Return when a firing is due, in microseconds after the first one, which is firing 0; called after `reset`.
+
+        By default firings are ``1 / rate()`` apart. A source that plays a recording returns the recorded times, which
+        increase; after the last one it returns any later time.
+        """
+        return round(firing * 1e6 / self.rate())
 
 
 class Finished(Exception):  # noqa: N818 - it is not an error

@@ -46,13 +46,13 @@ class guard_state_t(object):
 
         self.n_causes = 0
         """
-        The causes that forbid motion, or forward motion, now. All arrays have one entry per cause.
+        The causes that forbid motion, or forward motion, or slow it down, now. All arrays have one entry per cause.
         LCM Type: int32_t
         """
 
         self.causes = []
         """
-        waiting, stale, fault, blind, obstacle, stop
+        waiting, stale, fault, blind, unknown, obstacle, stop
         LCM Type: string[n_causes]
         """
 
@@ -65,7 +65,7 @@ class guard_state_t(object):
         self.values = []
         """
         The measured value and its limit: seconds for waiting and stale; for blind a ratio (of a plane) or gray levels
-        (of an image), for obstacle a ratio, else 0.
+        (of an image), for unknown and obstacle a ratio, else 0.
         LCM Type: double[n_causes]
         """
 

@@ -54,7 +54,8 @@ class planar_model_t(object):
         """ LCM Type: int32_t """
         self.terms = []
         """
-        The factor of each basis field: "mean", "v", "w", "vw", "ww" (v forward_m, w turn_rad per frame).
+        The factor of each basis field: "mean", "v", "w", "vw", "ww" (v forward_m, w turn_rad per frame); "c1", "c2", ...:
+        principal components, whose factors are fitted to each frame.
         LCM Type: string[n_terms]
         """
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,9 @@ class Guard(Stage):
     The robot stands while a wired input among ``command``, ``plane`` and ``image`` has not arrived yet ("waiting"), is
     older than ``max_age_s`` ("stale"), or has implausible stamps or values that are not finite ("fault"). It also
     stands while too little of the plane could be judged or the image is blank ("blind"): unknown is not free.
-    While nearly all judged cells are obstacle ("obstacle") it may turn and drive backward, but not forward.
+    While nearly all judged cells are obstacle ("obstacle") it may turn and drive backward, but not forward. The same
+    holds by default while more than ``max_unknown_ratio`` of the cells inside the picture's rim were not judged
+    ("unknown", see `Plane.unknown`), as before a white wall; ``unjudged`` chooses another reaction.
 
     A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
     published. When it ends, the command drives again. An override with implausible stamps stops the robot.
@@ -51,7 +53,8 @@ class Guard(Stage):
         ge=0.0,
         le=1.0,
         doc="minimum share of judged cells of the plane for the robot to move; flow is never valid at the border of "
-        "the picture, which leaves 0.77 and more in the drives of the shipped graphs; 0 moves blind",
+        "the picture, which leaves 0.77 and more in the drives of the shipped graphs except `white_wall`; 0 moves "
+        "blind, with ``unjudged: ignore``",
     )
     max_obstacle_ratio: float = param(
         0.9,
@@ -60,6 +63,26 @@ class Guard(Stage):
         doc="share of obstacle among the judged cells above which the robot may not go forward: from 0.9 on steer.pca "
         "finds no free direction either and does not drive forward; 1 sets no limit",
     )
+    unjudged: Literal["obstacle", "hold", "brake", "ignore"] = param(
+        "obstacle",
+        doc="reaction to more unknown cells than max_unknown_ratio: obstacle lets the robot turn and drive backward, "
+        "hold stops it, brake reduces its forward speed, ignore takes them for free floor",
+    )
+    max_unknown_ratio: float = param(
+        0.1,
+        ge=0.0,
+        le=1.0,
+        doc="share of unknown cells among the cells inside the rim above which ``unjudged`` applies; in the drives of "
+        "the shipped graphs except `white_wall` it is 0; 1 sets no limit",
+    )
+    rim_ratio: float = param(
+        Plane.RIM_RATIO,
+        ge=0.0,
+        le=0.4,
+        doc="width of the rim, a share of the picture's shorter side, in which a cell that was not judged is not "
+        "unknown: flow is never valid there",
+    )
+    unknown_speed_ratio: float = param(0.3, ge=0.0, le=1.0, doc="share of the forward speed that brake leaves")
     min_contrast_gray: float = param(
         3.0,
         ge=0.0,
@@ -76,11 +99,13 @@ class Guard(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, armed."""
         self._is_stopped = False
+        self._turnable = {"obstacle"} if self.unjudged == "hold" else {"obstacle", "unknown"}
+        self._passable = {"unknown"} if self.unjudged == "brake" else set[str]()
         self._last = STANDSTILL
         self._begin: int | None = None
         self._before = 0
         # Of the last plane and the last image: the guard fires more often than they come.
-        self._judged: tuple[Plane | None, float] = None, 0.0
+        self._seen: tuple[Plane | None, float, float] = None, 0.0, 0.0
         self._contrast: tuple[Image | None, float] = None, 0.0
 
     def step(
@@ -104,14 +129,15 @@ class Guard(Stage):
         ]
         driver, stops = self._driver(override)
         stops += self._of_stop(stop)
-        forbidding = set() if driver is not None else {cause.name for cause in causes}
-        may_move = not stops and forbidding <= {"obstacle"}
-        may_advance = may_move and not forbidding
+        active = set() if driver is not None else {cause.name for cause in causes}
+        may_move = not stops and active <= self._turnable
+        may_advance = may_move and active <= self._passable
         wanted = command if driver is None else driver
         if wanted is None or not may_move:
             wanted = STANDSTILL
-        elif not may_advance and wanted.v_mps > REST_MPS:
-            wanted = Twist(v_mps=0.0, omega_radps=wanted.omega_radps)
+        elif active and wanted.v_mps > REST_MPS:
+            kept = self.unknown_speed_ratio if may_advance else 0.0
+            wanted = Twist(v_mps=kept * wanted.v_mps, omega_radps=wanted.omega_radps)
         self._last = self._limited(wanted, min(max(utime - self._before, 0) * 1e-6, self.max_age_s))
         self._before = utime
         causes = stops + causes
@@ -133,11 +159,13 @@ class Guard(Stage):
         causes = lost("plane", plane, self.max_age_s, waited_s)
         if causes or plane.value is None:
             return causes
-        if self._judged[0] is not plane.value:
-            self._judged = plane.value, judged_ratio(plane.value)
-        judged = self._judged[1]
+        if self._seen[0] is not plane.value:
+            self._seen = plane.value, judged_ratio(plane.value), plane.value.unknown_ratio(self.rim_ratio)
+        _, judged, unknown = self._seen
         if judged < self.min_judged_ratio:
             causes.append(Cause("blind", "plane", judged, self.min_judged_ratio))
+        if self.unjudged != "ignore" and unknown > self.max_unknown_ratio:
+            causes.append(Cause("unknown", "plane", unknown, self.max_unknown_ratio))
         if plane.value.obstacle_ratio > self.max_obstacle_ratio:
             causes.append(Cause("obstacle", "plane", plane.value.obstacle_ratio, self.max_obstacle_ratio))
         return causes

@@ -7,8 +7,10 @@ import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Floats
+from graphnav_flow.consistency import Consistency
 from graphnav_flow.enlargement import Enlargement
 from graphnav_flow.frames import Frames
+from graphnav_flow.normalization import Normalization
 from graphnav_flow.pyramid import Doubling, Pyramid
 from graphnav_flow.refinement import Refinement
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
@@ -26,6 +28,16 @@ class LucasKanade(Stage):
 
     The first image gives no flow, nor does the first after a gap of more than 3 periods. Where neither image has
     texture, the flow is finite, small and not valid.
+
+    A change of brightness counts as motion unless ``normalize_sigma_px`` is set (`Normalization`): on real carpet that
+    grows 30 % brighter from one frame to the next, the error falls from 30 to 0.15 px. In steady light the error is 6 %
+    larger and a step takes 14 % longer, so it is off by default. Choose it for every real camera; leave it off for
+    floors that show little but a repeating pattern, where it raises noise above the weak texture that tells the repeats
+    apart.
+
+    ``max_disagreement_px`` doubles the time. At 1 px it removes a sixth to a quarter of the vectors that are off by
+    more than a pixel where displacements are too large to be followed (two thirds to three quarters of what it removes
+    are off), a quarter of what an occlusion covers, and next to nothing where the flow is right already.
 
     References
     ----------
@@ -58,6 +70,19 @@ class LucasKanade(Stage):
         le=31,
         doc="side of the box that averages the flow before each iteration and at the end; less is noisier and sharper",
     )
+    normalize_sigma_px: float | None = param(
+        None,
+        gt=0.0,
+        le=30.0,
+        doc="standard deviation of the Gaussian window in which brightness and contrast are normalized before matching,"
+        " in pixels of each layer; less than 2 counts as 2; null does not normalize, 4 where the light changes",
+    )
+    max_disagreement_px: float | None = param(
+        None,
+        gt=0.0,
+        doc="a vector is not valid if the flow of the reversed pair misses its start by more than this; null does not "
+        "check, 1 is usual",
+    )
     margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
     min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
 
@@ -67,6 +92,7 @@ class LucasKanade(Stage):
         self._validity = Validity(self.margin_px, self.min_texture_gray2)
         self._enlargement = Enlargement(self.smooth_px)
         self._pyramids: list[Pyramid] = []
+        self._normalization: Normalization | None = None
 
     def step(self, image: Image, stamp: Stamp) -> Flow | None:
         """Return the flow since the last image, None without one."""
@@ -76,14 +102,24 @@ class LucasKanade(Stage):
         self._pyramids.reverse()
         now, last = self._pyramids
         now.fill(gray)
+        if self._normalization:
+            self._normalization.normalize(now.layers)
         if not interval_us:
             return None
         uv_px = self._solve(now, last)
-        return Flow(uv_px=uv_px, valid=self._validity.mark(uv_px, now.layers[0]), interval_us=interval_us)
+        valid = self._validity.mark(uv_px, gray if self._normalization else now.layers[0])
+        if self.max_disagreement_px is not None:
+            off_px = self._consistency.disagreement_px(uv_px, self._solve(last, now))
+            valid &= off_px <= self.max_disagreement_px
+        return Flow(uv_px=uv_px, valid=valid, interval_us=interval_us)
 
     def _make_buffers(self, rows: int, cols: int) -> None:
         self._pyramids = [Pyramid(rows, cols, self.layers) for _ in range(2)]
         self._doubling = Doubling(rows, cols)
+        self._consistency = Consistency(rows, cols)
+        if self.normalize_sigma_px is not None:
+            shapes = [layer.shape for layer in self._pyramids[0].layers]
+            self._normalization = Normalization(shapes, self.normalize_sigma_px)
         self._merged, self._filtered = np.empty((2, rows, cols, 2), np.float32)
         self._refinements = [
             Refinement(

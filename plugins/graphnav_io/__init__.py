@@ -1,4 +1,4 @@
-"""Stages of the family ``io``: images from files, cameras and streams."""
+"""Stages of the family ``io``: images from files, cameras and streams, prepared; recorded drives."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from graphnav import Stage, hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages; their modules are imported only now."""
     from graphnav_io.images import Images
+    from graphnav_io.prepare import Prepare
+    from graphnav_io.recording import Recording
     from graphnav_io.video import Video
 
-    return [Images, Video]
+    return [Images, Video, Recording, Prepare]

@@ -59,11 +59,27 @@ def _opened(source: str | int, name: str, *, live: bool) -> CaptureFrames:
     return CaptureFrames(capture, name, live=live)
 
 
+def first_frame(frames: CaptureFrames) -> Bytes:
+    """Return the first frame of a file.
+
+    Raises
+    ------
+    ParamError
+        It cannot be decoded.
+    """
+    try:
+        pixels = frames.read()
+    except ValueError as error:
+        raise ParamError("path", str(error)) from error
+    assert pixels is not None, "an open file has a first frame"
+    return pixels
+
+
 class CaptureFrames:
     """Frames of an open capture. Files, but not live sources, are read one frame ahead to detect the end."""
 
     def __init__(self, capture: cv2.VideoCapture, name: str, *, live: bool) -> None:
-        self._capture, self._name, self._live = capture, name, live
+        self._capture, self._name, self.is_live = capture, name, live
         self._is_grabbed = not live
         self._count = 0
         rate = capture.get(cv2.CAP_PROP_FPS)
@@ -72,7 +88,7 @@ class CaptureFrames:
     @property
     def at_end(self) -> bool:
         """Whether a complete file has no frame left; a live source may always have another one."""
-        return not (self._live or self._is_grabbed or self._is_truncated)
+        return not (self.is_live or self._is_grabbed or self._is_truncated)
 
     def read(self) -> Bytes | None:
         """Return the next frame, red-green-blue, None after the last.
@@ -83,13 +99,13 @@ class CaptureFrames:
             A frame cannot be decoded, or the file ends before the last frame that it declares.
         """
         with quiet():
-            if self._live:
+            if self.is_live:
                 self._is_grabbed = self._capture.grab()
             if not self._is_grabbed:
                 self._check_complete()
                 return None
             decoded, pixels = self._capture.retrieve()
-            if not self._live:
+            if not self.is_live:
                 self._is_grabbed = self._capture.grab()
         if not decoded:
             raise ValueError(f"frame {self._count} of {self._name} cannot be decoded")
@@ -111,5 +127,5 @@ class CaptureFrames:
         return lacking > max(LACKING_FRAMES, LACKING_RATIO * self._declared)
 
     def _check_complete(self) -> None:
-        if not self._live and self._is_truncated:
+        if not self.is_live and self._is_truncated:
             raise ValueError(f"{self._name} ends after {self._count} of {self._declared:.0f} frames: it is truncated")

@@ -73,8 +73,8 @@ def read_picture(file: Path) -> Bytes:
     return pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
 
 
-def check_pictures(path: Path) -> None:
-    """Check that there are pictures and that the first one can be decoded.
+def check_pictures(path: Path) -> Bytes:
+    """Return the first picture, once it is known that there is one and that it can be decoded.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def check_pictures(path: Path) -> None:
         There is no picture, or the first one cannot be decoded.
     """
     try:
-        read_picture(find_pictures(path)[0])
+        return read_picture(find_pictures(path)[0])
     except ValueError as error:
         raise ParamError("path", str(error)) from error
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from graphnav import Finished, Image
 from graphnav_io.frames import Frames
-from graphnav_io.shape import Shape
+from graphnav_io.preparation import Preparation
 
 
-def next_image(frames: Frames, shape: Shape) -> Image:
+def next_image(frames: Frames, preparation: Preparation) -> Image:
     """Return the next frame as a message.
 
     Raises
@@ -20,7 +20,7 @@ def next_image(frames: Frames, shape: Shape) -> Image:
     pixels = frames.read()
     if pixels is None:
         raise Finished("end")
-    image = Image(pixels=shape.apply(pixels))
+    image = Image(pixels=preparation.apply(pixels))
     if frames.at_end:
         raise Finished("end", image)
     return image

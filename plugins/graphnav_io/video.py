@@ -5,20 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav import Image, ParamError, Source, param
-from graphnav_io.capture import open_capture
+from graphnav_io.capture import first_frame, open_capture
 from graphnav_io.frames import Frames
 from graphnav_io.pictures import PictureFrames, check_pictures, find_pictures, is_pictures
 from graphnav_io.playback import next_image
-from graphnav_io.shape import GRAY_DOC, SCALE_DOC, SIZE_DOC, Shape, check_shape
+from graphnav_io.preparation import Prepared
 
 PICTURES_HZ = 10.0
 
 
-class Video(Source):
+class Video(Prepared, Source):
     """A video file, a camera or a stream, one frame per firing, in red-green-blue; the last one ends the run.
 
-    A folder or pattern of pictures is read as by `Images`. A frame that cannot be decoded, and a file that ends before
-    the last frame that it declares, stop the run.
+    A folder or pattern of pictures is read as by `Images`, and frames are prepared as there. A frame that cannot be
+    decoded, and a file that ends before the last frame that it declares, stop the run.
     """
 
     path: Path = param(doc="a video file, a camera's number, a URL, or a folder or pattern of pictures")
@@ -28,18 +28,19 @@ class Video(Source):
         le=10_000.0,
         doc="firings per second, one frame each; 0: the rate of the video, 10 for pictures",
     )
-    size: tuple[int, int] | None = param(None, ge=1, le=16384, doc=SIZE_DOC)
-    scale: float = param(1.0, gt=0.0, le=16.0, doc=SCALE_DOC)
-    gray: bool = param(False, doc=GRAY_DOC)
 
     def check(self) -> None:
         """Check that the video opens and that its first frame can be decoded."""
-        check_shape(self.size, self.scale)
+        super().check()
         if is_pictures(self.path):
-            check_pictures(self.path)
+            self.check_picture(check_pictures(self.path))
             return
         frames = open_capture(self.path)
-        frames.close()
+        try:
+            if not frames.is_live:
+                self.check_picture(first_frame(frames))
+        finally:
+            frames.close()
         if not (self.rate_hz or frames.rate_hz):
             raise ParamError("path", f"'{self.path}' does not declare a frame rate", "set 'rate_hz'")
 
@@ -47,7 +48,7 @@ class Video(Source):
         """Open the video at its first frame."""
         self.close()
         self._frames: Frames | None = self._open()
-        self._shape = Shape(self.size, self.scale, gray=self.gray)
+        self._preparation = self.preparation()
 
     def rate(self) -> float:
         """Return the given rate, else that of the video."""
@@ -57,7 +58,7 @@ class Video(Source):
     def step(self) -> Image:
         """Return the next frame."""
         assert self._frames is not None
-        return next_image(self._frames, self._shape)
+        return next_image(self._frames, self._preparation)
 
     def close(self) -> None:
         """Close the file or device."""

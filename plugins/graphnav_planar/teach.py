@@ -7,11 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphnav import Flow, Metric, Motion, PlanarModel, Stage, coarsen, param
-from graphnav.arrays import Doubles
+from graphnav import Flow, Metric, Motion, ParamError, PlanarModel, Stage, coarsen, param
+from graphnav.arrays import Bools, Doubles
 from graphnav_planar.interval import check_interval
+from graphnav_planar.kept_frames import KeptFrames
 from graphnav_planar.normal_equations import NormalEquations
-from graphnav_planar.terms import MEAN, Term, driving_terms, factors
+from graphnav_planar.principal_components import Components, principal_components
+from graphnav_planar.terms import MEAN, Term, driving_terms, factors, names_of_components
 
 
 class Teach(Stage):
@@ -23,15 +25,26 @@ class Teach(Stage):
 
     The term "mean" is [OI, eq. 1] itself: the mean flow of the frames that drive straight on, at a displacement within
     ``straight_forward_m``. It is stored in the model beside the other terms but is not part of their sum, so that one
-    model serves every planar stage. Without ``motion`` (a video) every frame counts as straight, and only "mean" can be
-    taught.
+    model serves every planar stage.
+
+    With ``components`` the model also has principal components of what the terms of v and w leave of the flow: the
+    flow of a camera that pitches, rolls and bounces while teaching and later, at rates that no odometry knows. A stage
+    that uses the model fits their factors to each frame; 4 hold the flow of a camera on a mast that sways.
+
+    Without ``motion`` (a video) every frame counts as straight, and terms of v and w cannot be taught. Components can:
+    they are those of the flow itself. A rigid plane seen by a moving camera has a flow of 8 parameters, to first order
+    [LP], so 8 components are enough for any motion that was taught, and 4 for a camera that neither pitches, rolls nor
+    bounces. `planar.subspace` uses such a model; no odometry is needed from teaching to driving.
 
     Publishes the current model every ``every_frames`` frames, once the motions seen determine every basis field. A cell
-    is valid if it was valid in at least half of the frames.
+    is valid if it was valid in at least half of the frames. Components are found in at most 512 frames, spread evenly
+    over the drive.
 
     References
     ----------
     .. [OI] N. Ohnishi, A. Imiya, Combination of Supervised and Unsupervised Methods for Navigation Path Mining, eq. 1.
+    .. [LP] H. C. Longuet-Higgins, K. Prazdny, The interpretation of a moving retinal image, Proceedings of the Royal
+       Society B 208, 1980.
     """
 
     metrics: ClassVar[tuple[Metric, ...]] = (
@@ -56,6 +69,14 @@ class Teach(Stage):
         ("mean", "v", "w", "vw", "ww"),
         doc="basis fields to teach: mean, and products of v (forward) and w (turn) up to the second order",
     )
+    components: int = param(
+        0,
+        ge=0,
+        le=9,
+        doc="principal components to teach of what the terms of v and w leave of the flow, or, without such terms, of "
+        "the flow itself; their factors are fitted to each frame. More explain more motions of the camera, and more of "
+        "a large obstacle",
+    )
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
     every_frames: int = param(25, ge=1, doc="frames between two published models")
     straight_turn_rad: float = param(0.01, ge=0.0, doc="a frame that turns by at most this drives straight on")
@@ -63,11 +84,17 @@ class Teach(Stage):
         (0.02, 0.04), ge=0.0, doc="minimum and maximum displacement per frame that count for the term mean"
     )
 
+    def check(self) -> None:
+        """Check that there is something to teach."""
+        if not (self.terms or self.components):
+            raise ParamError("terms", "no terms and no components: nothing to teach", "write terms: [mean]")
+
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget everything taught."""
         self._driving = driving_terms(self.terms)
         self._straight = NormalEquations(1, 0, 0)
         self._driven = NormalEquations(0, 0, 0)
+        self._kept = KeptFrames()
         self._frames = 0
         self._forward_m = self._turn_rad = np.zeros(2)
         self._model: PlanarModel | None = None
@@ -83,7 +110,10 @@ class Teach(Stage):
         """
         if motion is None and self._driving:
             wanted = ", ".join(self._driving)
-            raise ValueError(f"the terms {wanted} need the motion of each frame: wire 'motion', or teach only mean")
+            raise ValueError(
+                f"the terms {wanted} need the motion of each frame: wire 'motion', or, without odometry, teach "
+                "terms: [mean] with components: 8"
+            )
         if motion is not None:
             check_interval(flow, motion)
         self._add(coarsen(flow, self.cell_px), motion)
@@ -117,6 +147,9 @@ class Teach(Stage):
             self._driven.add(factors(self._driving, moved), cells.uv_px, valid)
             self._forward_m = _widened(self._forward_m, moved.forward_m)
             self._turn_rad = _widened(self._turn_rad, moved.turn_rad)
+        if self.components:
+            of_motion = np.zeros(0) if moved is None else factors(self._driving, moved)
+            self._kept.add(of_motion, cells.uv_px, valid)
 
     def _is_straight(self, moved: Motion) -> bool:
         min_m, max_m = self.straight_forward_m
@@ -124,10 +157,7 @@ class Teach(Stage):
 
     def _solve(self, interval_us: int) -> PlanarModel | None:
         """Return the current model, None while the frames do not determine all of its fields."""
-        valid = np.ones(self._straight.count.shape, np.bool_)
-        for fit, wanted in ((self._straight, MEAN in self.terms), (self._driven, bool(self._driving))):
-            if wanted:
-                valid &= (2 * fit.count >= fit.count.max()) & (fit.count > 0)
+        valid = self._taught_cells()
         fields: dict[str, Doubles] = {}
         residual_px = np.zeros(valid.shape)
         if MEAN in self.terms:
@@ -141,9 +171,17 @@ class Teach(Stage):
                 return None
             fields |= zip(self._driving, driven.fields, strict=True)
             residual_px = driven.residual
+        if self.components:
+            found = self._components(valid)
+            if found is None:
+                return None
+            fields |= zip(self._driving, found.given, strict=True)
+            fields |= zip(names_of_components(self.components), found.fields, strict=True)
+            residual_px = found.residual
+        terms = (*self.terms, *names_of_components(self.components))
         return PlanarModel(
-            terms=self.terms,
-            basis=np.stack([fields[term] for term in self.terms]).astype(np.float32),
+            terms=terms,
+            basis=np.stack([fields[term] for term in terms]).astype(np.float32),
             valid=valid.astype(np.uint8),
             residual_px=residual_px.astype(np.float32),
             forward_range_m=self._forward_m,
@@ -152,6 +190,29 @@ class Teach(Stage):
             interval_us=interval_us,
             step_px=self.cell_px,
         )
+
+    def _taught_cells(self) -> Bools:
+        """Return which cells were valid in at least half of the frames of each part of the model, (rows, cols)."""
+        valid = np.ones(self._straight.count.shape, np.bool_)
+        for fit, wanted in (
+            (self._straight, MEAN in self.terms),
+            (self._driven, bool(self._driving)),
+            (self._kept, bool(self.components)),
+        ):
+            if wanted:
+                valid &= (2 * fit.count >= fit.count.max()) & (fit.count > 0)
+        return valid
+
+    def _components(self, valid: Bools) -> Components | None:
+        """Return the fields of the driving terms and the components, on the grid: 0 outside ``valid``."""
+        of_motion, uv_px, counted = self._kept.arrays()
+        found = principal_components(of_motion, uv_px[:, valid], counted[:, valid], self.components)
+        if found is None:
+            return None
+        given, fields = (np.zeros((len(part), *valid.shape, 2)) for part in found[:2])
+        residual = np.zeros(valid.shape)
+        given[:, valid], fields[:, valid], residual[valid] = found
+        return Components(given, fields, residual)
 
 
 def _widened(span: Doubles, value: float) -> Doubles:

@@ -9,6 +9,7 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_plane.affine import Affine
     from graphnav_plane.all_ground import AllGround
     from graphnav_plane.appearance import Appearance
+    from graphnav_plane.guided_homography import GuidedHomography
     from graphnav_plane.homography import Homography
     from graphnav_plane.ica import Ica
     from graphnav_plane.learned import Learned
@@ -23,6 +24,7 @@ def graphnav_stages() -> list[type[Stage]]:
         Affine,
         AllGround,
         Appearance,
+        GuidedHomography,
         Homography,
         Ica,
         Learned,

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from graphnav import Continuity, Flow, Planar, Plane, Stage, Stamp, coarsen, param
 from graphnav.arrays import Bools, Floats
 from graphnav_plane.memory import Memory
+from graphnav_plane.regions import kept_regions
 from graphnav_plane.rule import Rule, threshold
 
 Vectors = npt.NDArray[np.floating]
@@ -44,6 +45,13 @@ class Detector(Stage):
         doc="a cell is ground if it scores less than this share of a neighbouring cell: flow is estimated in windows, "
         "so that ground beside an obstacle moves a little like it; 0 keeps it obstacle",
     )
+    strong_ratio: float = param(
+        1.0,
+        ge=1.0,
+        doc="hysteresis (dimensionless): a connected region counts only if one of its cells scores more than this many "
+        "times the threshold; with more than 1 the threshold can be lower; 1 keeps every cell above the threshold",
+    )
+    min_cells: int = param(1, ge=1, doc="minimum number of cells of a connected region that counts; 1 keeps all")
     memory_ratio: float = param(
         0.5,
         ge=0.0,
@@ -82,6 +90,8 @@ class Detector(Stage):
         is_obstacle = score > limit
         if self.edge_ratio:
             is_obstacle &= score > np.float32(self.edge_ratio) * cv2.dilate(score, _NEXT)
+        if self.strong_ratio > 1.0 or self.min_cells > 1:
+            is_obstacle = kept_regions(is_obstacle, score, self.strong_ratio * limit, self.min_cells)
         obstacle = is_obstacle.view(np.uint8)
         if self.median_cells > 1:
             obstacle = cv2.medianBlur(obstacle, self.median_cells | 1) & valid

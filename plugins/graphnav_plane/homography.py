@@ -13,6 +13,8 @@ from graphnav.arrays import Doubles
 from graphnav_plane.agreement import agrees, length
 from graphnav_plane.detector import MIN_VECTORS, Detector
 
+Method = Literal["usac_magsac", "usac_default", "ransac", "lmeds"]
+
 _METHODS = {
     "usac_magsac": cv2.USAC_MAGSAC,
     "usac_default": cv2.USAC_DEFAULT,
@@ -47,9 +49,7 @@ class Homography(Detector):
     """
 
     cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
-    method: Literal["usac_magsac", "usac_default", "ransac", "lmeds"] = param(
-        "usac_magsac", doc="what draws the first homography, by OpenCV's name"
-    )
+    method: Method = param("usac_magsac", doc="what draws the first homography, by OpenCV's name")
     reprojection_px: float = param(
         0.1, gt=0.0, doc="what the first homography may leave of a vector that agrees with it; lmeds needs none"
     )
@@ -63,34 +63,38 @@ class Homography(Detector):
         valid = cells.valid != 0
         if np.count_nonzero(valid) < MIN_VECTORS:
             return self._unjudged(cells)
-        everywhere, judged = _places(*valid.shape, cells.step_px), np.flatnonzero(valid)
+        everywhere, judged = cell_middles(*valid.shape, cells.step_px), np.flatnonzero(valid)
         vectors = cells.uv_px.reshape(-1, 2)
         places = everywhere.take(judged, axis=0)
         matrix = self._fitted(places, places + vectors.take(judged, axis=0))
-        left_px = (everywhere + vectors - _moved(matrix, everywhere)).reshape(cells.uv_px.shape)
+        left_px = (everywhere + vectors - moved(matrix, everywhere)).reshape(cells.uv_px.shape)
         return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
 
     def _fitted(self, places: Doubles, targets: Doubles) -> Doubles:
         """Return the homography (3, 3) that takes most of ``places`` (n, 2) to their ``targets``."""
-        matrix = self._drawn(places, targets)
+        matrix = drawn(places, targets, self.method, self.reprojection_px, self.draws)
         for _ in range(self.refits):
-            near = agrees(length(targets - _moved(matrix, places)), self.threshold_px)
+            near = agrees(length(targets - moved(matrix, places)), self.threshold_px)
             matrix = least_squares(places[near], targets[near])
         return matrix
 
-    def _drawn(self, places: Doubles, targets: Doubles) -> Doubles:
-        """Return the homography that most agree with, the one nearest to all of them if OpenCV finds none."""
-        matrix, _ = cv2.findHomography(
-            places / _UNIT_PX,
-            targets / _UNIT_PX,
-            _METHODS[self.method],
-            self.reprojection_px / _UNIT_PX,
-            maxIters=self.draws,
-            confidence=_CONFIDENCE_RATIO,
-        )
-        if matrix is None or not np.isfinite(matrix).all():
-            return least_squares(places, targets)
-        return np.asarray(matrix * [[1.0, 1.0, _UNIT_PX], [1.0, 1.0, _UNIT_PX], [1 / _UNIT_PX, 1 / _UNIT_PX, 1.0]])
+
+def drawn(places: Doubles, targets: Doubles, method: Method, reprojection_px: float, draws: int) -> Doubles:
+    """Return the homography (3, 3) that most vectors agree with, the one nearest to all if OpenCV finds none.
+
+    ``places``, ``targets``: (n, 2), px. The other parameters are those of `Homography`.
+    """
+    matrix, _ = cv2.findHomography(
+        places / _UNIT_PX,
+        targets / _UNIT_PX,
+        _METHODS[method],
+        reprojection_px / _UNIT_PX,
+        maxIters=draws,
+        confidence=_CONFIDENCE_RATIO,
+    )
+    if matrix is None or not np.isfinite(matrix).all():
+        return least_squares(places, targets)
+    return np.asarray(matrix * [[1.0, 1.0, _UNIT_PX], [1.0, 1.0, _UNIT_PX], [1 / _UNIT_PX, 1 / _UNIT_PX, 1.0]])
 
 
 def least_squares(places: Doubles, targets: Doubles) -> Doubles:
@@ -109,18 +113,18 @@ def least_squares(places: Doubles, targets: Doubles) -> Doubles:
             ((zero, zero, zero, x, y, one), targets[:, 1] / scale),
         )
     ]
-    moved = (targets - places).T / scale
+    added_px = (targets - places).T / scale
     products = sum(rows @ rows.T for rows in equations)
     added = np.linalg.solve(
         products + _RIDGE * len(places) * np.eye(8),
-        sum(rows @ by for rows, by in zip(equations, moved, strict=True)),
+        sum(rows @ by for rows, by in zip(equations, added_px, strict=True)),
     )
     matrix = np.eye(3) + np.append(added, 0.0).reshape(3, 3)
     return np.asarray(matrix * [[1.0, 1.0, scale], [1.0, 1.0, scale], [1 / scale, 1 / scale, 1.0]])
 
 
 @lru_cache(maxsize=16)
-def _places(rows: int, cols: int, step_px: int) -> Doubles:
+def cell_middles(rows: int, cols: int, step_px: int) -> Doubles:
     """Return the middles of all cells, px right and down of the picture's middle, (rows * cols, 2)."""
     y, x = np.mgrid[:rows, :cols].reshape(2, -1)
     places = step_px * np.column_stack([x - (cols - 1) / 2, y - (rows - 1) / 2])
@@ -128,10 +132,10 @@ def _places(rows: int, cols: int, step_px: int) -> Doubles:
     return places
 
 
-def _moved(matrix: Doubles, places: Doubles) -> Doubles:
+def moved(matrix: Doubles, places: Doubles) -> Doubles:
     """Return the images of ``places`` under ``matrix``, (n, 2).
 
     Points at the horizon or beyond are clamped just before it: huge but finite.
     """
-    moved = places @ matrix[:, :2].T + matrix[:, 2]
-    return np.asarray(moved[:, :2] / np.maximum(moved[:, 2:], _MIN_DEPTH_RATIO))
+    images = places @ matrix[:, :2].T + matrix[:, 2]
+    return np.asarray(images[:, :2] / np.maximum(images[:, 2:], _MIN_DEPTH_RATIO))

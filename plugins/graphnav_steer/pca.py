@@ -30,7 +30,9 @@ class Pca(Potential):
 
     Other cases that the paper leaves open:
 
-    - No obstacle, no judged cell, or obstacles whose forces cancel: r = 0.
+    - No obstacle, or obstacles whose forces cancel: r = 0.
+    - A cell that was not judged, although it lies inside the rim of the picture, counts as an obstacle: unknown is not
+      free (``unjudged``).
     - Obstacles (nearly) everywhere: r points straight back and is at least as long as w.
     - Where p is nearly zero, theta is a right angle to the freer side, at which `control.nonholonomic` stops and
       turns; where p points straight back, it turns to that side. A tie goes to the side of the last turn, at first to

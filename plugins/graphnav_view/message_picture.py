@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +23,8 @@ _LEGEND_ROWS, _LEGEND_COLS = 160, 200
 """Minimum size of a picture with text."""
 _SAME_VIEW_RATIO = 1.25
 """Maximum difference of the sides of grids of the same view."""
+_UNKNOWN_LEVEL = 0.4
+"""Brightness of an unknown cell where there is no colour; an obstacle has 1."""
 _MAX_BODIES = 2000
 _MAX_M = 1e6
 _MIN_SCALE = 1e-6
@@ -79,8 +82,10 @@ def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int,
     """Draw a dominant map over the image of its moment, alone if there is none of the same view."""
     image = context.find(Image)
     camera = None
+    nothing = np.empty((0, 0), np.float32)
+    plane = Plane(obstacle, nothing, valid, step_px=step_px, obstacle_ratio=0.0)
     if not context.with_colour:
-        return _gray(_stretch(obstacle.shape, context), (obstacle != 0).astype(np.float64))
+        return _gray(_stretch(obstacle.shape, context), (obstacle != 0) + _UNKNOWN_LEVEL * plane.unknown(), 1.0)
     if image is None or not _is_same_view(obstacle.shape, step_px, image):
         step_px = 1
         stretch = _stretch(obstacle.shape, context)
@@ -88,13 +93,12 @@ def _obstacle(obstacle: npt.NDArray[Any], valid: npt.NDArray[Any], step_px: int,
         rows, cols = obstacle.shape
         stretch = _stretch((rows * step_px, cols * step_px), context)
         camera = camera_rgb(stretch, image)
-    nothing = np.empty((0, 0), np.float32)
-    return plane_tile(stretch, camera, Plane(obstacle, nothing, valid, step_px=step_px, obstacle_ratio=0.0))
+    return plane_tile(stretch, camera, replace(plane, step_px=step_px), with_legend=_has_room(stretch, context))
 
 
-def _gray(stretch: Stretch, values: npt.NDArray[Any]) -> Bytes:
-    """Draw a grid of numbers as brightness: 0 black, the largest white."""
-    levels = (255 * (values / max(values.max(initial=0.0), _MIN_SCALE))).astype(np.uint8)
+def _gray(stretch: Stretch, values: npt.NDArray[Any], white: float = _MIN_SCALE) -> Bytes:
+    """Draw a grid of numbers as brightness: 0 black, the largest, at least ``white``, white."""
+    levels = (255 * (values / values.max(initial=white))).astype(np.uint8)
     return stretch.placed(np.repeat(stretch.resized(levels, 1)[..., None], 3, axis=-1))
 
 

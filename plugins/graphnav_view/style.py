@@ -24,6 +24,8 @@ CONTACT = "#d00000"
 SEEN = "#2a9df4"
 PATH = "viridis"
 
+UNKNOWN = "#7a5cc9"
+
 REPULSIVE = "#e63946"
 GUIDING = "#2a9df4"
 CONTROL = "#ffd23f"

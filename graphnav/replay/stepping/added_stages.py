@@ -8,7 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 from graphnav.live.live_unit import LiveUnit
-from graphnav.live.timer import Timer
+from graphnav.live.timer import Timer, every
 
 _MAX_GAP_S = 10.0
 """Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""
@@ -33,7 +33,7 @@ class AddedStages:
 
     def __init__(self, units: Sequence[LiveUnit], start_s: float) -> None:
         self._units = tuple(reversed(units))
-        self._timers = [(Timer(u.node.every_ms / 1e3, start_s), u) for u in self._units if u.node.every_ms]
+        self._timers = [(Timer(every(u.node.every_ms / 1e3), start_s), u) for u in self._units if u.node.every_ms]
         self._now_s = start_s
 
     def next_due(self, to_s: float) -> Due | None:

@@ -42,7 +42,6 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
         self._n_heard = dict.fromkeys(self._units, 0)
         self._due = dict.fromkeys(self._units, (0, 0))
         """The stamp at which each source is due, and the number of the firing."""
-        self._rates: dict[str, float] = {}
         self._made: list[Made] = []
 
     def reset(self, seed: int | None = None) -> None:  # noqa: ARG002 - that of the replay may differ
@@ -54,7 +53,6 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
             One cannot be reset.
         """
         super().reset(self._reproduction.seed)
-        self._rates = {n: unit.stage.rate() for n, unit in self._units.items() if isinstance(unit.stage, Source)}
         self._n_heard = dict.fromkeys(self._units, 0)
         self._due = dict.fromkeys(self._units, (0, 0))
 
@@ -79,7 +77,8 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
         self._hear(unit, utime)
         self.utime, self._made = utime, []
         unit.fire(utime)
-        self._due[name] = round((k + 1) * 1e6 / self._rates[name]), k + 1
+        assert isinstance(unit.stage, Source)
+        self._due[name] = unit.stage.due_us(k + 1), k + 1
         return self._made
 
     def _hear(self, unit: LockstepUnit, utime: int) -> None:

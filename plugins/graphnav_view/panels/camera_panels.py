@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 
-from graphnav import Image
+from graphnav import Image, Plane
+from graphnav.arrays import Bools
 from graphnav_view import style
 from graphnav_view.flow_colour import flow_rgb, flow_scale_px, wheel_rgb
 from graphnav_view.panels.keyframe import Frame
@@ -100,22 +101,37 @@ def draw_plane(axes: Axes, frame: Frame) -> str:
     shown[plane.valid == 0] = _UNJUDGED
     extent = extent_px(shown.shape, plane.step_px)
     axes.imshow(shown, extent=extent, cmap="gray", vmin=0, vmax=255, interpolation="nearest", aspect="auto")
-    hatch_unjudged(axes, plane.valid, plane.step_px)
+    hatch_unjudged(axes, plane)
     over_picture(axes, frame)
-    gray = ", hatched: not judged" if (plane.valid == 0).any() else ""
-    return f"white: ground, black: obstacle{gray};\nobstacle is {plane.obstacle_ratio:.0%} of what was judged"
+    unknown = plane.unknown()
+    words = ["black: obstacle"]
+    words += ["gray: rim"] if ((plane.valid == 0) & ~unknown).any() else []
+    words += ["violet: unknown"] if unknown.any() else []
+    return f"{', '.join(words)};\nobstacle is {plane.obstacle_ratio:.0%} of what was judged"
 
 
-def hatch_unjudged(axes: Axes, valid: npt.NDArray[Any], step_px: int) -> None:
-    """Hatch the cells that were not judged, as one shape of runs along the rows."""
+def hatch_unjudged(axes: Axes, plane: Plane) -> None:
+    """Hatch the cells that were not judged: the rim gray, unknown cells violet and crosswise."""
+    rim = (plane.valid == 0) & ~plane.unknown()
+    _hatch(axes, rim, plane.step_px, "/////", edgecolor="#8a8a8a", facecolor="none")
+    hatch_unknown(axes, plane)
+
+
+def hatch_unknown(axes: Axes, plane: Plane) -> None:
+    """Hatch the unknown cells crosswise, in violet."""
+    _hatch(axes, plane.unknown(), plane.step_px, "xxxxx", edgecolor=style.UNKNOWN, facecolor="#e4dcf7")
+
+
+def _hatch(axes: Axes, there: Bools, step_px: int, hatch: str, *, edgecolor: str, facecolor: str) -> None:
+    """Hatch cells (rows, cols), as one shape of runs along the rows."""
     runs = []
-    for row, cells in enumerate(valid == 0):
+    for row, cells in enumerate(there):
         edges = np.flatnonzero(np.diff(cells.astype(np.int8), prepend=0, append=0)) * step_px - 0.5
         top, low = row * step_px - 0.5, (row + 1) * step_px - 0.5
         runs += [[(x0, top), (x1, top), (x1, low), (x0, low)] for x0, x1 in edges.reshape(-1, 2)]
     if runs:
         outline = Path.make_compound_path_from_polys(np.array(runs))
-        axes.add_patch(PathPatch(outline, facecolor="none", edgecolor="#8a8a8a", lw=0.0, hatch="/////"))
+        axes.add_patch(PathPatch(outline, facecolor=facecolor, edgecolor=edgecolor, lw=0.0, hatch=hatch))
 
 
 def extent_px(shape: tuple[int, ...], step_px: int) -> tuple[float, float, float, float]:

@@ -33,7 +33,7 @@ _COLS_PX = 320
 _ARROW_RATIO = 0.38
 """Length of a control force of 1, as a share of the picture's shorter side."""
 _LETTERS_PER_IN = 13
-_LEGEND = "obstacle red, unjudged cells dark; yellow: control force, up is forward; red rim: contact"
+_LEGEND = "obstacle red, unknown violet, rim dark; yellow: control force, up is forward; red rim: contact"
 
 
 def draw_sheet(signals: Signals, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
@@ -151,7 +151,7 @@ def _picture(frame: Frame) -> npt.NDArray[Any]:
     stretch = Stretch(rows, cols, max(1, round(_COLS_PX * rows / cols)), _COLS_PX)
     camera = None if frame.image is None else camera_rgb(stretch, frame.image)
     if frame.plane is not None:
-        return plane_tile(stretch, camera, frame.plane)
+        return plane_tile(stretch, camera, frame.plane, with_legend=False)
     if camera is not None:
         return stretch.placed(camera)
     if frame.flow is not None:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from graphnav.arrays import Doubles
 from graphnav_view import style
-from graphnav_view.panels.camera_panels import extent_px, over_picture
+from graphnav_view.panels.camera_panels import extent_px, hatch_unknown, over_picture
 from graphnav_view.panels.keyframe import Frame
 
 _ARROWS_ACROSS = 16
@@ -52,6 +52,7 @@ def draw_gradient(axes: Axes, frame: Frame) -> str:
         shown = np.where(frame.plane.obstacle != 0, 205, 255).astype(np.uint8)
         extent = extent_px(shown.shape, frame.plane.step_px)
         axes.imshow(shown, extent=extent, cmap="gray", vmin=0, vmax=255, interpolation="nearest", aspect="auto")
+        hatch_unknown(axes, frame.plane)
     over_picture(axes, frame)
     rows, cols = potential.potential.shape
     every = max(1, round(cols / _ARROWS_ACROSS))

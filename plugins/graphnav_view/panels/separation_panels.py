@@ -103,7 +103,7 @@ def draw_score(axes: Axes, frame: Frame, plane: Plane) -> str:
     top = max(float(np.percentile(seen, 99)) if len(seen) else 0.0, 1.2 * plane.threshold, 1e-6)
     extent = extent_px(plane.score.shape, plane.step_px)
     axes.imshow(plane.score, extent=extent, cmap="magma", vmin=0, vmax=top, interpolation="nearest", aspect="auto")
-    hatch_unjudged(axes, plane.valid, plane.step_px)
+    hatch_unjudged(axes, plane)
     over_picture(axes, frame)
     return f"dark: 0, bright: {top:.2g} px and more;\nobstacle above {plane.threshold:.2g} px"
 

@@ -16,6 +16,7 @@ from graphnav_view.video.lettering import write
 
 _WHEEL_PX = 64
 _BLANK = 60
+_STRIPE_PX = 10
 
 
 class Stretch:
@@ -101,8 +102,11 @@ def flow_tile(stretch: Stretch, flow: Flow | None, full_px: float, *, with_wheel
     return tile
 
 
-def plane_tile(stretch: Stretch, camera: Bytes | None, plane: Plane | None) -> Bytes:
-    """Return the dominant map over the picture: obstacle red, unjudged cells dark."""
+def plane_tile(stretch: Stretch, camera: Bytes | None, plane: Plane | None, *, with_legend: bool = True) -> Bytes:
+    """Return the dominant map over the picture: obstacle red, the rim dark, unknown cells striped violet.
+
+    ``with_legend``: whether to name the stripes, where there are any.
+    """
     if plane is None:
         return stretch.blank() if camera is None else stretch.placed(camera // 2)
     obstacle = stretch.resized((plane.obstacle != 0).astype(np.uint8), plane.step_px)
@@ -113,7 +117,22 @@ def plane_tile(stretch: Stretch, camera: Bytes | None, plane: Plane | None) -> B
     cv2.copyTo(ground // 3, unjudged, ground)
     rims, _ = cv2.findContours(obstacle, cv2.RETR_LIST, cv2.CHAIN_APPROX_SIMPLE)
     cv2.drawContours(ground, rims, -1, (255, 120, 120), 1, cv2.LINE_AA)
-    return stretch.placed(ground)
+    unknown = stretch.resized(plane.unknown().astype(np.uint8), plane.step_px)
+    _stripe(ground, unknown)
+    tile = stretch.placed(ground)
+    if with_legend and unknown.any():
+        at = (stretch.left + 8, stretch.top + stretch.rows - 10)
+        write(tile, f"violet: unknown, {100 * plane.unknown_ratio():.0f} %", at, (20, 20, 20), ground=(255, 255, 255))
+    return tile
+
+
+def _stripe(picture: Bytes, there: Bytes) -> None:
+    """Draw violet stripes where ``there`` is not 0."""
+    violet = np.tile(np.array(style.rgb(style.UNKNOWN), np.uint8), (*there.shape, 1))
+    rows, cols = there.shape
+    diagonal = np.arange(rows)[:, None] + np.arange(cols)
+    stripes = (there != 0) & (diagonal % _STRIPE_PX < _STRIPE_PX // 2)
+    cv2.copyTo(cv2.addWeighted(picture, 0.2, violet, 0.8, 0), there & stripes, picture)
 
 
 def potential_tile(stretch: Stretch, potential: Potential | None) -> Bytes:

@@ -176,12 +176,60 @@ def test_every_cause_is_named() -> None:
 
 
 def test_unknown_is_not_free() -> None:
-    outputs = Driven()(plane=fresh(plane(judged_ratio=0.1)))
+    outputs = Driven(unjudged="ignore")(plane=fresh(plane(judged_ratio=0.1)))
     assert speeds(outputs) == (0.0, 0.0)
     assert causes(outputs) == [("blind", "plane")]
     assert outputs.state.values == pytest.approx([0.1])
     assert outputs.state.limits == pytest.approx([0.5])
-    assert speeds(Driven(min_judged_ratio=0.0)(plane=fresh(plane(judged_ratio=0.0)))) == (0.3, -0.4)
+    guard = Driven(min_judged_ratio=0.0, unjudged="ignore")
+    assert speeds(guard(plane=fresh(plane(judged_ratio=0.0)))) == (0.3, -0.4)
+
+
+def before_a_wall(unknown_ratio: float = 0.3) -> Plane:
+    """Return a plane whose upper rows were not judged, as before a white wall; 20 of its rows are inside the rim."""
+    seen = plane(1.0)
+    seen.valid[: 5 + round(unknown_ratio * 20)] = 0
+    return seen
+
+
+@pytest.mark.parametrize(
+    ("parameters", "allowed", "may"),
+    [
+        ({}, (0.0, -0.4), (True, False)),
+        ({"unjudged": "obstacle"}, (0.0, -0.4), (True, False)),
+        ({"unjudged": "hold"}, (0.0, 0.0), (False, False)),
+        ({"unjudged": "brake"}, (0.3 * 0.3, -0.4), (True, True)),
+        ({"unjudged": "brake", "unknown_speed_ratio": 0.5}, (0.15, -0.4), (True, True)),
+    ],
+)
+def test_unknown_cells_ahead_forbid_to_go_forward(
+    parameters: dict[str, Any], allowed: tuple[float, float], may: tuple[bool, bool]
+) -> None:
+    outputs = Driven(**parameters)(plane=fresh(before_a_wall()))
+    assert speeds(outputs) == pytest.approx(allowed)
+    assert (outputs.state.may_move, outputs.state.may_advance) == may
+    assert causes(outputs) == [("unknown", "plane")]
+    assert outputs.state.values == pytest.approx([0.3])
+    assert outputs.state.limits == pytest.approx([0.1])
+
+
+def test_few_unknown_cells_and_the_rim_forbid_nothing() -> None:
+    assert speeds(Driven()(plane=fresh(before_a_wall(0.1)))) == (0.3, -0.4)
+    assert speeds(Driven(max_unknown_ratio=0.3)(plane=fresh(before_a_wall()))) == (0.3, -0.4)
+    assert causes(Driven(rim_ratio=0.4)(plane=fresh(before_a_wall()))) == []
+    assert causes(Driven(unjudged="ignore")(plane=fresh(before_a_wall()))) == []
+
+
+@pytest.mark.parametrize("unjudged", ["obstacle", "brake"])
+def test_before_unknown_cells_the_robot_may_turn_and_back_off(unjudged: str) -> None:
+    assert speeds(Driven(unjudged=unjudged)(plane=fresh(before_a_wall()), command=HAND)) == (-0.1, 0.7)
+
+
+def test_obstacles_forbid_what_unknown_cells_only_brake() -> None:
+    both = replace(before_a_wall(), obstacle_ratio=0.99)
+    outputs = Driven(unjudged="brake")(plane=fresh(both))
+    assert speeds(outputs) == (0.0, -0.4)
+    assert causes(outputs) == [("unknown", "plane"), ("obstacle", "plane")]
 
 
 @pytest.mark.parametrize("noise", [0.0, 2.0, 8.0])
@@ -221,6 +269,7 @@ def test_all_round_obstacle_forbids_going_forward_but_not_turning() -> None:
         {"plane": Latest(), "image": Latest()},
         {"image": Latest(flat(255), LATE_S, "stamps repeat"), "plane": fresh(plane(0.0))},
         {"plane": fresh(plane(obstacle_ratio=1.0))},
+        {"plane": fresh(plane(judged_ratio=0.6))},
     ],
 )
 def test_a_fresh_override_drives_whatever_else_comes(lost: dict[str, Any]) -> None:
@@ -309,5 +358,8 @@ def test_its_clock_may_stand_still() -> None:
 def test_inputs_are_not_remembered() -> None:
     guard = Driven()
     guard()
-    assert causes(guard(plane=replace(GOOD["plane"], value=plane(0.0)))) == [("blind", "plane")]
+    assert causes(guard(plane=replace(GOOD["plane"], value=plane(0.0)))) == [
+        ("blind", "plane"),
+        ("unknown", "plane"),
+    ]
     assert causes(guard()) == []

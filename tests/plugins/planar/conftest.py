@@ -24,8 +24,14 @@ INTERVAL_US = 100_000
 class Floor:
     """An endless floor, 1 m below a camera that is tilted by 75 degrees, on cells of 4 px."""
 
-    def uv_px(self, forward_m: float, turn_rad: float) -> Doubles:
-        """Return the exact flow (rows, cols, 2) of an arc of this length and turn."""
+    def uv_px(
+        self, forward_m: float, turn_rad: float, pitch_rad: float = 0.0, roll_rad: float = 0.0, rise_m: float = 0.0
+    ) -> Doubles:
+        """Return the exact flow (rows, cols, 2) of an arc of this length and turn, on which the camera moves, too.
+
+        ``pitch_rad``, ``roll_rad``: rotations about the axes right and down of the camera. ``rise_m``: how much higher
+        it was before.
+        """
         y, x = np.mgrid[:ROWS, :COLS] * STEP_PX + 1.5 - np.array([59.5, 79.5])[:, None, None]
         tilt_c, tilt_s = math.cos(TILT_RAD), math.sin(TILT_RAD)
         down = tilt_s + y / FOCAL_PX * tilt_c
@@ -33,9 +39,18 @@ class Floor:
         c, s = math.cos(turn_rad), math.sin(turn_rad)
         ahead_then = c * ahead - s * left + forward_m * math.cos(turn_rad / 2)
         left_then = s * ahead + c * left + forward_m * math.sin(turn_rad / 2)
-        depth = ahead_then * tilt_c + tilt_s
-        x_then, y_then = -FOCAL_PX * left_then / depth, FOCAL_PX * (tilt_c - ahead_then * tilt_s) / depth
-        return np.stack([x - x_then, y - y_then], axis=-1)
+        height_m = 1.0 + rise_m
+        right, low = -left_then, height_m * tilt_c - ahead_then * tilt_s
+        depth = ahead_then * tilt_c + height_m * tilt_s
+        c, s = math.cos(pitch_rad), math.sin(pitch_rad)
+        low, depth = c * low - s * depth, s * low + c * depth
+        c, s = math.cos(roll_rad), math.sin(roll_rad)
+        right, depth = c * right + s * depth, c * depth - s * right
+        return np.stack([x - FOCAL_PX * right / depth, y - FOCAL_PX * low / depth], axis=-1)
+
+    def shake(self, rng: np.random.Generator) -> Doubles:
+        """Return how a camera moves on a mast that sways by half a degree: pitch and roll in rad, and height in m."""
+        return rng.normal(0.0, (0.008, 0.008, 0.02))
 
     def motion(self, forward_m: float, turn_rad: float) -> Motion:
         """Return what exact odometry says of the arc."""
@@ -47,15 +62,25 @@ class Floor:
         valid = np.ones(uv_px.shape[:2], np.uint8)
         return Flow(uv_px=uv_px.astype(np.float32), valid=valid, interval_us=INTERVAL_US, step_px=STEP_PX)
 
-    def teach(self, stage: Teach, frames: int = 200, noise_px: float = 0.0) -> PlanarModel | None:
+    def teach(
+        self,
+        stage: Teach,
+        frames: int = 200,
+        noise_px: float = 0.0,
+        *,
+        with_shake: bool = False,
+        with_motion: bool = True,
+    ) -> PlanarModel | None:
         """Return the last model published on a random drive of which every fourth frame goes straight on."""
         rng = np.random.default_rng(0)
         stage.reset(0)
         last = None
         for frame in range(frames):
             forward_m, turn_rad = rng.uniform(0, 0.04), rng.uniform(-0.16, 0.16) * (frame % 4 > 0)
-            uv_px = self.uv_px(forward_m, turn_rad) + rng.normal(0, noise_px, (ROWS, COLS, 2))
-            last = stage.step(self.flow(uv_px), self.motion(forward_m, turn_rad)) or last
+            shake = self.shake(rng) if with_shake else np.zeros(3)
+            uv_px = self.uv_px(forward_m, turn_rad, *shake) + rng.normal(0, noise_px, (ROWS, COLS, 2))
+            motion = self.motion(forward_m, turn_rad) if with_motion else None
+            last = stage.step(self.flow(uv_px), motion) or last
         return last
 
 
@@ -68,6 +93,23 @@ def floor() -> Floor:
 def model(floor: Floor) -> PlanarModel:
     """Return a model of all terms, taught from exact flow."""
     taught = floor.teach(Teach())
+    assert taught is not None
+    return taught
+
+
+@pytest.fixture(scope="session")
+def shaken_model(floor: Floor) -> PlanarModel:
+    """Return a model of all terms and four components, taught by a camera that shakes."""
+    taught = floor.teach(Teach(components=4), noise_px=0.03, with_shake=True)
+    assert taught is not None
+    return taught
+
+
+@pytest.fixture(scope="session")
+def unaided_model(floor: Floor) -> PlanarModel:
+    """Return a model of eight components, taught by a camera that shakes, without odometry."""
+    stage = Teach(terms=("mean",), components=8)
+    taught = floor.teach(stage, noise_px=0.03, with_shake=True, with_motion=False)
     assert taught is not None
     return taught
 

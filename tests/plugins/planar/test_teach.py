@@ -69,7 +69,7 @@ def test_a_video_without_motion_teaches_the_mean(floor: Floor) -> None:
 def test_terms_of_the_motion_need_the_motion(floor: Floor) -> None:
     stage = Teach()
     stage.reset(0)
-    with pytest.raises(ValueError, match="wire 'motion', or teach only mean"):
+    with pytest.raises(ValueError, match="wire 'motion', or, without odometry, teach"):
         stage.step(floor.flow(floor.uv_px(0.03, 0.0)))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from graphnav_plane.affine import Affine
 from graphnav_plane.detector import Detector
+from graphnav_plane.guided_homography import GuidedHomography
 from graphnav_plane.homography import Homography
 from graphnav_plane.ica import Ica
 from graphnav_plane.one_gain import OneGain
@@ -20,8 +21,8 @@ from graphnav import Flow, Plane, Stamp
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scene, Scenes
 
-DETECTORS = [Ica, Affine, Homography, Residual, OneGain, RowLine]
-COMPARING = [Ica, Residual, OneGain]
+DETECTORS = [Ica, Affine, Homography, GuidedHomography, Residual, OneGain, RowLine]
+COMPARING = [Ica, GuidedHomography, Residual, OneGain]
 MOTIONS = [(3.0, 0.0), (3.0, 0.05), (1.0, -0.1), (0.0, 0.1), (0.0, 0.0)]
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -33,7 +34,7 @@ def seen(detector: Detector, scene: Scene) -> Plane:
         return detector.step(scene.flow, Stamp(0))
     if isinstance(detector, Ica):
         return detector.step(scene.flow, scene.planar, Stamp(0)).plane
-    assert isinstance(detector, Residual | OneGain)
+    assert isinstance(detector, GuidedHomography | Residual | OneGain)
     return detector.step(scene.flow, scene.planar, Stamp(0))
 
 

@@ -77,7 +77,7 @@ def test_obstacle_on_the_right_turns_the_robot_left(make_plane: MakePlane) -> No
 
 
 def test_without_an_obstacle_it_drives_to_the_beacon_or_straight_on(make_plane: MakePlane) -> None:
-    nothing = make_plane(np.zeros((ROWS, COLS)), valid=np.zeros((ROWS, COLS)))
+    nothing = make_plane(np.zeros((ROWS, COLS)))
     assert steer(nothing).theta_rad == 0.0
     assert steer(nothing, Latest(Goal(bearing_rad=-0.7, distance_m=1.0), 0.0)).theta_rad == pytest.approx(-0.7)
 

@@ -87,8 +87,10 @@ def test_without_an_obstacle_the_robot_drives_straight_on(make_plane: MakePlane,
 
 
 @every_rule
-def test_where_nothing_was_judged_there_is_no_force(make_plane: MakePlane, parameters: dict[str, Any]) -> None:
-    steering = steer(make_plane(GROUND, valid=GROUND), **parameters)
+def test_where_nothing_was_judged_and_that_is_free_there_is_no_force(
+    make_plane: MakePlane, parameters: dict[str, Any]
+) -> None:
+    steering = steer(make_plane(GROUND, valid=GROUND), unjudged="free", **parameters)
     assert not steering.repulsive.any()
     assert steering.theta_rad == 0.0
 
@@ -183,7 +185,7 @@ def test_strength_grows_with_the_share_of_obstacle(make_plane: MakePlane) -> Non
 def test_share_counts_only_what_was_judged(make_plane: MakePlane) -> None:
     d = drawn(slice(5, 10), slice(30, 38))
     valid = drawn(slice(0, 15), slice(0, COLS))
-    steering = steer(make_plane(d, valid), strength="share", gain=4.0)
+    steering = steer(make_plane(d, valid), strength="share", gain=4.0, unjudged="free")
     assert np.hypot(*steering.repulsive) == pytest.approx(4.0 * d.sum() / valid.sum())
 
 

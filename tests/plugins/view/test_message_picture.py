@@ -137,6 +137,24 @@ def test_without_colour_brightness_tells(pictures: Pictures, drive: Messages) ->
     assert np.abs(picture[..., 0] / 255 - length_px / length_px.max()).max() < 0.01
 
 
+def test_unknown_cells_are_told_from_the_rim(pictures: Pictures, drive: Messages) -> None:
+    plane = drive[Plane]
+    assert isinstance(plane, Plane)
+    rows, cols = plane.obstacle.shape
+    valid = np.ones_like(plane.valid)
+    valid[:2] = 0
+    half = replace(plane, obstacle=np.zeros_like(valid), valid=valid.copy())
+    half.valid[: rows // 2] = 0
+    rim = drawn(pictures, replace(half, valid=valid), PictureContext(4 * rows, 4 * cols))
+    unknown = drawn(pictures, half, PictureContext(4 * rows, 4 * cols))
+    blue, green = (unknown[: 2 * rows, :, channel].astype(int) for channel in (2, 1))
+    assert (blue - green > 40).mean() == pytest.approx(0.5, abs=0.1)
+    assert np.ptp(rim, axis=-1).max() == 0
+    gray = drawn(pictures, half, PictureContext(rows, cols, with_colour=False))[..., 0]
+    assert 0 < gray[: rows // 2].min() < 255
+    assert not gray[rows // 2 :].any()
+
+
 def test_an_image_of_another_view_is_not_used(pictures: Pictures, drive: Messages) -> None:
     other = Image(np.full((300, 40), 9, np.uint8))
     over = drawn(pictures, drive[Plane], around({Image: other}, 120, 160))
@@ -154,6 +172,17 @@ def test_the_map_shows_the_robot_and_its_path(pictures: Pictures, drive: Message
     assert not np.array_equal(plain, traced)
     assert np.array_equal(plain, drawn(pictures, state, around(drive, 200, 200)))
     assert pictures.draw(state, PictureContext()) is None
+
+
+def test_a_legend_names_unknown_cells(pictures: Pictures, drive: Messages) -> None:
+    plane = drive[Plane]
+    assert isinstance(plane, Plane)
+    unknown = replace(plane, valid=np.zeros_like(plane.valid), obstacle=np.zeros_like(plane.valid))
+    bare, named = (
+        drawn(pictures, unknown, PictureContext(480, 640, with_legend=with_legend)) for with_legend in (False, True)
+    )
+    assert not np.array_equal(bare, named)
+    assert np.array_equal(bare[:400], named[:400])
 
 
 def test_legends_come_where_there_is_room(pictures: Pictures, drive: Messages) -> None:

@@ -39,7 +39,7 @@ def test_a_model_that_is_there_is_kept_unless_forced(tmp_path: Path, capsys: pyt
 
 def test_too_short_a_drive_teaches_nothing_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*TEACH, "--until", "0.3", "-o", str(tmp_path / "model.lcmlog")]) == 2
-    assert "did not publish a planar model\n  run it longer with --until\n" in capsys.readouterr().err
+    assert "did not publish a planar model\n  no turn to the right was driven; teach for" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -71,3 +71,18 @@ def test_ctrl_c_saves_no_model_that_is_half_taught(tmp_path: Path) -> None:
 def has_model(scratch: Path) -> bool:
     """Return whether the log of what is taught has a model: it is far larger than anything else in it."""
     return any(log.stat().st_size > 20_000 for log in scratch.glob("*/run.lcmlog"))
+
+
+def test_a_span_that_was_asked_for_is_of_live_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*TEACH, "--until-taught", "0.3,1", "-o", str(tmp_path / "model.lcmlog")]) == 2
+    assert capsys.readouterr().err == (
+        "--until-taught is for live runs, but this graph runs in lockstep\n  add --live, or leave it out\n"
+    )
+
+
+@pytest.mark.parametrize("text", ["0.3", "0.3,x", "0.3,0", "-1,1", "nan,1", "0.3,inf", "1,2,3"])
+def test_what_is_not_a_speed_and_a_turning_rate_is_refused(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([*TEACH, f"--until-taught={text}", "-o", "model.lcmlog"])
+    assert ended.value.code == 2
+    assert f"'{text}' is not a speed and a turning rate above 0, such as 0.3,1.2" in capsys.readouterr().err

@@ -1,0 +1,113 @@
+"""Prepare pictures: convert to gray, undistort, rotate, crop, resize, in this order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import cv2
+
+from graphnav import ParamError, Stage, param
+from graphnav.arrays import Bytes
+from graphnav_io.calibration import read_calibration
+from graphnav_io.remap import Remap
+
+Rotation = Literal[0, 90, 180, 270]
+
+
+class Prepared(Stage):
+    """The parameters of stages that prepare pictures."""
+
+    calibration: Path | None = param(
+        None,
+        doc="calibration of the camera (YAML of cv2.FileStorage or ROS camera_info): pictures are undistorted first, "
+        "with the same focal length and centre; pixels that the camera does not see become black; null keeps the lens",
+    )
+    rotate_deg: Rotation = param(0, doc="rotation of the undistorted picture, counterclockwise")
+    crop_px: tuple[int, int, int, int] | None = param(
+        None,
+        ge=0,
+        le=65536,
+        doc="left, top, right and bottom of the part to keep, in pixels of the rotated picture, right and bottom "
+        "excluded; null keeps all",
+    )
+    crop_ratio: tuple[float, float, float, float] | None = param(
+        None, ge=0.0, le=1.0, doc="the same as shares of the picture's columns and rows, such as [0, 0.4, 1, 1]"
+    )
+    size: tuple[int, int] | None = param(
+        None, ge=1, le=16384, doc="columns and rows to resize the cropped picture to; null keeps the size"
+    )
+    scale: float = param(1.0, gt=0.0, le=16.0, doc="dimensionless: factor to resize by if no size is given")
+    gray: bool = param(False, doc="convert colours to gray: a third of the bytes")
+
+    def check(self) -> None:
+        """Check that the parameters agree and that the calibration can be read."""
+        if self.size is not None and self.scale != 1.0:
+            raise ParamError("scale", f"'scale' is {self.scale:g}, but 'size' is given too", "remove one of them")
+        if self.crop_px is not None and self.crop_ratio is not None:
+            raise ParamError("crop_px", "'crop_px' and 'crop_ratio' are both given", "remove one of them")
+        for name, box in (("crop_px", self.crop_px), ("crop_ratio", self.crop_ratio)):
+            if box is not None and (box[0] >= box[2] or box[1] >= box[3]):
+                raise ParamError(
+                    name,
+                    f"'{name}' is {list(box)}, which is empty",
+                    "give left < right and top < bottom, in this order",
+                )
+        if self.calibration is not None:
+            read_calibration(self.calibration)
+
+    def check_picture(self, pixels: Bytes) -> None:
+        """Check that the parameters fit a picture of the camera, before the run.
+
+        Raises
+        ------
+        ParamError
+            The picture does not have the size of the calibration, or the crop leaves it.
+        """
+        self._remap().apply(pixels)
+
+    def preparation(self) -> Preparation:
+        """Return the preparation that the parameters describe."""
+        return Preparation(self._remap(), self.size, self.scale, gray=self.gray)
+
+    def _remap(self) -> Remap:
+        calibration = None if self.calibration is None else read_calibration(self.calibration)
+        return Remap(calibration, self.rotate_deg, self.crop_px, self.crop_ratio)
+
+
+class Preparation:
+    """Prepares the pictures of one camera; maps are computed for the first one, which fixes the size."""
+
+    def __init__(self, remap: Remap, size: tuple[int, int] | None, scale: float, *, gray: bool) -> None:
+        self._remap, self._size, self._scale, self._gray = remap, size, scale, gray
+        self._first: tuple[int, ...] | None = None
+
+    def apply(self, pixels: Bytes) -> Bytes:
+        """Return a picture, uint8 (rows, cols) or (rows, cols, 3), prepared.
+
+        Raises
+        ------
+        ValueError
+            The picture does not have the size of the calibration or of the first frame, or the crop leaves it.
+        """
+        if self._gray and pixels.ndim == 3:
+            pixels = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY)
+        try:
+            pixels = self._resized(self._remap.apply(pixels))
+        except ParamError as error:
+            raise ValueError(f"{error.what}; {error.hint}") from error
+        if self._first is None:
+            self._first = pixels.shape
+        elif pixels.shape[:2] != self._first[:2]:
+            (rows, cols), (first_rows, first_cols) = pixels.shape[:2], self._first[:2]
+            raise ValueError(f"a frame is {cols}x{rows}, but the first was {first_cols}x{first_rows}: set 'size'")
+        return pixels
+
+    def _resized(self, pixels: Bytes) -> Bytes:
+        rows, cols = pixels.shape[:2]
+        size = self._size or (max(1, round(cols * self._scale)), max(1, round(rows * self._scale)))
+        if size == (cols, rows):
+            return pixels
+        shrinks = size[0] * size[1] < rows * cols
+        resized: Bytes = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
+        return resized

@@ -1,0 +1,109 @@
+"""Which flow follows which texture and displacement: ``python tools/flow_textures.py [CARPET]``.
+
+Warps a picture by a known homography (a shift, with up to 3 % of zoom and 0.02 rad of rotation), adds noise of 1.5
+gray, and prints the percentage of vectors that are off by more than a pixel, 18 px from the border and more. The
+pictures: a pattern that repeats every so many pixels under irregular texture of 2 or 10 gray, and, where its folder is
+given, every 15th frame of ``donkeycar_carpet`` below row 30, in steady light and 30 % brighter in the later frame.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from graphnav_flow.dis import Dis
+from graphnav_flow.farneback import Farneback
+from graphnav_flow.lucas_kanade import LucasKanade
+
+from graphnav import Image, Stage, Stamp
+from graphnav.arrays import Bytes, Doubles, Floats
+
+ROWS, COLS = 120, 160
+BORDER_PX = 18
+PICTURES = 20
+SHIFTS_PX = (2, 5, 10, 16)
+Pair = tuple[Bytes, Bytes, Doubles]
+
+
+def estimators() -> dict[str, Stage]:
+    """Return the compared stages."""
+    return {
+        "Lucas-Kanade": LucasKanade(),
+        "  normalized": LucasKanade(normalize_sigma_px=4.0),
+        "  window of 17 px": LucasKanade(window_radius_px=8),
+        "  both": LucasKanade(normalize_sigma_px=4.0, window_radius_px=8),
+        "  two layers": LucasKanade(layers=2),
+        "Farneback": Farneback(),
+        "Farneback, window of 31 px": Farneback(window_px=31),
+        "DIS": Dis(),
+    }
+
+
+def pattern(seed: int, period_px: float, irregular_gray: float) -> Floats:
+    """Return a picture of spots in rows and columns, turned at random, under irregular texture."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:ROWS, :COLS]
+    turn = rng.uniform(0, np.pi)
+    u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
+    coarse = cv2.GaussianBlur(rng.standard_normal((ROWS, COLS)).astype(np.float32), (0, 0), 6)
+    spots = np.sin(2 * np.pi * u / period_px) * np.sin(2 * np.pi * v / period_px)
+    gray: Floats = (128 + 30 * spots + irregular_gray * coarse / coarse.std()).astype(np.float32)
+    return gray
+
+
+def warped(picture: Floats, seed: int, shift_px: float, light: float = 1.0) -> Pair:
+    """Return two frames, and the displacement of what is at each pixel of the later one, (rows, cols, 2)."""
+    rng = np.random.default_rng(seed)
+    rows, cols = picture.shape
+    turn, zoom, bearing = rng.uniform(-0.02, 0.02), 1 + rng.uniform(-0.03, 0.03), rng.uniform(0, 2 * np.pi)
+    y, x = np.mgrid[:rows, :cols].astype(float)
+    dx, dy = x - cols / 2, y - rows / 2
+    source_x = cols / 2 + zoom * (np.cos(turn) * dx - np.sin(turn) * dy) + shift_px * np.cos(bearing)
+    source_y = rows / 2 + zoom * (np.sin(turn) * dx + np.cos(turn) * dy) + shift_px * np.sin(bearing)
+    maps = source_x.astype(np.float32), source_y.astype(np.float32)
+    now = light * cv2.remap(picture, *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    before, later = (
+        np.clip(np.rint(frame + 1.5 * rng.standard_normal(frame.shape)), 0, 255).astype(np.uint8)
+        for frame in (picture, now)
+    )
+    return before, later, np.stack([x - source_x, y - source_y], -1)
+
+
+def off_percent(stage: Stage, pairs: Sequence[Pair]) -> float:
+    """Return the percentage of vectors that are off by more than a pixel, valid or not."""
+    shares = []
+    for before, now, true_px in pairs:
+        stage.reset(0)
+        stage.step(Image(pixels=before), Stamp(0))  # type: ignore[attr-defined]
+        flow = stage.step(Image(pixels=now), Stamp(100_000))  # type: ignore[attr-defined]
+        off_px = np.linalg.norm(flow.uv_px - true_px, axis=-1)[BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX]
+        shares.append(np.mean(off_px > 1))
+    return float(100 * np.mean(shares))
+
+
+def main(carpet: str | None = None) -> None:
+    """Print a table for each kind of texture; a column a shift."""
+    cv2.setNumThreads(1)
+    pictures: dict[tuple[str, float], list[Floats]] = {
+        (f"spots every {period_px} px, irregular texture of {gray} gray", 1.0): [
+            pattern(seed, period_px, gray) for seed in range(PICTURES)
+        ]
+        for period_px in (6, 10)
+        for gray in (2, 10)
+    }
+    if carpet:
+        paths = sorted(Path(carpet).glob("*.jpg"))[::15]
+        frames = [np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), np.float32)[30:] for path in paths]
+        pictures |= {("carpet", 1.0): frames, ("carpet, 30 % brighter in the later frame", 1.3): frames}
+    for (name, light), shown in pictures.items():
+        print(f"{name}: % of vectors off by more than 1 px, at {', '.join(map(str, SHIFTS_PX))} px")
+        sets = [[warped(frame, k, shift, light) for k, frame in enumerate(shown)] for shift in SHIFTS_PX]
+        for stage_name, stage in estimators().items():
+            print(f"  {stage_name:28}", *(f"{off_percent(stage, pairs):6.1f}" for pairs in sets))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
