@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -61,8 +62,8 @@ class Local(Stage):
     blind_height_m: float = param(
         0.08,
         ge=0.0,
-        doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this much "
-        "from where they are seen",
+        doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this "
+        "much from where they are seen",
     )
     foot_m: float = param(
         0.15,
@@ -70,6 +71,14 @@ class Local(Stage):
         doc="depth of the floor that an obstacle marks from its foot on; floor that it hides stays unknown",
     )
     presumed_m: float = param(0.15, ge=0.0, doc="distance from the start up to which ground is free until it is judged")
+    unjudged: Literal["obstacle", "unknown"] = param(
+        "obstacle",
+        doc="meaning of cells in view that cannot be judged, such as a wall without texture; unknown waits for better "
+        "views",
+    )
+    rim_ratio: float = param(
+        Plane.RIM_RATIO, ge=0.0, le=0.4, doc="width of the picture's rim that is never judged, in its shorter sides"
+    )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; the floor below it is free")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
@@ -110,9 +119,12 @@ class Local(Stage):
         shape = plane.valid.shape
         if self._near is None or self._near.shape != shape:
             self._near = self._mount.floor_distance_m(*shape) <= self.max_distance_m
+        obstacle = plane.obstacle
+        if self.unjudged == "obstacle":
+            obstacle = obstacle | plane.unknown(self.rim_ratio)
         labels = np.where(plane.valid != 0, np.uint8(GROUND), np.uint8(0))
-        labels[cv2.dilate(plane.obstacle, _BESIDE) != 0] = 0
-        labels[self._feet(plane.obstacle) != 0] = OBSTACLE
+        labels[cv2.dilate(obstacle, _BESIDE) != 0] = 0
+        labels[self._feet(obstacle) != 0] = OBSTACLE
         labels[~self._near] = 0
         return labels
 
