@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from graphnav import Flow, Motion, Plane, Stage, coarsen, param
@@ -17,9 +19,9 @@ class Egomotion(Stage):
     """Motion of the frame from the flow of the floor, in metres, by a camera of known mounting.
 
     The flow of floor points depends on the forward displacement, the turn, and the pitch and roll by which the camera
-    shakes: to first order it is linear in these four [LHP]. They are fitted to the cells that the detector calls ground,
+    shakes: to first order it is linear in these four [LHP]. They are fitted to the cells that are called ground,
     by reweighted least squares (Geman and McClure's estimator). The positions are taken midway between both frames,
-    which makes the fit exact to second order. The robot cannot slip sideways: ``left_m`` is zero.
+    which makes the fit exact to second order. The robot cannot slip sideways: it drives along an arc.
 
     Publishes nothing where fewer than 12 ground cells have a vector.
 
@@ -52,15 +54,21 @@ class Egomotion(Stage):
         cells = coarsen(flow, plane.step_px)
         if cells.valid.shape != plane.valid.shape:
             raise ValueError(
-                f"the flow has {cells.valid.shape[1]}x{cells.valid.shape[0]} cells of {plane.step_px} px, but the plane "
-                f"{plane.valid.shape[1]}x{plane.valid.shape[0]}: wire the flow from which the plane is made"
+                f"the flow has {cells.valid.shape[1]}x{cells.valid.shape[0]} cells of {plane.step_px} px, but the "
+                f"plane {plane.valid.shape[1]}x{plane.valid.shape[0]}: wire the flow from which the plane is made"
             )
         near = self._mount.floor_distance_m(*plane.valid.shape) < self.max_distance_m
         counts = near & (cells.valid != 0) & (plane.valid != 0) & (plane.obstacle == 0)
         if np.count_nonzero(counts) < MIN_VECTORS:
             return None
         moved = self._fitted(cells, counts)
-        return Motion(forward_m=float(moved[0]), left_m=0.0, turn_rad=float(moved[1]), interval_us=flow.interval_us)
+        chord_m, turn_rad = float(moved[0]), float(moved[1])
+        return Motion(
+            forward_m=chord_m * math.cos(turn_rad / 2),
+            left_m=chord_m * math.sin(turn_rad / 2),
+            turn_rad=turn_rad,
+            interval_us=flow.interval_us,
+        )
 
     def _fitted(self, cells: Flow, counts: np.ndarray) -> Doubles:
         rows, cols = counts.shape
@@ -85,7 +93,7 @@ class Egomotion(Stage):
 
 
 def _columns(mount: Mount, rays: Doubles) -> Doubles:
-    """Return the flow (4, 2, n) of floor points seen at ``rays`` (n, 3) by 1 m forward and 1 rad of turn, pitch, roll."""
+    """Return the flow (4, 2, n) of floor points at ``rays`` (n, 3) by 1 m forward and 1 rad of turn, pitch, roll."""
     R = mount.R_CR
     x, y = rays[:, 0], rays[:, 1]
     inverse_depth = np.maximum(-(rays @ R)[:, 2], 0.0) / mount.height_m
