@@ -9,8 +9,8 @@ import numpy as np
 
 from graphnav import Continuity, LocalMap, Motion, Plane, Stage, Stamp, param
 from graphnav.arrays import Bools, Bytes, Floats
-from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
+from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
 
 _OBSTACLE_EVIDENCE = 1.0
@@ -61,8 +61,8 @@ class Local(Stage):
     blind_height_m: float = param(
         0.08,
         ge=0.0,
-        doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this much "
-        "from where they are seen",
+        doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this "
+        "much from where they are seen",
     )
     foot_m: float = param(
         0.15,
@@ -162,5 +162,7 @@ class Local(Stage):
 def _distance(there: Bools, cell_m: float) -> Floats:
     """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
     farthest = np.float32(cell_m * math.hypot(*there.shape))
-    apart = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
+    apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
     return np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
