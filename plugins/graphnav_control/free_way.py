@@ -8,7 +8,6 @@ import numpy as np
 
 from graphnav import LocalMap
 
-
 TOLERANCE_M = 0.005
 """How much nearer to what touches it already the robot may come."""
 
