@@ -50,11 +50,11 @@ class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
         return row, col
 
     def obstacle_m_at(self, forward_m: Doubles, left_m: Doubles) -> Doubles:
-        """Return the distance to the nearest obstacle from points in the robot's frame (any shape), interpolated."""
+        """Return the distance to the nearest obstacle from points in the robot's frame, interpolated."""
         return self._interpolated(self.obstacle_m, forward_m, left_m)
 
     def unknown_m_at(self, forward_m: Doubles, left_m: Doubles) -> Doubles:
-        """Return the distance to the nearest unknown cell from points in the robot's frame (any shape), interpolated."""
+        """Return the distance to the nearest unknown cell from points in the robot's frame, interpolated."""
         return self._interpolated(self.unknown_m, forward_m, left_m)
 
     def _interpolated(self, values: Floats, forward_m: Doubles, left_m: Doubles) -> Doubles:

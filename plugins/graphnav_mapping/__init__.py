@@ -1,4 +1,4 @@
-"""Stages of the family ``mapping``: from what a camera of known mounting sees to a map of the floor around the robot."""
+"""Stages of the family ``mapping``: a map of the floor, from what a camera of known mounting sees."""
 
 from graphnav import Stage, hookimpl
 

@@ -165,4 +165,5 @@ def _distance(there: Bools, cell_m: float) -> Floats:
     cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
     apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
-    return np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
+    rim_m: Floats = np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
+    return rim_m

@@ -47,7 +47,7 @@ class Mount:
         return homography
 
     def floor_distance_m(self, rows: int, cols: int) -> Doubles:
-        """Return how far from the camera's foot each pixel sees the floor, (rows, cols); infinite from the horizon up."""
+        """Return how far from the camera's foot each pixel sees the floor, (rows, cols); infinite above."""
         rays = self.rays(rows, cols) @ self.R_CR
         down = -rays[..., 2]
         with np.errstate(divide="ignore"):
@@ -62,11 +62,11 @@ class Mount:
         return np.dstack([*np.meshgrid(x, y), np.ones((rows, cols))])
 
     def outward(self, mask: Bytes, height_m: float) -> Bytes:
-        """Return a mask (rows, cols) with every pixel taken from farther from the camera's foot: that of lower things."""
+        """Return a mask (rows, cols) with every pixel taken from farther from the camera's foot: of lower things."""
         return self.inward(mask, -height_m)
 
     def inward(self, mask: Bytes, height_m: float, floor_m: float = 0.0) -> Bytes:
-        """Return a mask (rows, cols) with every pixel taken from nearer to the camera's foot, where vertical lines meet.
+        """Return a mask (rows, cols) with every pixel taken nearer to the camera's foot, where vertical lines meet.
 
         What stands there at the floor covers the pixel with what is ``height_m`` above, or with what is ``floor_m``
         behind it.

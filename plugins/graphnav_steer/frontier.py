@@ -39,8 +39,8 @@ class Frontier(Stage):
     and from there the way to the goal. Without a goal the turn that it takes, and returning to where the robot has
     been, cost instead. It keeps to its choice until another one is cheaper by ``commit_m``.
 
-    The steering points to the farthest point of the path that the robot can drive to straight on. Where there is neither
-    a frontier nor the goal, the robot turns on the spot.
+    The steering points to the farthest point of the path that the robot can drive to straight on. Where there is not
+    any frontier, the robot turns on the spot.
 
     References
     ----------
@@ -116,7 +116,8 @@ class Frontier(Stage):
         rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
         if not len(rows):
             return None
-        x_m, y_m = map.origin_x_m + cols * map.cell_m, map.origin_y_m + rows * map.cell_m
+        x_m = np.asarray(map.origin_x_m + cols * map.cell_m, np.float64)
+        y_m = np.asarray(map.origin_y_m + rows * map.cell_m, np.float64)
         cost_m = paths.cost_m[rows, cols] + self._cost_beyond_m(map, goal, x_m, y_m)
         best = self._best(x_m, y_m, cost_m)
         return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))

@@ -22,8 +22,8 @@ class Gap(Stage):
 
     References
     ----------
-    .. [VFH] J. Borenstein, Y. Koren, The Vector Field Histogram, IEEE Transactions on Robotics and Automation 7(3), 1991.
-    .. [ND] J. Minguez, L. Montano, Nearness Diagram Navigation, IEEE Transactions on Robotics and Automation 20(1), 2004.
+    .. [VFH] J. Borenstein, Y. Koren, The Vector Field Histogram, IEEE Trans. on Robotics and Automation 7(3), 1991.
+    .. [ND] J. Minguez, L. Montano, Nearness Diagram Navigation, IEEE Trans. on Robotics and Automation 20(1), 2004.
     """
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")

@@ -17,7 +17,7 @@ _NONE = -9999
 
 
 class Paths(NamedTuple):
-    """``cost_m``: (rows, cols), infinite where no path leads; ``before``: (rows * cols,), the cell before on the path."""
+    """``cost_m``: (rows, cols), infinite where no path leads; ``before``: (rows * cols,), the cell before it."""
 
     cost_m: Doubles
     before: Indices

@@ -47,4 +47,4 @@ def _rim_m(there: Bools, cell_m: float) -> Floats:
     if not there.any():
         return np.full(there.shape, cell_m * math.hypot(*there.shape), np.float32)
     middle = ndimage.distance_transform_edt(~there)
-    return np.maximum((middle - 0.5) * cell_m, 0.0).astype(np.float32)
+    return np.asarray(np.maximum((middle - 0.5) * cell_m, 0.0), np.float32)

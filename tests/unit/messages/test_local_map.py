@@ -25,7 +25,9 @@ def test_the_middle_of_a_cell_is_in_it() -> None:
     map_ = local_map(0.0, 0.0, 0.0)
     rows, cols = (index.ravel() for index in np.indices((ROWS, COLS)))
     for shift_m in (-0.4 * CELL_M, 0.0, 0.4 * CELL_M):
-        found = map_.cells_of(-1.0 + cols * CELL_M + shift_m, -2.0 + rows * CELL_M - shift_m)
+        x_m = np.asarray(-1.0 + cols * CELL_M + shift_m, np.float64)
+        y_m = np.asarray(-2.0 + rows * CELL_M - shift_m, np.float64)
+        found = map_.cells_of(x_m, y_m)
         assert np.array_equal(found, (rows, cols))
 
 
