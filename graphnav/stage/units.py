@@ -18,6 +18,7 @@ UNITS: Mapping[str, Unit] = MappingProxyType(
     {
         "px": Unit("px", "pixels"),
         "m": Unit("m", "metres"),
+        "m2": Unit("m²", "square metres"),
         "s": Unit("s", "seconds"),
         "ms": Unit("ms", "milliseconds"),
         "us": Unit("µs", "microseconds"),

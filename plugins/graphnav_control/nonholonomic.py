@@ -65,14 +65,8 @@ class Nonholonomic(Stage):
         if not self.reversing:
             speed_ratio = max(speed_ratio, self.floor_ratio)
             turn_ratio = turn_ratio if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
-        speed_mps = self.max_speed_mps * speed_ratio
-        if map.value is not None:
-            sign = math.copysign(1.0, speed_mps)
-            way_m = free_way_m(map.value, self.robot_radius_m - self.map_error_m, sign)
-            safe_mps = safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s)
-            speed_mps = sign * min(abs(speed_mps), safe_mps)
-        wanted = Twist(v_mps=speed_mps, omega_radps=self.max_turn_radps * turn_ratio)
-        twist = self._smoothed(wanted, stamp)
+        wanted = Twist(v_mps=self.max_speed_mps * speed_ratio, omega_radps=self.max_turn_radps * turn_ratio)
+        twist = self._limited(self._smoothed(wanted, stamp), map.value)
         self._last = stamp, twist
         return twist
 
@@ -85,3 +79,12 @@ class Nonholonomic(Stage):
             v_mps=wanted.v_mps + kept * (last.v_mps - wanted.v_mps),
             omega_radps=wanted.omega_radps + kept * (last.omega_radps - wanted.omega_radps),
         )
+
+    def _limited(self, twist: Twist, map: LocalMap | None) -> Twist:  # noqa: A002  # the port's name
+        """Return the command at most as fast as the robot can stop within the way that the map shows free."""
+        if map is None:
+            return twist
+        sign = math.copysign(1.0, twist.v_mps)
+        way_m = free_way_m(map, self.robot_radius_m - self.map_error_m, sign)
+        safe_mps = safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s)
+        return Twist(v_mps=sign * min(abs(twist.v_mps), safe_mps), omega_radps=twist.omega_radps)

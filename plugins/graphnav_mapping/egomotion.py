@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from graphnav import Flow, Motion, Plane, Stage, coarsen, param
@@ -19,7 +21,7 @@ class Egomotion(Stage):
     The flow of floor points depends on the forward displacement, the turn, and the pitch and roll by which the camera
     shakes: to first order it is linear in these four [LHP]. They are fitted to the cells that the detector calls
     ground, by reweighted least squares (Geman and McClure's estimator). The positions are taken midway between both
-    frames, which makes the fit exact to second order. The robot cannot slip sideways: ``left_m`` is zero.
+    frames, which makes the fit exact to second order. The robot cannot slip sideways: it drives along an arc.
 
     Publishes nothing where fewer than 12 ground cells have a vector.
 
@@ -60,7 +62,13 @@ class Egomotion(Stage):
         if np.count_nonzero(counts) < MIN_VECTORS:
             return None
         moved = self._fitted(cells, counts)
-        return Motion(forward_m=float(moved[0]), left_m=0.0, turn_rad=float(moved[1]), interval_us=flow.interval_us)
+        chord_m, turn_rad = float(moved[0]), float(moved[1])
+        return Motion(
+            forward_m=chord_m * math.cos(turn_rad / 2),
+            left_m=chord_m * math.sin(turn_rad / 2),
+            turn_rad=turn_rad,
+            interval_us=flow.interval_us,
+        )
 
     def _fitted(self, cells: Flow, counts: Bools) -> Doubles:
         """Return forward displacement, turn, pitch and roll by the cells that count, metres and radians."""

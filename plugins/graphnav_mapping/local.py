@@ -174,5 +174,8 @@ class Local(Stage):
 def _distance(there: Bools, cell_m: float) -> Floats:
     """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
     farthest = np.float32(cell_m * math.hypot(*there.shape))
-    apart = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.asarray(np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest))
+    cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
+    apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
+    rim_m: Floats = np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
+    return rim_m

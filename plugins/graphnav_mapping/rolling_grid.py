@@ -37,7 +37,7 @@ class RollingGrid:
 
     def move(self, forward_m: float, left_m: float, turn_rad: float) -> None:
         """Move the robot by a displacement in the frame that it had before, and turn it."""
-        c, s = math.cos(self.yaw_rad + turn_rad / 2), math.sin(self.yaw_rad + turn_rad / 2)
+        c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         self.x_m += c * forward_m - s * left_m
         self.y_m += s * forward_m + c * left_m
         self.yaw_rad = math.remainder(self.yaw_rad + turn_rad, 2 * math.pi)

@@ -43,7 +43,7 @@ def graphnav_draw_paths(recordings: Mapping[str, Recording], colours: Mapping[st
 
 @hookimpl
 def graphnav_picture(message: Message, context: PictureContext) -> Bytes | None:
-    """Draw an image, flow, components, plane, potential, force, or the robot on its map; None for other messages."""
+    """Draw images, flow, components, planes, potentials, forces and maps; None for other messages."""
     from graphnav_view.message_picture import picture_of
 
     return picture_of(message, context)

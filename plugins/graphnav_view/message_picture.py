@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Components, Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth
+from graphnav import Components, Flow, Image, LocalMap, Map, Message, Planar, Plane, Potential, State, Steering, Truth
 from graphnav.arrays import Bytes, Floats
 from graphnav_view.flow_colour import flow_scale_px
+from graphnav_view.maps.local_map import draw_local_map
 from graphnav_view.video.camera_tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
 from graphnav_view.video.map_tile import TopView, view_size_px
 
@@ -131,6 +132,12 @@ def _state(state: State, context: PictureContext) -> Bytes | None:
     return None if world is None else _from_above(world, state, context)
 
 
+def _local_map(local: LocalMap, context: PictureContext) -> Bytes:
+    _require_finite(local)
+    stretch = _stretch(local.state.shape, context)
+    return draw_local_map(local, stretch.rows, stretch.cols, with_colour=context.with_colour)
+
+
 def _from_above(world: Map, state: State | None, context: PictureContext) -> Bytes:
     _require_finite(world)
     if len(world.kind) > _MAX_BODIES:
@@ -159,6 +166,7 @@ _DRAWN: Mapping[type[Message], Callable[[Any, PictureContext], Bytes | None]] = 
     Steering: _steering,
     Map: _map,
     State: _state,
+    LocalMap: _local_map,
 }
 
 

@@ -107,7 +107,7 @@ def _shares(tilt_deg: float) -> list[float]:
         except Finished:
             return shares
         around = out.map or around
-        twist = Latest(control.step(steer.step(out.state, Latest(around, 0.0)), Stamp(k * TICK_US)), 0.1)
+        twist = Latest(control.step(steer.step(out.state, Latest(around, 0.0)), Latest(), Stamp(k * TICK_US)), 0.1)
         if out.truth is not None:
             shares.append(float(out.truth.obstacle.mean() / np.isfinite(out.truth.depth_m).mean()))
     raise AssertionError("the goal was not reached")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from graphnav_control.nonholonomic import Nonholonomic
 
-from graphnav import ParamError, Stamp, Steering, Twist
+from graphnav import Latest, ParamError, Stamp, Steering, Twist
 
 T_M, R_M = 0.4, 1.0
 
@@ -22,7 +22,7 @@ def asked(theta_rad: float) -> Steering:
 def command(theta_rad: float, **parameters: Any) -> Twist:
     stage = Nonholonomic(max_speed_mps=T_M, max_turn_radps=R_M, **parameters)
     stage.reset(seed=0)
-    return stage.step(asked(theta_rad), Stamp(0))
+    return stage.step(asked(theta_rad), Latest(), Stamp(0))
 
 
 @pytest.mark.parametrize("theta_rad", np.linspace(-math.pi / 2, math.pi / 2, 9))
@@ -65,9 +65,9 @@ def test_floor_keeps_the_robot_moving() -> None:
 def test_low_pass_reaches_63_percent_after_its_time_constant() -> None:
     stage = Nonholonomic(max_speed_mps=T_M, max_turn_radps=R_M, smoothing_s=0.5)
     stage.reset(seed=0)
-    stage.step(asked(0.0), Stamp(0))
+    stage.step(asked(0.0), Latest(), Stamp(0))
     for k in range(1, 6):
-        twist = stage.step(asked(math.pi / 2), Stamp(100_000 * k))
+        twist = stage.step(asked(math.pi / 2), Latest(), Stamp(100_000 * k))
     assert twist.omega_radps == pytest.approx(R_M * (1 - math.exp(-1)))
     assert twist.v_mps == pytest.approx(T_M * math.exp(-1))
 
@@ -76,14 +76,14 @@ def test_reset_forgets_the_last_command() -> None:
     stage = Nonholonomic(smoothing_s=10.0)
     for _ in range(2):
         stage.reset(seed=0)
-        assert stage.step(asked(math.pi / 2), Stamp(0)).omega_radps == pytest.approx(stage.max_turn_radps)
-        stage.step(asked(0.0), Stamp(100_000))
+        assert stage.step(asked(math.pi / 2), Latest(), Stamp(0)).omega_radps == pytest.approx(stage.max_turn_radps)
+        stage.step(asked(0.0), Latest(), Stamp(100_000))
 
 
 def test_after_a_gap_the_low_pass_restarts() -> None:
     stage = Nonholonomic(max_speed_mps=T_M, max_turn_radps=R_M, smoothing_s=10.0)
     stage.reset(seed=0)
     for k in range(4):
-        stage.step(asked(0.0), Stamp(100_000 * k))
-    assert stage.step(asked(math.pi / 2), Stamp(610_000)).omega_radps == R_M
-    assert stage.step(asked(0.0), Stamp(710_000)).omega_radps == pytest.approx(R_M * math.exp(-0.01))
+        stage.step(asked(0.0), Latest(), Stamp(100_000 * k))
+    assert stage.step(asked(math.pi / 2), Latest(), Stamp(610_000)).omega_radps == R_M
+    assert stage.step(asked(0.0), Latest(), Stamp(710_000)).omega_radps == pytest.approx(R_M * math.exp(-0.01))

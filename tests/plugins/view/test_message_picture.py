@@ -15,6 +15,7 @@ from graphnav import (
     Components,
     Flow,
     Image,
+    LocalMap,
     Map,
     Message,
     PictureContext,
@@ -34,7 +35,7 @@ from graphnav.pictures import Pictures
 
 from .conftest import Drive, write_log
 
-KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth, Components)
+KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth, Components, LocalMap)
 Messages = dict[type[Message], Message]
 
 
@@ -56,6 +57,7 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Messages:
     assert isinstance(flow, Flow)
     assert isinstance(plane, Plane)
     found[Planar] = Planar(flow.uv_px, flow.valid, flow.uv_px[..., 0], 100_000)
+    found[LocalMap] = _small()[LocalMap]
     obstacle = plane.obstacle
     identity, variances = np.eye(2), np.array([0.1, 1.0])
     found[Components] = Components(flow.uv_px, -flow.uv_px, identity, variances, 1, flow.valid, 1)
@@ -185,6 +187,44 @@ def test_a_legend_names_unknown_cells(pictures: Pictures, drive: Messages) -> No
     assert np.array_equal(bare[:400], named[:400])
 
 
+def _local(state: Bytes, x_m: float, y_m: float, yaw_rad: float) -> LocalMap:
+    """Return a local map of cells of 0.1 m whose first one is at (0, 0)."""
+    apart_m = np.ones(state.shape, np.float32)
+    return LocalMap(0.1, 0.0, 0.0, x_m, y_m, yaw_rad, state, apart_m, apart_m)
+
+
+def test_a_local_map_shows_its_cells_x_to_the_right_and_y_up(pictures: Pictures) -> None:
+    state = np.full((40, 60), LocalMap.UNKNOWN, np.uint8)
+    state[:, 20:] = LocalMap.FREE
+    state[30:, 50:] = LocalMap.OBSTACLE
+    picture = drawn(pictures, _local(state, 3.0, 1.0, 0.0), PictureContext(80, 120)).astype(int)
+    assert picture.shape == (80, 120, 3)
+    assert picture[70, 110].tolist() == [255, 255, 255]
+    red, _, blue = picture[10, 110]
+    assert red - blue > 100
+    assert np.ptp(picture[40, 10]) == 0
+    assert 60 < picture[40, 10, 0] < 200
+    gray = drawn(pictures, _local(state, 3.0, 1.0, 0.0), PictureContext(80, 120, with_colour=False))
+    assert gray[10, 110, 0] > gray[70, 110, 0] > gray[40, 10, 0]
+
+
+@pytest.mark.parametrize(("yaw_rad", "right", "down"), [(0.0, 1, 0), (np.pi / 2, 0, -1), (np.pi, -1, 0)])
+def test_a_local_map_shows_the_robot_and_its_heading(pictures: Pictures, yaw_rad: float, right: int, down: int) -> None:
+    state = np.full((40, 40), LocalMap.FREE, np.uint8)
+    picture = drawn(pictures, _local(state, 1.0, 2.5, yaw_rad), PictureContext(400, 400))
+    rows, cols = np.nonzero((picture != 255).any(axis=-1))
+    # The mark is about the robot's place: 10.5 cells of 10 px to the right, 25.5 up; it reaches out ahead.
+    ahead = np.array([cols - 104.5, rows - 144.5]).T @ [right, down]
+    assert ahead.max() > 1.5 * -ahead.min()
+    aside = np.array([cols - 104.5, rows - 144.5]).T @ [down, right]
+    assert abs(aside.max() + aside.min()) <= 1
+
+
+def test_a_robot_that_is_not_on_its_local_map_is_not_drawn(pictures: Pictures) -> None:
+    state = np.full((40, 40), LocalMap.FREE, np.uint8)
+    assert (drawn(pictures, _local(state, -9.0, 1.0, 0.0), PictureContext(80, 80)) == 255).all()
+
+
 def test_legends_come_where_there_is_room(pictures: Pictures, drive: Messages) -> None:
     for kind in (Flow, Map):
         for size, differ in ((400, True), (100, False)):
@@ -256,6 +296,7 @@ def _small() -> Messages:
         footprint_m=square / 8,
     )
     force = np.array([0.1, 0.9])
+    states = (np.arange(48, dtype=np.uint8) % 3).reshape(6, 8)
     return {
         Image: Image(np.arange(48, dtype=np.uint8).reshape(6, 8)),
         Flow: Flow(uv, valid, 1),
@@ -266,5 +307,6 @@ def _small() -> Messages:
         Steering: Steering(force, force, force, 0.1, force),
         Planar: Planar(uv, valid, uv[..., 0], 1),
         Truth: Truth(valid, uv[..., 0], uv, 1),
+        LocalMap: LocalMap(0.1, -0.3, -0.2, 0.0, 0.1, 0.5, states, uv[..., 0], uv[..., 0]),
         Components: Components(uv, 2 * uv, np.eye(2), np.array([0.1, 1.0]), 1, valid, 1),
     }

@@ -1,0 +1,50 @@
+"""Local maps drawn by hand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from graphnav import LocalMap
+from graphnav.arrays import Bools, Doubles, Floats
+
+Where = Callable[[Doubles, Doubles], Bools]
+DrawMap = Callable[..., LocalMap]
+
+
+def _nowhere(x_m: Doubles, y_m: Doubles) -> Bools:  # the signature of places
+    return np.zeros(x_m.shape, np.bool_)
+
+
+@pytest.fixture
+def draw_map() -> DrawMap:
+    """Return what makes a square map around the origin of functions that say where what is."""
+
+    def draw(
+        obstacle: Where = _nowhere,
+        unknown: Where = _nowhere,
+        pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        half_m: float = 2.0,
+        cell_m: float = 0.05,
+    ) -> LocalMap:
+        middles = np.arange(-round(half_m / cell_m), round(half_m / cell_m) + 1) * cell_m
+        x_m, y_m = np.meshgrid(middles, middles)
+        state = np.full(x_m.shape, LocalMap.FREE, np.uint8)
+        state[unknown(x_m, y_m)] = LocalMap.UNKNOWN
+        state[obstacle(x_m, y_m)] = LocalMap.OBSTACLE
+        origin_m = float(middles[0])
+        away = [_rim_m(state == value, cell_m) for value in (LocalMap.OBSTACLE, LocalMap.UNKNOWN)]
+        return LocalMap(cell_m, origin_m, origin_m, *pose, state, *away)
+
+    return draw
+
+
+def _rim_m(there: Bools, cell_m: float) -> Floats:
+    if not there.any():
+        return np.full(there.shape, cell_m * math.hypot(*there.shape), np.float32)
+    middle = ndimage.distance_transform_edt(~there)
+    return np.asarray(np.maximum((middle - 0.5) * cell_m, 0.0), np.float32)

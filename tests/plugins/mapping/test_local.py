@@ -1,0 +1,239 @@
+"""The map against an independent projection of pillars: where they are on it, what it remembers and what it forgets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+import pytest
+from graphnav_mapping.local import Local
+
+from graphnav import LocalMap, Motion, Plane, Stamp
+
+from .conftest import Camera, Pillar, seen_plane
+
+CELL_M, FOOT_M, PERIOD_US = 0.05, 0.1, 100_000
+NEAR_M = 1.5 * CELL_M
+"""Half a cell each for the map's and the picture's cells and for the shift of the grid."""
+PILLAR = Pillar(0.9, 0.15)
+
+See = Callable[[Camera], Plane]
+
+
+class Drive:
+    """A stage that is fed with what a camera sees; the evidence of one moving frame is enough."""
+
+    def __init__(self, **parameters: Any) -> None:
+        given = {
+            "tilt_deg": 60.0,
+            "size_m": 4.0,
+            "cell_m": CELL_M,
+            "max_distance_m": 1.5,
+            "hit": 1.0,
+            "miss": 0.5,
+            "max_evidence": 2.0,
+            "max_free_evidence": 1.0,
+            "ahead_s": 0.0,
+            "full_motion_m": 0.02,
+            "blind_height_m": 0.0,
+            "foot_m": FOOT_M,
+            "presumed_m": 0.0,
+            "robot_radius_m": 0.1,
+        }
+        self.stage = Local(**(given | parameters))
+        self.stage.reset(seed=0)
+        self.camera = Camera(ahead_m=parameters.get("camera_forward_m", 0.0))
+        self.utime = 0
+
+    def step(self, see: See, chord_m: float = 0.03, turn_rad: float = 0.0, period_us: int = PERIOD_US) -> LocalMap:
+        """Drive an arc, and return the map with what the camera sees from there."""
+        self.camera = self.camera.driven(chord_m, turn_rad)
+        self.utime += period_us
+        forward_m, left_m = chord_m * math.cos(turn_rad / 2), chord_m * math.sin(turn_rad / 2)
+        motion = Motion(forward_m, left_m, turn_rad, period_us)
+        return self.stage.step(see(self.camera), motion, Stamp(self.utime))
+
+    def steps(self, see: See, motions: Iterable[tuple[float, float]]) -> LocalMap:
+        """Drive arcs, and return the last map."""
+        return [self.step(see, *motion) for motion in motions][-1]
+
+
+def pillars(*there: Pillar) -> See:
+    return lambda camera: seen_plane(camera, *there)
+
+
+def obstacles_m(map: LocalMap) -> np.ndarray:  # noqa: A002  # the port's name
+    """Return the middles of the obstacle's cells (n, 2)."""
+    rows, cols = np.nonzero(map.state == LocalMap.OBSTACLE)
+    return np.column_stack([map.origin_x_m + cols * map.cell_m, map.origin_y_m + rows * map.cell_m])
+
+
+def is_there(map: LocalMap, pillar: Pillar, seen_from: Camera) -> None:  # noqa: A002
+    """Check that the map shows a pillar where it is, and otherwise only in its shadow."""
+    points, middle = obstacles_m(map), np.array([pillar.x_m, pillar.y_m])
+    assert len(points)
+    away = middle - seen_from.middle[:2]
+    distance_m = float(np.linalg.norm(away))
+    near_side = middle - pillar.radius_m * away / distance_m
+    assert np.linalg.norm(points - near_side, axis=1).min() < NEAR_M
+    # The floor behind the foot is hidden: slivers of the shadow's rims, a pixel wide, may be marked there.
+    is_at_foot = np.linalg.norm(points - middle, axis=1) < pillar.radius_m + FOOT_M + NEAR_M
+    assert is_at_foot.mean() > 0.7
+    seen = points - seen_from.middle[:2]
+    aside_m = np.abs(seen @ [-away[1], away[0]]) / distance_m
+    assert (aside_m < (pillar.radius_m + NEAR_M) * np.maximum(np.linalg.norm(seen, axis=1) / distance_m, 1.0)).all()
+    # Nothing is nearer to the camera than the pillar.
+    assert np.linalg.norm(points - seen_from.middle[:2], axis=1).min() > np.linalg.norm(away) - pillar.radius_m - NEAR_M
+
+
+def state_at(map: LocalMap, x_m: float, y_m: float) -> int:  # noqa: A002
+    (row,), (col,) = map.cells_of(np.array([x_m]), np.array([y_m]))
+    return int(map.state[row, col])
+
+
+@pytest.mark.parametrize("ahead_m", [0.0, 0.2])
+@pytest.mark.parametrize("pillar", [PILLAR, Pillar(1.1, -0.3), Pillar(0.7, 0.0, radius_m=0.15)])
+def test_an_obstacle_is_where_it_is(pillar: Pillar, ahead_m: float) -> None:
+    drive = Drive(camera_forward_m=ahead_m)
+    first = drive.step(pillars(pillar), 0.02)
+    is_there(first, pillar, drive.camera)
+    later = drive.steps(pillars(pillar), [(0.02, 0.05), (0.02, -0.05), (0.02, -0.05)])
+    is_there(later, pillar, drive.camera)
+
+
+def test_the_pose_is_that_of_the_robot() -> None:
+    drive = Drive()
+    map_ = drive.steps(pillars(), [(0.03, 0.1)] * 80)
+    # Displacements and turns are added exactly; 80 roundings of a double stay below a nanometre.
+    assert (map_.x_m, map_.y_m) == pytest.approx((drive.camera.x_m, drive.camera.y_m), abs=1e-9)
+    assert map_.yaw_rad == pytest.approx(math.remainder(drive.camera.yaw_rad, 2 * math.pi), abs=1e-9)
+
+
+def test_it_remembers_what_has_left_the_view_while_the_grid_moves_along() -> None:
+    pillar = Pillar(0.8, 0.35)
+    drive = Drive()
+    start = drive.step(pillars(pillar))
+    map_ = drive.steps(pillars(pillar), [(0.03, 0.0)] * 45)
+    assert not seen_plane(drive.camera, pillar).obstacle.any()
+    assert map_.origin_x_m > start.origin_x_m + 0.5
+    points = obstacles_m(map_)
+    assert np.linalg.norm(points - [pillar.x_m, pillar.y_m], axis=1).max() < pillar.radius_m + FOOT_M + NEAR_M
+    middle_m = map_.origin_x_m + (map_.state.shape[1] - 1) / 2 * map_.cell_m
+    assert abs(map_.x_m - middle_m) <= (map_.state.shape[1] // 8 + 1) * map_.cell_m
+
+
+def test_places_stay_when_the_grid_is_shifted() -> None:
+    pillar = Pillar(0.8, 0.35)
+    drive = Drive()
+    drive.steps(pillars(pillar), [(0.03, 0.0)] * 25)
+    before = drive.step(pillars(pillar))
+    after = before
+    while after.origin_x_m == before.origin_x_m:
+        before, after = after, drive.step(lambda _: unjudged())
+    shift = round((after.origin_x_m - before.origin_x_m) / CELL_M)
+    assert (after.origin_x_m - before.origin_x_m) / CELL_M == pytest.approx(shift, abs=1e-6)
+    # The floor below the robot, which becomes free, is the only news.
+    changed = before.state[:, shift:] != after.state[:, :-shift]
+    rows, cols = np.nonzero(changed)
+    apart_m = np.hypot(after.origin_x_m + cols * CELL_M - after.x_m, after.origin_y_m + rows * CELL_M - after.y_m)
+    assert apart_m.max(initial=0.0) < 0.1 + NEAR_M
+    assert (after.state[:, -shift:] == LocalMap.UNKNOWN).all()
+
+
+def test_what_was_never_judged_is_unknown() -> None:
+    drive = Drive()
+    map_ = drive.steps(pillars(PILLAR), [(0.02, 0.0)] * 3)
+    assert state_at(map_, 0.5, 0.0) == LocalMap.FREE
+    assert state_at(map_, 0.0, 0.0) == LocalMap.FREE
+    for x_m, y_m in ((-0.5, 0.0), (1.7, 0.0), (0.3, 0.9), (0.3, -0.9)):
+        assert state_at(map_, x_m, y_m) == LocalMap.UNKNOWN
+    # The floor that the pillar hides.
+    assert state_at(map_, PILLAR.x_m + PILLAR.radius_m + FOOT_M + 0.15, PILLAR.y_m * 1.35) == LocalMap.UNKNOWN
+
+
+def test_cells_that_are_not_valid_tell_nothing() -> None:
+    drive = Drive()
+    map_ = drive.steps(lambda _: unjudged(), [(0.03, 0.0)] * 5)
+    assert not (map_.state == LocalMap.OBSTACLE).any()
+    assert state_at(map_, 0.6, 0.0) == LocalMap.UNKNOWN
+
+
+def test_frames_count_only_while_the_robot_drives() -> None:
+    standing = Drive()
+    map_ = standing.steps(pillars(PILLAR), [(0.0, 0.0)] * 20)
+    assert not (map_.state == LocalMap.OBSTACLE).any()
+    assert state_at(map_, 0.5, 0.0) == LocalMap.UNKNOWN
+    slow = Drive(full_motion_m=0.04)
+    assert not len(obstacles_m(slow.step(pillars(PILLAR), 0.02)))
+    # Where it lies does not depend on how fast the robot is.
+    is_there(slow.steps(pillars(PILLAR), [(0.02, 0.0)] * 3), PILLAR, slow.camera)
+
+
+def test_a_robot_that_has_not_set_out_presumes_that_ground_is_free() -> None:
+    drive = Drive(presumed_m=0.1)
+    map_ = drive.step(pillars(PILLAR), 0.0)
+    assert state_at(map_, 0.5, 0.0) == LocalMap.FREE
+    assert state_at(map_, PILLAR.x_m - PILLAR.radius_m + CELL_M, PILLAR.y_m) != LocalMap.FREE
+    assert state_at(map_, -0.5, 0.0) == LocalMap.UNKNOWN
+
+
+def test_an_obstacle_that_is_gone_disappears() -> None:
+    drive = Drive()
+    assert len(obstacles_m(drive.steps(pillars(PILLAR), [(0.01, 0.0)] * 4)))
+    # From the greatest evidence, 2, to that of free floor in steps of at most 0.5, at half of the full motion.
+    map_ = drive.steps(pillars(), [(0.01, 0.0)] * 12)
+    assert not len(obstacles_m(map_))
+    assert state_at(map_, PILLAR.x_m, PILLAR.y_m) == LocalMap.FREE
+
+
+@pytest.mark.parametrize("gap_us", [10 * PERIOD_US, -PERIOD_US])
+def test_it_begins_anew_after_a_gap(gap_us: int) -> None:
+    drive = Drive()
+    drive.steps(pillars(PILLAR), [(0.03, 0.1)] * 5)
+    map_ = drive.step(lambda _: unjudged(), 0.0, 0.0, gap_us)
+    assert (map_.x_m, map_.y_m, map_.yaw_rad) == (0.0, 0.0, 0.0)
+    assert not len(obstacles_m(map_))
+
+
+def test_an_obstacle_that_moves_blocks_the_floor_ahead_of_it() -> None:
+    speed_mps, ahead_s = 0.25, 2.0
+    maps = []
+    for time_s in (0.0, ahead_s):
+        drive = Drive(ahead_s=time_s, min_mover_mps=0.1, max_mover_mps=0.5)
+        for frame in range(16):
+            mover = Pillar(1.0, -0.5 + speed_mps * frame * PERIOD_US * 1e-6)
+            map_ = drive.step(pillars(mover), 0.01)
+        maps.append(map_)
+    alone, ahead = maps
+    # Half of the way that it has before it; the speed is known to a cell in 0.8 s.
+    y_m = mover.y_m + mover.radius_m + speed_mps * ahead_s / 2
+    assert state_at(alone, mover.x_m - 0.05, y_m) != LocalMap.OBSTACLE
+    assert state_at(ahead, mover.x_m - 0.05, y_m) == LocalMap.OBSTACLE
+    beyond_m = mover.y_m + mover.radius_m + (speed_mps + CELL_M / 0.8) * ahead_s + 2 * NEAR_M
+    assert obstacles_m(ahead)[:, 1].max() < beyond_m
+
+
+def test_distances_are_those_to_the_rims_of_cells() -> None:
+    map_ = Drive().step(pillars(PILLAR))
+    points = obstacles_m(map_)
+    for row, col in ((40, 40), (45, 60), (10, 70)):
+        place = np.array([map_.origin_x_m + col * CELL_M, map_.origin_y_m + row * CELL_M])
+        apart_m = np.linalg.norm(points - place, axis=1).min() - CELL_M / 2
+        assert map_.obstacle_m[row, col] == pytest.approx(max(apart_m, 0.0), abs=1e-5)
+    assert (map_.obstacle_m[map_.state == LocalMap.OBSTACLE] == 0.0).all()
+    assert (map_.unknown_m[map_.state == LocalMap.UNKNOWN] == 0.0).all()
+    assert (map_.unknown_m[map_.state != LocalMap.UNKNOWN] > 0.0).all()
+
+
+def test_the_same_frames_give_the_same_map() -> None:
+    one, other = (Drive().steps(pillars(PILLAR), [(0.03, 0.05)] * 10) for _ in range(2))
+    assert np.array_equal(one.state, other.state)
+    assert np.array_equal(one.obstacle_m, other.obstacle_m)
+
+
+def unjudged() -> Plane:
+    """Return a plane of which no cell is judged."""
+    nothing = np.zeros((120, 160), np.uint8)
+    return Plane(nothing, nothing.astype(np.float32), nothing, 1, 0.0)
