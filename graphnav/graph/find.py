@@ -13,7 +13,9 @@ SHIPPED = "graphnav_graphs"
 
 _SUFFIXES = (".yaml", ".yml")
 _STUDIES = "studies"
-_NO_GRAPHS = ("maps", _STUDIES)
+_PARTS = "parts"
+"""The folder of the data package with files that are not graphs by themselves: graphs extend them."""
+_NO_GRAPHS = ("maps", _PARTS, _STUDIES)
 """Folders of the data package whose YAML files are no graphs."""
 
 
@@ -30,15 +32,21 @@ def shipped_graphs() -> dict[str, Path]:
     return {path.relative_to(folder).with_suffix("").as_posix(): path for path in paths}
 
 
+def shipped_parts() -> dict[str, Path]:
+    """Return the parts of graphs that ship, by name: ``parts/name``."""
+    folder = shipped_folder()
+    return {f"{_PARTS}/{path.stem}": path for path in sorted((folder / _PARTS).glob("*.yaml"))}
+
+
 def find_graph(name: str | Path, folder: Path = Path()) -> Path:
-    """Return the file of a graph; ``folder`` is what a relative path begins at.
+    """Return the file of a graph, or of a part that graphs extend; ``folder`` is what a relative path begins at.
 
     Raises
     ------
     UserError
         There is none.
     """
-    path, shipped = folder / name, shipped_graphs()
+    path, shipped = folder / name, {**shipped_graphs(), **shipped_parts()}
     candidates = [path] if path.suffix in _SUFFIXES else [path, *(Path(f"{path}{suffix}") for suffix in _SUFFIXES)]
     for candidate in candidates:
         if _exists(candidate) and not candidate.is_dir():
@@ -51,7 +59,9 @@ def find_graph(name: str | Path, folder: Path = Path()) -> Path:
         raise UserError.of("it is a folder, not a graph", files, Place(str(name)))
     beside = path.parent if _exists(path.parent) else Path()
     known = {*shipped, *(_from(folder, p) for suffix in _SUFFIXES for p in beside.glob(f"*{suffix}"))}
-    hint: Hint = _if_study(str(name)) or suggest_graph(str(name), known) or f"graphs that ship: {', '.join(shipped)}"
+    hint: Hint = (
+        _if_study(str(name)) or suggest_graph(str(name), known) or f"graphs that ship: {', '.join(shipped_graphs())}"
+    )
     raise UserError.of("there is no such graph", hint, Place(str(name)))
 
 

@@ -26,7 +26,18 @@ CONTACT_METRICS = (
         "along the line of contact, else 0; left out where the map has nothing that moves.",
         bounds=(0.0, 1.0),
     ),
+    Metric(
+        "at_fault",
+        better="lower",
+        min_difference=0.05,
+        help="1 if what it touched first moves and the robot itself drove towards it at more than 0.05 m/s, along the "
+        "line of contact, else 0: a robot that stands, or drives away, is not at fault; left out where the map has "
+        "nothing that moves.",
+        bounds=(0.0, 1.0),
+    ),
 )
+AT_FAULT_MPS = 0.05
+"""A robot that drives towards a mover faster than this when they touch could have stopped."""
 
 
 class FirstContact:
@@ -40,7 +51,7 @@ class FirstContact:
 
     def __init__(self) -> None:
         self._before: tuple[State, float] | None = None
-        self._has_touched = self._hit_mover = self._hit_by_mover = False
+        self._has_touched = self._hit_mover = self._hit_by_mover = self._at_fault = False
 
     def add(self, state: State, world: Map | None, time_s: float) -> None:
         """Look at the next state."""
@@ -53,7 +64,11 @@ class FirstContact:
         """Return the metrics of the drive so far, none where nothing moves."""
         if world is None or Map.MOVING not in world.kind:
             return {}
-        return {"hit_mover": float(self._hit_mover), "hit_by_mover": float(self._hit_by_mover)}
+        return {
+            "hit_mover": float(self._hit_mover),
+            "hit_by_mover": float(self._hit_by_mover),
+            "at_fault": float(self._at_fault),
+        }
 
     def _judge(self, state: State, world: Map, time_s: float) -> None:
         before, before_s = self._before or (state, time_s)
@@ -70,6 +85,7 @@ class FirstContact:
         heading = np.array([math.cos(before.yaw_rad), math.sin(before.yaw_rad)])
         robot_mps = -before.v_mps * heading @ towards
         self._hit_by_mover = bool(mover_mps > robot_mps)
+        self._at_fault = bool(robot_mps > AT_FAULT_MPS)
 
 
 def _agree(world: Map, state: State) -> bool:

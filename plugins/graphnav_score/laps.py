@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphnav import Latest, Map, Metric, Stamp, State, param
+from graphnav_score.centreline import Centreline
 from graphnav_score.navigation import Navigation
 
 _WITH_GOAL = ("success", "timeout", "spl", "sct", "oracle_spl")
@@ -21,6 +22,10 @@ class Laps(Navigation):
     A lap is a turn of the direction from the middle of the map, of the bounds of all that stands on it, to the robot:
     what is driven back does not count. The drive is a success if it lasts ``duration_s`` without a contact and goes
     round ``min_laps`` times, to either side.
+
+    Progress is measured along the corridor's centreline, from the bearing of the first place to that of the last: the
+    centreline is midway between the outlines that a ray from the middle passes, a ray a degree. Where a ray passes less
+    than two outlines, the map is not a corridor around its middle, and progress is left out.
     """
 
     metrics: ClassVar[tuple[Metric, ...]] = (
@@ -38,16 +43,34 @@ class Laps(Navigation):
             min_difference=0.1,
             help="How often the robot went round, to either side; parts of a lap count.",
         ),
+        Metric(
+            "progress_m",
+            unit="m",
+            better="higher",
+            min_difference=0.5,
+            help="How far it came along the corridor's centreline, to either side; what is driven back does not count.",
+        ),
+        Metric(
+            "progress_ratio",
+            unit="ratio",
+            better="higher",
+            min_difference=0.02,
+            help="`progress_m` / (`max_speed_mps` x `duration_s` of the parameters): the share of what the highest "
+            "speed allows; above 1 where the robot cuts the bends, and less after a contact, which ends the drive.",
+        ),
         *(metric for metric in Navigation.metrics if metric.name not in _WITH_GOAL),
     )
 
     duration_s: float = param(600.0, gt=0.0, doc="how long a success lasts; the run must last as long")
     min_laps: float = param(1.0, ge=0.0, doc="dimensionless: how many laps a success has at least")
+    max_speed_mps: float = param(0.3, gt=0.0, doc="highest speed that the graph commands, for `progress_ratio`")
 
     def reset(self, seed: int) -> None:
         """Forget the last drive."""
         super().reset(seed)
         self._middle_m: tuple[float, float] | None = None
+        self._centreline: Centreline | None = None
+        self._first_rad: float | None = None
         self._bearing_rad: float | None = None
         self._turn_rad = 0.0
 
@@ -56,11 +79,14 @@ class Laps(Navigation):
         super().step(state, map, stamp)
         if self._middle_m is None and map.value is not None:
             self._middle_m = _middle_m(map.value)
+            self._centreline = Centreline.of(map.value, self._middle_m) if self._middle_m else None
         if self._middle_m is None:
             return
         x, y = self._middle_m
         bearing_rad = math.atan2(state.y_m - y, state.x_m - x)
-        if self._bearing_rad is not None:
+        if self._bearing_rad is None:
+            self._first_rad = bearing_rad
+        else:
             self._turn_rad += math.remainder(bearing_rad - self._bearing_rad, 2 * math.pi)
         self._bearing_rad = bearing_rad
 
@@ -71,7 +97,14 @@ class Laps(Navigation):
             return {}
         laps = abs(self._turn_rad) / (2 * math.pi)
         lasted = values["duration_s"] >= self.duration_s - 1e-6 and not values["collision"]
-        return {"success": float(lasted and laps >= self.min_laps), "laps": laps, **values}
+        return {"success": float(lasted and laps >= self.min_laps), "laps": laps, **self._progress(), **values}
+
+    def _progress(self) -> Mapping[str, float]:
+        if self._centreline is None or self._first_rad is None:
+            return {}
+        last_rad = self._first_rad + self._turn_rad
+        progress_m = abs(self._centreline.along_m(last_rad) - self._centreline.along_m(self._first_rad))
+        return {"progress_m": progress_m, "progress_ratio": progress_m / (self.max_speed_mps * self.duration_s)}
 
 
 def _middle_m(world: Map) -> tuple[float, float] | None:

@@ -65,6 +65,25 @@ def test_pub_drives_the_robot_which_stands_again_by_its_own_timeout(live: Begin,
     assert stood_s <= 0.5 + 0.2 / 2.0 + BUSY_S, "the command's timeout, then v/a"
 
 
+PATIENT = """
+extends: navigate_robot
+inputs: {camera.image: {max_age_s: 10}}
+stages: {guard: {with: {max_age_s: 10}}}
+"""
+"""navigate_robot, of which no stage is too late on a busy machine."""
+
+
+def test_navigate_drives_a_robot_of_which_it_has_only_the_camera(live: Begin, outside: Program) -> None:
+    program = outside("BASE_CMD", "ODOMETRY")
+    navigation = live(PATIENT, "navigation")
+    robot = live("extends: robot_live", "robot")
+    program.wait_for(lambda: any(v_mps > 0.05 for _, v_mps in program.speeds("BASE_CMD")))
+    assert navigation.stop()[0].outcome == "stopped"
+    summary, log = robot.stop()
+    assert summary.outcome == "stopped"
+    assert any(m.v_mps > 0.0 for _, _, m in log.messages("base.twist") if isinstance(m, Twist))
+
+
 def test_an_operator_overrides_the_graph_stops_it_and_arms_it_again(live: Begin, outside: Program) -> None:
     program = outside("BASE")
     run = live(GUARDED)

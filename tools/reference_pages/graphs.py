@@ -30,7 +30,8 @@ file that contains them."""
 _MORE = {
     "extends": "Mappings are merged key by key; anything else is replaced. `null` removes a stage, a wire or an entry "
     "of a section. A stage whose `use` changes is swapped as `--set` would swap it: wires of ports with the same name "
-    "and type stay.",
+    "and type stay. Of a list each graph overrides those before it; a file that several of them extend is read once, "
+    "where it comes first. `parts/NAME` that ships, or a file of yours, may contain some stages only.",
     "stages": "Stages by name (lower-case letters, digits and `_`, beginning with a letter). Order matters in one way: "
     "sources that are due at the same time fire in the order of the file.",
     "run": "How the graph runs, unless the command line says otherwise.",

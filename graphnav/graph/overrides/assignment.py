@@ -96,11 +96,13 @@ def _name_problem(override: Override, name: str, stages: Sequence[str], existing
 
 
 def _value_problem(override: Override, stage: str) -> Problem | None:
-    """Return what is wrong with the type of a value that must be a string, None if nothing is."""
+    """Return what is wrong with the type of a value that must be a string, of a wire also null; None if nothing is."""
     value, target = override.entry.value, override.target
     if isinstance(value.data, str) or target.kind == "setting":
         return None
     if target.kind == "wire":
+        if value.data is None:
+            return None
         what = f"input '{target.key}' of stage '{stage}' must be wired to stage.port, not {value.kind}"
-        return Problem(override.place, what, "write stage.port")
+        return Problem(override.place, what, "write stage.port, or null to disconnect it")
     return Problem(override.place, f"stage '{stage}' must use family.stage, not {value.kind}", _USE)

@@ -80,7 +80,7 @@ class Rewiring:
         for name, cls in self.classes().items():
             ports = {port.name: port for port in ports_of(cls).inputs}
             for port_name, entry in self._spec.stages[name].wires.items():
-                if port_name in ports:
+                if port_name in ports and entry.value.data is not None:
                     yield name, ports[port_name], str(entry.value.data)
 
     def classes(self) -> dict[str, type[Stage]]:

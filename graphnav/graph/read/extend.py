@@ -1,4 +1,4 @@
-"""``extends: other.yaml``: the values of a graph's file override those of the file that it extends."""
+"""``extends: other.yaml``: the values of a graph's file override those of the files that it extends."""
 
 from __future__ import annotations
 

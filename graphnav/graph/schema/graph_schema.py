@@ -41,9 +41,12 @@ def _graph() -> Schema:
         {
             "about": {"type": "string", "description": "what the graph does, in a sentence"},
             "extends": {
-                "type": "string",
-                "minLength": 1,
-                "description": "a graph, beside this one or one that ships, whose values those of this one override",
+                "anyOf": [
+                    {"type": "string", "minLength": 1},
+                    {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "string", "minLength": 1}},
+                ],
+                "description": "a graph, beside this one or one that ships, whose values those of this one override; "
+                "or a list of them, in which each one overrides those before it",
             },
             "plugins": {
                 "type": ["array", "null"],

@@ -40,14 +40,15 @@ class Wires:
     def _input(self, stage: StageSpec, port: Port, *, said: bool) -> Input | None:
         """Return an input; ``said``: something is wrong with it already."""
         entry = stage.wires.get(port.name)
-        if entry is None:
+        if entry is None or entry.value.data is None:
             if port.may_be_open:
                 return Input(port, None)
             if not said:
                 what = f"input '{port.name}' of stage '{stage.name}' ({stage.use}) is not connected"
                 candidates = self._of_type(port, stage.name) or ["stage.port"]
                 hint = "write " + " or ".join(f"in: {{{port.name}: {ref}}}" for ref in candidates)
-                self._problems.append(Problem(stage.place, what, hint + self._no_writer(port)))
+                place = stage.place if entry is None else entry.place
+                self._problems.append(Problem(place, what, hint + self._no_writer(port)))
             return None
         channel = self._channel(str(entry.value.data), entry.value.place)
         if channel is None:

@@ -10,7 +10,7 @@ from graphnav import Metric
 METRICS = {
     f"{stage.__name__}.{metric.name}": metric for stage in graphnav_score.graphnav_stages() for metric in stage.metrics
 }
-ZERO_OR_ONE = ("success", "timeout", "collision", "hit_mover", "hit_by_mover", "spl", "oracle_spl", "sct")
+ZERO_OR_ONE = ("success", "timeout", "collision", "hit_mover", "hit_by_mover", "at_fault", "spl", "oracle_spl", "sct")
 
 
 @pytest.mark.parametrize("metric", [m for m in METRICS.values() if "auroc" in m.name], ids=lambda metric: metric.name)

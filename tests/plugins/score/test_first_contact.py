@@ -58,31 +58,42 @@ ACROSS = (
 @pytest.mark.parametrize(
     ("obstacles", "v_mps", "expected"),
     [
-        ([WALL, ASIDE], 0.4, (1, 0, 0)),
-        ([towards(0.3), WALL], 0.0, (1, 1, 1)),
-        ([towards(0.4)], 0.2, (1, 1, 1)),
-        ([towards(0.1)], 0.4, (1, 1, 0)),
-        ([WALL, towards(0.0)], 0.4, (1, 0, 0)),
-        ([towards(0.0)], 0.4, (1, 1, 0)),
-        ([ACROSS], 0.4, (1, 1, 1)),
-        ([ASIDE], 0.4, (0, 0, 0)),
+        ([WALL, ASIDE], 0.4, (1, 0, 0, 0)),
+        ([towards(0.3), WALL], 0.0, (1, 1, 1, 0)),
+        ([towards(0.4)], 0.2, (1, 1, 1, 1)),
+        ([towards(0.1)], 0.4, (1, 1, 0, 1)),
+        ([WALL, towards(0.0)], 0.4, (1, 0, 0, 0)),
+        ([towards(0.0)], 0.4, (1, 1, 0, 1)),
+        ([ACROSS], 0.4, (1, 1, 1, 1)),
+        ([towards(0.4)], 0.04, (1, 1, 1, 0)),
+        ([ASIDE], 0.4, (0, 0, 0, 0)),
     ],
-    ids=["wall", "stands", "mover faster", "robot faster", "wall first", "mover rests", "into its side", "nothing"],
+    ids=[
+        "wall",
+        "stands",
+        "mover faster",
+        "robot faster",
+        "wall first",
+        "mover rests",
+        "into its side",
+        "creeps",
+        "nothing",
+    ],
 )
 def test_who_ran_into_whom(
     obstacles: list[str],
     v_mps: float,
-    expected: tuple[int, int, int],
+    expected: tuple[int, int, int, int],
     world: type[Pymunk | Robot],
     period_us: int,
     more: dict[str, Any],
     tmp_path: Path,
 ) -> None:
     metrics = metrics_of(world(map=a_map(tmp_path, *obstacles), **QUICK, **more), v_mps, period_us)
-    assert tuple(metrics[name] for name in ("collision", "hit_mover", "hit_by_mover")) == expected
+    assert tuple(metrics[name] for name in ("collision", "hit_mover", "hit_by_mover", "at_fault")) == expected
 
 
 def test_where_nothing_moves_it_is_left_out(tmp_path: Path) -> None:
     metrics = metrics_of(Pymunk(map=a_map(tmp_path, WALL), **QUICK), 0.4, 100_000)
     assert metrics["collision"] == 1
-    assert metrics.keys().isdisjoint({"hit_mover", "hit_by_mover"})
+    assert metrics.keys().isdisjoint({"hit_mover", "hit_by_mover", "at_fault"})

@@ -27,6 +27,22 @@ WORLD = Map(
 )
 
 
+def box(half_m: float) -> np.ndarray:
+    """Return a square about the middle, (4, 2)."""
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return corners * half_m + np.array(MIDDLE)
+
+
+RING = replace(
+    WORLD,
+    kind=np.zeros(4, np.uint8),
+    height_m=np.ones(4),
+    vertices_m=np.concatenate([box(1.9), box(2.0), box(4.0), box(4.1)]),
+    body=np.repeat(np.arange(4, dtype=np.int32), 4),
+)
+"""A corridor between two squares, whose walls are 0.1 m thick: its centreline is a square of 6 m."""
+
+
 def around(
     laps: float, seconds: int = 60, *, contact: bool = False, min_laps: float = 1.0, world: Map = WORLD
 ) -> Mapping[str, float]:
@@ -53,6 +69,29 @@ def around(
 @pytest.mark.parametrize("laps", [0.25, 2.5, -1.75])
 def test_laps_are_turns_about_the_middle_to_either_side(laps: float) -> None:
     assert around(laps)["laps"] == pytest.approx(abs(laps))
+
+
+@pytest.mark.parametrize("laps", [1.0, 2.5, -1.75])
+def test_progress_is_along_the_centreline(laps: float) -> None:
+    metrics = around(laps, world=RING)
+    assert metrics["progress_m"] == pytest.approx(24.0 * abs(laps))
+    assert metrics["progress_ratio"] == pytest.approx(24.0 * abs(laps) / (0.3 * 60))
+
+
+def test_progress_through_a_part_of_a_side_is_the_way_along_it() -> None:
+    # From bearing 0 to atan(1/2): the side at x = 3 from the middle, 1.5 m along it. A chord between two of the
+    # centreline's points, a degree apart, is on that side.
+    share = math.atan(0.5) / (2 * math.pi)
+    assert around(share, world=RING)["progress_m"] == pytest.approx(1.5, abs=1e-3)
+
+
+def test_what_is_driven_back_is_not_progress() -> None:
+    there, back = around(1.0, world=RING), around(0.0, world=RING)
+    assert there["progress_m"] > back["progress_m"] == pytest.approx(0.0)
+
+
+def test_without_a_corridor_there_is_no_progress() -> None:
+    assert around(1.0).keys().isdisjoint({"progress_m", "progress_ratio"})
 
 
 def test_a_success_lasts_goes_round_and_touches_nothing() -> None:

@@ -76,7 +76,9 @@ def test_a_wrong_word_is_refused(toy_schema: dict[str, Any], case: str) -> None:
     assert not is_valid(plain(GRAPHS[case]), toy_schema)
 
 
-@pytest.mark.parametrize("case", ["extends_list", "plugins_not_a_list", "plugins_wrong", "extends_stage_a_text"])
+@pytest.mark.parametrize(
+    "case", ["extends_list", "extends_a_mapping", "plugins_not_a_list", "plugins_wrong", "extends_stage_a_text"]
+)
 def test_a_wrong_word_of_several_files_is_refused(toy_schema: dict[str, Any], case: str) -> None:
     assert not is_valid(plain(GRAPHS[case]), toy_schema)
 
@@ -100,6 +102,8 @@ EXTENDS = {
 def test_a_graph_that_extends_another_says_only_what_differs(toy_schema: dict[str, Any]) -> None:
     assert is_valid(EXTENDS, toy_schema)
     assert is_valid({"extends": "corridor_ccw"}, toy_schema)
+    assert is_valid({"extends": ["corridor_ccw", "parts/navigate"]}, toy_schema)
+    assert not is_valid({"extends": []}, toy_schema)
     assert not is_valid({key: word for key, word in EXTENDS.items() if key != "extends"}, toy_schema)
     assert not is_valid(EXTENDS | {"channels": {"robot.image": 3}}, toy_schema)
     assert not is_valid(EXTENDS | {"inputs": {"camera.image": {"max_age_s": 0}}}, toy_schema)

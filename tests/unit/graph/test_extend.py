@@ -248,3 +248,42 @@ def test_plugins_of_all_files_are_loaded(tmp_path: Path) -> None:
     graph = load_graph(tmp_path / "mine.yaml", Catalog())
     assert graph.plugins == (tmp_path / "lib" / "one.py", tmp_path / "two.py")
     assert graph.written_plugins == ("one.py", "two.py")
+
+
+PARTS = """\
+stages:
+  smooth: null
+  plane: {use: toy.taught, with: {model: b.bin}, in: {flow: flow.flow}}
+"""
+
+
+def test_each_of_a_list_overrides_those_before_it(toys: Catalog, write: Write) -> None:
+    chain = load_graph(write(base=BASE, parts="extends: base\n" + PARTS, over="extends: parts"), toys)
+    listed = load_graph(write(base=BASE, parts=PARTS, over="extends: [base, parts]"), toys)
+    assert meaning(listed) == meaning(chain)
+    assert listed.notices == chain.notices
+    other = load_graph(write(base=BASE, a=WORDS.format(2), b=WORDS.format(3), over="extends: [base, b, a]"), toys)
+    assert other.node("flow").params["layers"] == 2
+
+
+WORDS = "stages: {{flow: {{with: {{layers: {}}}}}}}"
+
+
+def test_a_file_that_several_extend_is_read_once_and_first(toys: Catalog, write: Write) -> None:
+    changes, parts = f"extends: base\n{WORDS.format(3)}", "extends: base\nchannels: {smooth.flow: OTHER}"
+    graph = load_graph(write(base=BASE, changes=changes, parts=parts, over="extends: [changes, parts]"), toys)
+    assert graph.node("flow").params["layers"] == 3, "the base does not override what changes it"
+    assert [graph.channels[ref].name for ref in ("smooth.flow", "robot.image")] == ["OTHER", "CAMERA"]
+
+
+def test_the_resolved_graph_of_a_list_is_the_same_graph(toys: Catalog, write: Write) -> None:
+    graph = load_graph(write(base=BASE, parts=PARTS, over="extends: [base, parts]\nrun: {seed: 3}"), toys)
+    text = resolved_yaml(graph)
+    assert "extends" not in text
+    assert meaning(load_graph(write(resolved=text), toys)) == meaning(graph)
+
+
+def test_parts_that_ship_are_extended_by_their_name(write: Write) -> None:
+    graph = load_graph(write(mine="extends: [corridor_ccw, parts/navigate]"), Catalog())
+    assert graph.node("steer").use == "steer.frontier"
+    assert graph.node("robot").params["map"] == load_graph("corridor_ccw", Catalog()).node("robot").params["map"]

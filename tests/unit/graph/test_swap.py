@@ -186,3 +186,17 @@ def test_times_are_set_and_kept_through_a_swap(load: Load) -> None:
     assert (graph.node("plane").every_ms, graph.node("plane").deadline_ms) == (20, 12.5)
     lines = [line.strip() for line in resolved_yaml(graph).splitlines()]
     assert {"every_ms: 20  # --set", "deadline_ms: 12.5  # --set"} <= set(lines)
+
+
+def test_null_disconnects_an_input(load: Load) -> None:
+    text = TWO_FLOWS + "about: The loop is open.\n"
+    graph = load(text, "robot.in.command=null")
+    assert "robot.command" not in wires(graph)
+    assert "wheels.twist" not in resolved_yaml(graph)
+    assert names(graph) == names(load(text))
+
+
+def test_null_keeps_a_swap_from_wiring_an_input_and_may_be_said_of_an_open_one(load: Load) -> None:
+    once = load(TWO_FLOWS, "robot.in.command=null", "wheels=toy.wheels")
+    assert "robot.command" not in wires(once)
+    assert "command" not in load(resolved_yaml(once), "robot.in.command=null").node("robot").params

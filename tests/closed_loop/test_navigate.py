@@ -1,0 +1,92 @@
+"""The graph navigate: what it knows, what it drives, and that it drives in every world of the suite."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from math import dist
+
+import pytest
+
+from graphnav import Recording, State
+from graphnav.ablation.plan import check_study
+from graphnav.ablation.study.find_study import shipped_studies
+from graphnav.ablation.study.study_file import load_study
+from graphnav.catalog import Catalog
+from graphnav.graph import Graph, load_graph, shipped_graphs
+from graphnav.runner.recording.summary import Summary
+
+GRAPHS = sorted(name for name in shipped_graphs() if name.split("/")[0] in ("navigate", "navigate_robot"))
+STUDIES = sorted(name for name in shipped_studies() if name.startswith("navigate"))
+BEACON = "robot.goal"
+
+
+@pytest.fixture(scope="module")
+def catalog() -> Catalog:
+    return Catalog()
+
+
+def upstream(graph: Graph, name: str) -> set[str]:
+    """Return the channels that a stage depends on."""
+    found: set[str] = set()
+    pending = [name]
+    while pending:
+        for read in graph.node(pending.pop()).inputs:
+            if read.channel is None or read.channel.ref in found:
+                continue
+            found.add(read.channel.ref)
+            writer = read.channel.ref.partition(".")[0]
+            pending += [writer] * any(node.name == writer for node in graph.nodes)
+    return found
+
+
+@pytest.mark.parametrize("name", GRAPHS)
+def test_a_camera_and_a_beacon_are_all_that_it_knows(name: str, catalog: Catalog) -> None:
+    graph = load_graph(name, catalog)
+    outside = {"robot", "camera", "base", "operator"}
+    known = {ref for ref in upstream(graph, "control") if ref.partition(".")[0] in outside}
+    assert known <= {"robot.image", "camera.image", BEACON}
+    assert {"robot.image", "camera.image"} & known
+
+
+@pytest.mark.parametrize("name", GRAPHS)
+def test_odometry_and_map_know_the_mounting_of_the_robots_camera(name: str, catalog: Catalog) -> None:
+    graph = load_graph(name, catalog)
+    robots = [
+        node for node in (graph, load_graph("robot_live", catalog)) for node in node.nodes if node.name == "robot"
+    ]
+    robot = robots[0].params
+    for stage in ("egomotion", "local"):
+        params = graph.node(stage).params
+        for param in ("camera_height_m", "tilt_deg", "fov_deg"):
+            assert params[param] == robot[param], param
+
+
+def test_every_world_of_the_suite_has_its_graph() -> None:
+    worlds = {name.removeprefix("suite/") for name in load_study("suite").graphs}
+    assert {f"navigate/{world}" for world in worlds} < set(GRAPHS)
+    assert set(load_study("navigate_suite").graphs) == set(GRAPHS) - {"navigate", "navigate_robot"}
+
+
+@pytest.mark.parametrize("world", sorted(name.removeprefix("suite/") for name in load_study("suite").graphs))
+def test_the_world_is_that_of_the_suite(world: str, catalog: Catalog) -> None:
+    ours, theirs = (load_graph(f"{family}/{world}", catalog) for family in ("navigate", "suite"))
+    assert ours.node("robot").params == theirs.node("robot").params
+    assert ours.run == theirs.run
+    speeds = [graph.node("control").params["max_speed_mps"] for graph in (ours, theirs)]
+    assert speeds[0] == speeds[1]
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_graph_of_a_study_with_every_method_is_right(name: str, catalog: Catalog) -> None:
+    checked = check_study(replace(load_study(name), seeds=(0,)), catalog, "")
+    assert "oracle" in checked.plan.axes["method"]
+
+
+@pytest.mark.parametrize("name", ["navigate", "navigate/corners"])
+def test_it_sets_out_by_what_it_sees(drive: Callable[..., tuple[Summary, Recording]], name: str) -> None:
+    summary, log = drive(name, 3, "run.until_s=4")
+    assert not summary.failure
+    places = [(m.x_m, m.y_m) for _, _, m in log.messages("robot.state") if isinstance(m, State)]
+    assert sum(dist(a, b) for a, b in pairwise(places)) > 0.2
