@@ -45,7 +45,7 @@ class Centreline:
 
 
 def _bearings() -> Doubles:
-    return np.arange(_BEARINGS) * (2 * math.pi / _BEARINGS)
+    return np.asarray(np.arange(_BEARINGS) * (2 * math.pi / _BEARINGS), np.float64)
 
 
 def _edges(world: Map, middle_m: tuple[float, float]) -> tuple[Doubles, Doubles]:

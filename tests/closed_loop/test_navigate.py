@@ -53,10 +53,8 @@ def test_a_camera_and_a_beacon_are_all_that_it_knows(name: str, catalog: Catalog
 @pytest.mark.parametrize("name", GRAPHS)
 def test_odometry_and_map_know_the_mounting_of_the_robots_camera(name: str, catalog: Catalog) -> None:
     graph = load_graph(name, catalog)
-    robots = [
-        node for node in (graph, load_graph("robot_live", catalog)) for node in node.nodes if node.name == "robot"
-    ]
-    robot = robots[0].params
+    nodes = [*graph.nodes, *load_graph("robot_live", catalog).nodes]
+    robot = next(node.params for node in nodes if node.name == "robot")
     for stage in ("egomotion", "local"):
         params = graph.node(stage).params
         for param in ("camera_height_m", "tilt_deg", "fov_deg"):

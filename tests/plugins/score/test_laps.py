@@ -30,7 +30,7 @@ WORLD = Map(
 def box(half_m: float) -> np.ndarray:
     """Return a square about the middle, (4, 2)."""
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    return corners * half_m + np.array(MIDDLE)
+    return np.asarray(corners * half_m + np.array(MIDDLE))
 
 
 RING = replace(
