@@ -27,6 +27,12 @@ def free_way_m(map: LocalMap, radius_m: float, sign: float = 1.0) -> float:  # n
     return float(steps_m[max(int(np.argmax(blocked)) - 1, 0)]) if blocked.any() else float(steps_m[-1])
 
 
+def kept_m(map: LocalMap, theta_rad: float, way_m: float) -> float:  # noqa: A002  # the port's name
+    """Return how far from obstacles the robot's centre stays on a straight way at ``theta_rad`` from forward, metres."""
+    steps_m = map.cell_m / 2 * np.arange(math.ceil(2 * way_m / map.cell_m) + 1)
+    return float(map.obstacle_m_at(math.cos(theta_rad) * steps_m, math.sin(theta_rad) * steps_m).min())
+
+
 def safe_speed_mps(way_m: float, max_decel_mps2: float, reaction_s: float) -> float:
     """Return the speed from which a robot that reacts after ``reaction_s`` stops within ``way_m``, m/s."""
     waste_mps = max_decel_mps2 * reaction_s

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 
 from graphnav import Continuity, Latest, LocalMap, ParamError, Stage, Stamp, Steering, Twist, param
-from graphnav_control.free_way import free_way_m, safe_speed_mps
+from graphnav_control.free_way import free_way_m, kept_m, safe_speed_mps
+
+_MARGIN_M = 0.02
+"""Distance to keep from obstacles, beyond the radius, where the steering does."""
 
 
 class Nonholonomic(Stage):
@@ -33,7 +36,12 @@ class Nonholonomic(Stage):
     )
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; used with a map")
-    map_error_m: float = param(0.02, ge=0.0, doc="how much nearer than they are obstacles may be on the map")
+    map_error_m: float = param(
+        0.1,
+        ge=0.0,
+        doc="how much nearer than they are obstacles may be on the map: the robot follows a steering that leads so close "
+        "past them, not one that leads closer",
+    )
     max_decel_mps2: float = param(0.5, gt=0.0, doc="deceleration to count on where a map limits the speed")
     reaction_s: float = param(
         0.25,
@@ -66,7 +74,7 @@ class Nonholonomic(Stage):
             speed_ratio = max(speed_ratio, self.floor_ratio)
             turn_ratio = turn_ratio if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
         wanted = Twist(v_mps=self.max_speed_mps * speed_ratio, omega_radps=self.max_turn_radps * turn_ratio)
-        twist = self._limited(self._smoothed(wanted, stamp), map.value)
+        twist = self._limited(self._smoothed(wanted, stamp), map.value, theta_rad)
         self._last = stamp, twist
         return twist
 
@@ -80,11 +88,17 @@ class Nonholonomic(Stage):
             omega_radps=wanted.omega_radps + kept * (last.omega_radps - wanted.omega_radps),
         )
 
-    def _limited(self, twist: Twist, map: LocalMap | None) -> Twist:  # noqa: A002  # the port's name
-        """Return the command at most as fast as the robot can stop within the way that the map shows free."""
+    def _limited(self, twist: Twist, map: LocalMap | None, theta_rad: float) -> Twist:  # noqa: A002  # the port's name
+        """Return the command at most as fast as the robot can stop within the way that the map shows free.
+
+        The robot comes as near to obstacles as it is steered to, and not nearer because it has not turned there yet.
+        """
         if map is None:
             return twist
         sign = math.copysign(1.0, twist.v_mps)
-        way_m = free_way_m(map, self.robot_radius_m - self.map_error_m, sign)
+        radius_m = kept_m(map, theta_rad, 2 * self.robot_radius_m)
+        if radius_m < self.robot_radius_m - self.map_error_m:
+            radius_m = self.robot_radius_m
+        way_m = free_way_m(map, min(radius_m, self.robot_radius_m + _MARGIN_M), sign)
         safe_mps = safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s)
         return Twist(v_mps=sign * min(abs(twist.v_mps), safe_mps), omega_radps=twist.omega_radps)

@@ -60,7 +60,7 @@ class Local(Stage):
     max_mover_mps: float = param(0.6, gt=0.0, le=5.0, doc="fastest obstacle that is followed")
     full_motion_m: float = param(0.02, gt=0.0, doc="displacement of a frame from which its evidence counts in full")
     blind_height_m: float = param(
-        0.08,
+        0.05,
         ge=0.0,
         doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this "
         "much from where they are seen",
@@ -70,6 +70,7 @@ class Local(Stage):
         gt=0.0,
         doc="depth of the floor that an obstacle marks from its foot on; floor that it hides stays unknown",
     )
+    min_unknown_m2: float = param(0.02, ge=0.0, doc="unknown floor of a smaller area counts as free")
     presumed_m: float = param(0.15, ge=0.0, doc="distance from the start up to which ground is free until it is judged")
     unjudged: Literal["obstacle", "unknown"] = param(
         "obstacle",
@@ -155,9 +156,10 @@ class Local(Stage):
 
     def _map(self, ahead: Bytes) -> LocalMap:
         grid = self._grid
-        obstacle = (grid.evidence >= _OBSTACLE_EVIDENCE) | (ahead != 0)
-        free = grid.evidence <= _PRESUMED_FREE
-        state = np.where(obstacle, np.uint8(LocalMap.OBSTACLE), free.astype(np.uint8))
+        state = (grid.evidence <= _PRESUMED_FREE).astype(np.uint8)
+        state[grid.evidence >= _OBSTACLE_EVIDENCE] = LocalMap.OBSTACLE
+        state[_small(state == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2)] = LocalMap.FREE
+        state[ahead != 0] = LocalMap.MOVING
         return LocalMap(
             cell_m=grid.cell_m,
             origin_x_m=grid.origin_x_m,
@@ -166,9 +168,17 @@ class Local(Stage):
             y_m=grid.y_m,
             yaw_rad=grid.yaw_rad,
             state=state,
-            obstacle_m=_distance(obstacle, grid.cell_m),
+            obstacle_m=_distance(state >= LocalMap.OBSTACLE, grid.cell_m),
             unknown_m=_distance(state == LocalMap.UNKNOWN, grid.cell_m),
         )
+
+
+def _small(cells: Bools, min_cells: float) -> Bools:
+    """Return the ``cells`` (rows, cols) that are in connected regions of fewer than so many."""
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=4)
+    is_small = stats[:, cv2.CC_STAT_AREA] < min_cells
+    is_small[0] = False
+    return np.asarray(is_small[labels])
 
 
 def _distance(there: Bools, cell_m: float) -> Floats:

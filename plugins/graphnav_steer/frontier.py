@@ -56,6 +56,11 @@ class Frontier(Stage):
         ge=0.0,
         doc="how much nearer than they are obstacles may be on the map; more squeezes through narrower gaps",
     )
+    squeeze_m: float = param(
+        0.06,
+        ge=0.0,
+        doc="by how much more obstacles may be nearer on the map where there is hardly another way: such a metre costs 10",
+    )
     unknown_margin_m: float = param(
         0.08, ge=0.0, doc="distance that the robot's centre keeps from floor that it has not seen"
     )
@@ -76,6 +81,9 @@ class Frontier(Stage):
     back_cost_m: float = param(3.0, ge=0.0, doc="cost of a frontier where the robot has been, where there is no goal")
     commit_m: float = param(0.4, ge=0.0, doc="by how much another frontier must be cheaper to be preferred")
     goal_weight: float = param(2.0, ge=0.0, doc="dimensionless: cost of a metre between a frontier and the goal")
+    give_way_m: float = param(
+        1.0, ge=0.0, doc="how far the robot drives, straight on or back, out of the way of what moves; 0: it does not"
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget where the robot has been."""
@@ -96,15 +104,34 @@ class Frontier(Stage):
             self._trail = [*self._trail[1 - _MAX_TRAIL :], here]
 
     def _theta_rad(self, map: LocalMap, goal: Goal | None) -> float:  # noqa: A002
+        if self.give_way_m and _is_in_the_way(map, self.robot_radius_m + self.margin_m):
+            aside_rad = self._out_of_the_way_rad(map)
+            if aside_rad is not None:
+                return aside_rad
         way = self._way(map, goal)
         if way is None:
             self._chosen = None
             return self._spin * math.pi / 2
         self._chosen = way.end_m
-        theta_rad = self._toward(map, way.path)
+        theta_rad = self._toward(map, way.path, self._price(map))
         if theta_rad:
             self._spin = math.copysign(1.0, theta_rad)
-        return theta_rad
+        return min(max(theta_rad, -math.pi / 2), math.pi / 2)
+
+    def _out_of_the_way_rad(self, map: LocalMap) -> float | None:  # noqa: A002
+        """Return 0 or pi, whether straight on or straight back is out of the way sooner; None if neither is free."""
+        steps_m = map.cell_m / 2 * np.arange(1, math.ceil(2 * self.give_way_m / map.cell_m) + 1)
+        found: dict[float, float] = {}
+        for theta_rad in (0.0, math.pi):
+            ahead_m = math.cos(theta_rad) * steps_m
+            near_m = map.obstacle_m_at(ahead_m, np.zeros_like(steps_m))
+            blocked = map.unknown_m_at(ahead_m, np.zeros_like(steps_m)) <= 0.0
+            blocked |= np.diff(near_m, prepend=near_m[0]) < 0.0
+            clear = near_m >= self.robot_radius_m + self.margin_m
+            first = int(np.argmax(clear))
+            if clear.any() and not blocked[: first + 1].any():
+                found[theta_rad] = float(steps_m[first])
+        return min(found, key=found.__getitem__) if found else None
 
     def _way(self, map: LocalMap, goal: Goal | None) -> Way | None:  # noqa: A002
         """Return the cheapest way to a frontier, None if there is none."""
@@ -128,7 +155,7 @@ class Frontier(Stage):
 
     def _open(self, map: LocalMap, row: int, col: int) -> Bools:  # noqa: A002
         """Return the cells where the robot touches nothing, and those by which it can leave what it touches now."""
-        open_cells: Bools = map.obstacle_m >= self.robot_radius_m - self.map_error_m
+        open_cells: Bools = map.obstacle_m >= self.robot_radius_m - self.map_error_m - self.squeeze_m
         reach = math.ceil((self.robot_radius_m + self.margin_m) / map.cell_m)
         near = (slice(max(row - reach, 0), row + reach + 1), slice(max(col - reach, 0), col + reach + 1))
         open_cells[near] |= map.obstacle_m[near] >= map.obstacle_m[row, col]
@@ -174,13 +201,16 @@ class Frontier(Stage):
         apart_m = np.hypot(x_m[:, None] - trail[:, 0], y_m[:, None] - trail[:, 1]).min(axis=1)
         return np.asarray(cost_m + self.back_cost_m * np.clip(1.0 - apart_m / 1.0, 0.0, 1.0))
 
-    def _toward(self, map: LocalMap, path: Indices) -> float:  # noqa: A002
+    def _toward(self, map: LocalMap, path: Indices, price: Doubles) -> float:  # noqa: A002
         """Return the angle from forward to the farthest point of the path to which a straight way leads.
 
-        A straight way keeps ``margin_m`` from obstacles beyond the radius, or as much as the path does up to there.
+        A straight way keeps ``margin_m`` from obstacles beyond the radius, or as much as the path does up to there, and
+        does not cost more than the path.
         """
         x_m, y_m = _places_m(map, path[:, 0], path[:, 1])
         away_m = np.hypot(x_m - map.x_m, y_m - map.y_m)
+        along_m = np.hypot(np.diff(x_m, prepend=x_m[0]), np.diff(y_m, prepend=y_m[0]))
+        cost_m = np.cumsum(along_m * price[path[:, 0], path[:, 1]])
         kept_m = np.minimum.accumulate(map.obstacle_m[path[:, 0], path[:, 1]])
         kept_m = np.minimum(kept_m, self.robot_radius_m + self.margin_m)
         last = min(2, len(path) - 1)
@@ -189,10 +219,17 @@ class Frontier(Stage):
                 break
             share = np.linspace(0.0, 1.0, max(2, math.ceil(away_m[k] / map.cell_m * 2)))
             cells = map.cells_of(map.x_m + share * (x_m[k] - map.x_m), map.y_m + share * (y_m[k] - map.y_m))
-            if map.obstacle_m[cells][1:].min() < kept_m[k]:
+            if map.obstacle_m[cells][1:].min() < kept_m[k] or away_m[k] * price[cells].mean() > cost_m[k]:
                 break
             last = k
         return math.remainder(math.atan2(y_m[last] - map.y_m, x_m[last] - map.x_m) - map.yaw_rad, 2 * math.pi)
+
+
+def _is_in_the_way(map: LocalMap, radius_m: float) -> bool:  # noqa: A002
+    """Return whether what moves is expected within a distance of the robot's centre."""
+    rows, cols = np.nonzero(map.state == LocalMap.MOVING)
+    x_m, y_m = _places_m(map, rows, cols)
+    return bool((np.hypot(x_m - map.x_m, y_m - map.y_m) < radius_m).any())
 
 
 def _goal_m(map: LocalMap, goal: Goal) -> Point:  # noqa: A002

@@ -64,7 +64,7 @@ class Vfh(Stage):
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
         around = np.pad(map.state, reach)[row : row + 2 * reach + 1, col : col + 2 * reach + 1]
         polar = _polar(reach, map.cell_m)
-        there = (around == LocalMap.OBSTACLE) & (polar.distance_m <= self.active_m)
+        there = (around >= LocalMap.OBSTACLE) & (polar.distance_m <= self.active_m)
         distance_m, bearing_rad = polar.distance_m[there], polar.bearing_rad[there] - map.yaw_rad
         kept_m = self.robot_radius_m + self.margin_m
         half_rad = np.arcsin(np.minimum(kept_m / np.maximum(distance_m, 1e-6), 1.0))

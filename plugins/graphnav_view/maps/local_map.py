@@ -1,4 +1,4 @@
-"""The picture of a local map: free white, unknown gray, obstacles red, and the robot with its heading."""
+"""The picture of a local map: free white, unknown gray, obstacles red, moving ones orange, and the robot with its heading."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _SHIFT = 4
 """Fractional bits of pixel coordinates."""
 _ROBOT_RATIO = 0.025
 """Radius of the robot's mark as a share of the picture; the map does not know the robot's size."""
-_COLOURS = np.array([style.rgb("#9a9a9a"), (255, 255, 255), style.rgb(style.CONTACT)], np.uint8)
-"""Of the states 0 unknown, 1 free, 2 obstacle."""
-_LEVELS = np.repeat(np.array([[0], [110], [255]], np.uint8), 3, axis=1)
+_COLOURS = np.array([style.rgb("#9a9a9a"), (255, 255, 255), style.rgb(style.CONTACT), style.rgb("#f0a030")], np.uint8)
+"""Of the states 0 unknown, 1 free, 2 obstacle, 3 moving."""
+_LEVELS = np.repeat(np.array([[0], [110], [255], [190]], np.uint8), 3, axis=1)
 
 
 def draw_local_map(local: LocalMap, rows: int, cols: int, *, with_colour: bool = True) -> Bytes:
@@ -25,7 +25,7 @@ def draw_local_map(local: LocalMap, rows: int, cols: int, *, with_colour: bool =
 
     States other than those of `LocalMap` are drawn as unknown.
     """
-    known = np.where(local.state <= LocalMap.OBSTACLE, local.state, np.uint8(LocalMap.UNKNOWN))
+    known = np.where(local.state <= LocalMap.MOVING, local.state, np.uint8(LocalMap.UNKNOWN))
     cells = (_COLOURS if with_colour else _LEVELS)[known[::-1]]
     picture: Bytes = cv2.resize(np.ascontiguousarray(cells), (cols, rows), interpolation=cv2.INTER_NEAREST)
     _draw_robot(picture, local)
