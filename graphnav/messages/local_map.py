@@ -16,7 +16,7 @@ class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
 
     The frame of the map is the robot's at its start (x forward, y left). Cell (r, c) has its middle at
     x = origin_x_m + c * cell_m, y = origin_y_m + r * cell_m. ``x_m``, ``y_m``, ``yaw_rad``: pose of the robot.
-    ``state``: uint8 (rows, cols), 0 unknown, 1 free, 2 obstacle, 3 obstacle that moves, or floor that it is about to reach.
+    ``state``: uint8 (rows, cols), 0 unknown, 1 free, 2 obstacle, 3 obstacle that moves or floor that it will reach.
     ``obstacle_m``, ``unknown_m``: float32 (rows, cols), distance from the middle of the cell to the rim of the nearest
     cell that is an obstacle (moving or not), or unknown; at most the size of the grid.
     Lengths are in metres where the map was made with the camera's geometry, else in widths of the picture.

@@ -28,9 +28,10 @@ def free_way_m(map: LocalMap, radius_m: float, sign: float = 1.0) -> float:  # n
 
 
 def kept_m(map: LocalMap, theta_rad: float, way_m: float) -> float:  # noqa: A002  # the port's name
-    """Return how far from obstacles the robot's centre stays on a straight way at ``theta_rad`` from forward, metres."""
+    """Return how far from obstacles the robot stays on a straight way at ``theta_rad`` from forward, metres."""
     steps_m = map.cell_m / 2 * np.arange(math.ceil(2 * way_m / map.cell_m) + 1)
-    return float(map.obstacle_m_at(math.cos(theta_rad) * steps_m, math.sin(theta_rad) * steps_m).min())
+    forward_m, left_m = np.multiply.outer([math.cos(theta_rad), math.sin(theta_rad)], steps_m)
+    return float(map.obstacle_m_at(forward_m, left_m).min())
 
 
 def safe_speed_mps(way_m: float, max_decel_mps2: float, reaction_s: float) -> float:

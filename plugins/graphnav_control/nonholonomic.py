@@ -39,8 +39,8 @@ class Nonholonomic(Stage):
     map_error_m: float = param(
         0.1,
         ge=0.0,
-        doc="how much nearer than they are obstacles may be on the map: the robot follows a steering that leads so close "
-        "past them, not one that leads closer",
+        doc="how much nearer than they are obstacles may be on the map: a way past them that is narrower by as much is "
+        "driven where the steering leads through it",
     )
     max_decel_mps2: float = param(0.5, gt=0.0, doc="deceleration to count on where a map limits the speed")
     reaction_s: float = param(

@@ -18,7 +18,7 @@ Point = tuple[float, float]
 _TRAIL_STEP_M = 0.1
 _MAX_TRAIL = 400
 _TOUCH_COST = 20.0
-"""Cost of a metre in touch with an obstacle, which is relevant only to a robot that leaves one."""
+"""Cost of a metre in touch with an obstacle, to squeeze through or to leave it."""
 _SAME_M = 0.3
 """Frontiers nearer to the last choice than this are the same choice."""
 
@@ -42,7 +42,11 @@ class Frontier(Stage):
     Once the goal is on floor that is known and within reach, the path leads there.
 
     The steering points to the farthest point of the path that the robot can drive to straight on. Where there is
-    neither a frontier nor the goal, the robot turns on the spot.
+    neither a frontier nor the goal, or where the path lies behind, the steering is a right angle: the robot turns on
+    the spot.
+
+    What moves and is about to reach the robot makes it drive out of the way: straight on or, with an angle of pi,
+    straight back over floor that it knows, whichever is shorter. ``control.nonholonomic`` needs ``reversing`` for that.
 
     References
     ----------
@@ -59,7 +63,7 @@ class Frontier(Stage):
     squeeze_m: float = param(
         0.06,
         ge=0.0,
-        doc="by how much more obstacles may be nearer on the map where there is hardly another way: such a metre costs 10",
+        doc="by how much nearer still obstacles may be on the map where there is hardly another way: a metre costs 20",
     )
     unknown_margin_m: float = param(
         0.08, ge=0.0, doc="distance that the robot's centre keeps from floor that it has not seen"
@@ -123,7 +127,7 @@ class Frontier(Stage):
         steps_m = map.cell_m / 2 * np.arange(1, math.ceil(2 * self.give_way_m / map.cell_m) + 1)
         found: dict[float, float] = {}
         for theta_rad in (0.0, math.pi):
-            ahead_m = math.cos(theta_rad) * steps_m
+            ahead_m = np.asarray(math.cos(theta_rad) * steps_m, np.float64)
             near_m = map.obstacle_m_at(ahead_m, np.zeros_like(steps_m))
             blocked = map.unknown_m_at(ahead_m, np.zeros_like(steps_m)) <= 0.0
             blocked |= np.diff(near_m, prepend=near_m[0]) < 0.0

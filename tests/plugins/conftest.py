@@ -28,6 +28,7 @@ def draw_map() -> DrawMap:
         obstacle: Where = _nowhere,
         unknown: Where = _nowhere,
         pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        moving: Where = _nowhere,
         half_m: float = 2.0,
         cell_m: float = 0.05,
     ) -> LocalMap:
@@ -36,8 +37,9 @@ def draw_map() -> DrawMap:
         state = np.full(x_m.shape, LocalMap.FREE, np.uint8)
         state[unknown(x_m, y_m)] = LocalMap.UNKNOWN
         state[obstacle(x_m, y_m)] = LocalMap.OBSTACLE
+        state[moving(x_m, y_m)] = LocalMap.MOVING
         origin_m = float(middles[0])
-        away = [_rim_m(state == value, cell_m) for value in (LocalMap.OBSTACLE, LocalMap.UNKNOWN)]
+        away = [_rim_m(there, cell_m) for there in (state >= LocalMap.OBSTACLE, state == LocalMap.UNKNOWN)]
         return LocalMap(cell_m, origin_m, origin_m, *pose, state, *away)
 
     return draw

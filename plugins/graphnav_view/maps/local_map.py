@@ -1,4 +1,4 @@
-"""The picture of a local map: free white, unknown gray, obstacles red, moving ones orange, and the robot with its heading."""
+"""The picture of a local map: free white, unknown gray, obstacles red, what moves orange, and the robot."""
 
 from __future__ import annotations
 

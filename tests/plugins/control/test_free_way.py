@@ -124,6 +124,22 @@ def test_a_robot_that_drives_at_a_wall_comes_to_a_stop_before_it(draw_map: DrawM
     assert 0.825 - RADIUS_M - 2 * CELL_M < x_m < 0.825 - RADIUS_M + CELL_M / 2
 
 
+def test_a_narrow_way_is_taken_where_the_steering_leads_through_it(draw_map: DrawMap) -> None:
+    # The map shows a door that is 5 cm too narrow to each side.
+    door = draw_map(lambda x, y: (np.abs(x - 0.25) < 0.1) & (np.abs(y) > RADIUS_M - 0.05))
+    assert control(map_error_m=0.1).step(asked(0.0), Latest(door, 0.0), Stamp(0)).v_mps > 0.2
+    assert control(map_error_m=0.0).step(asked(0.0), Latest(door, 0.0), Stamp(0)).v_mps < 0.1
+
+
+def test_a_robot_that_is_steered_past_a_corner_does_not_cut_it(draw_map: DrawMap) -> None:
+    # A corner ahead at the right; the steering leads past it at the left, the robot has not turned yet.
+    map_ = draw_map(lambda x, y: (x > 0.2) & (y < 0.05))
+    past = control(map_error_m=0.1).step(asked(0.9), Latest(map_, 0.0), Stamp(0))
+    free = control().step(asked(0.9), Latest(), Stamp(0))
+    assert past.v_mps < 0.6 * free.v_mps
+    assert past.omega_radps == free.omega_radps
+
+
 def test_a_free_map_does_not_limit(draw_map: DrawMap) -> None:
     for theta_rad in (-2.0, -0.4, 0.0, 1.0):
         free = Latest(draw_map(half_m=3.0), 0.0)

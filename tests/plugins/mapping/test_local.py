@@ -26,7 +26,7 @@ class Drive:
     """A stage that is fed with what a camera sees; the evidence of one moving frame is enough."""
 
     def __init__(self, **parameters: Any) -> None:
-        given = {
+        given: dict[str, Any] = {
             "tilt_deg": 60.0,
             "size_m": 4.0,
             "cell_m": CELL_M,
@@ -40,6 +40,8 @@ class Drive:
             "blind_height_m": 0.0,
             "foot_m": FOOT_M,
             "presumed_m": 0.0,
+            "min_unknown_m2": 0.0,
+            "unjudged": "unknown",
             "robot_radius_m": 0.1,
         }
         self.stage = Local(**(given | parameters))
@@ -209,10 +211,40 @@ def test_an_obstacle_that_moves_blocks_the_floor_ahead_of_it() -> None:
     alone, ahead = maps
     # Half of the way that it has before it; the speed is known to a cell in 0.8 s.
     y_m = mover.y_m + mover.radius_m + speed_mps * ahead_s / 2
-    assert state_at(alone, mover.x_m - 0.05, y_m) != LocalMap.OBSTACLE
-    assert state_at(ahead, mover.x_m - 0.05, y_m) == LocalMap.OBSTACLE
+    assert state_at(alone, mover.x_m - 0.05, y_m) < LocalMap.OBSTACLE
+    assert state_at(ahead, mover.x_m - 0.05, y_m) == LocalMap.MOVING
+    assert not (alone.state == LocalMap.MOVING).any()
     beyond_m = mover.y_m + mover.radius_m + (speed_mps + CELL_M / 0.8) * ahead_s + 2 * NEAR_M
-    assert obstacles_m(ahead)[:, 1].max() < beyond_m
+    rows, _ = np.nonzero(ahead.state >= LocalMap.OBSTACLE)
+    assert (ahead.origin_y_m + rows * CELL_M).max() < beyond_m
+    assert (ahead.obstacle_m[ahead.state == LocalMap.MOVING] == 0.0).all()
+
+
+def test_a_pillar_that_stands_does_not_move() -> None:
+    drive = Drive(ahead_s=2.0)
+    maps = [drive.step(pillars(PILLAR), 0.02, 0.02) for _ in range(20)]
+    assert not any((map_.state == LocalMap.MOVING).any() for map_ in maps)
+
+
+def test_small_unknown_floor_counts_as_free() -> None:
+    def see(camera: Camera) -> Plane:
+        seen = seen_plane(camera)
+        seen.valid[70:76, 70:76] = 0
+        return seen
+
+    maps = [Drive(min_unknown_m2=area_m2, presumed_m=0.1).steps(see, [(0.01, 0.0)] * 1) for area_m2 in (0.0, 0.02)]
+    kept, filled = ((map_.state == LocalMap.UNKNOWN) for map_ in maps)
+    assert 0 < (kept & ~filled).sum() * CELL_M**2 < 0.02
+    assert (maps[1].state[kept & ~filled] == LocalMap.FREE).all()
+    assert (filled & ~kept).sum() == 0
+
+
+@pytest.mark.parametrize(("unjudged_is", "expected"), [("obstacle", LocalMap.OBSTACLE), ("unknown", LocalMap.UNKNOWN)])
+def test_what_cannot_be_judged_inside_the_rim_is_what_it_is_told(unjudged_is: str, expected: int) -> None:
+    drive = Drive(unjudged=unjudged_is)
+    map_ = drive.steps(lambda _: unjudged(), [(0.03, 0.0)] * 5)
+    assert (map_.state == expected).any()
+    assert (map_.state == LocalMap.OBSTACLE).any() == (expected == LocalMap.OBSTACLE)
 
 
 def test_distances_are_those_to_the_rims_of_cells() -> None:

@@ -22,6 +22,7 @@ def frontier(**parameters: Any) -> Frontier:
         "robot_radius_m": RADIUS_M,
         "margin_m": 0.05,
         "map_error_m": 0.0,
+        "squeeze_m": 0.0,
         "unknown_margin_m": 0.05,
         "narrow_cost": 1.0,
         "min_frontier_m2": 0.1,
@@ -80,7 +81,11 @@ def test_a_wall_with_an_opening_at_one_side_is_left_there(draw_map: DrawMap, sid
 
 def test_a_dead_end_is_left_by_turning_back(draw_map: DrawMap) -> None:
     map_ = draw_map(lambda x, y: corridor(x, y) | (x > 0.6), lambda x, y: (x < -1.3) & (np.abs(y) <= 0.5))
-    assert abs(theta_rad(map_)) == pytest.approx(math.pi, abs=0.2)
+    assert abs(theta_rad(map_)) == math.pi / 2
+    behind = draw_map(
+        lambda x, y: corridor(x, y) | (x > 0.6), lambda x, y: (x < -1.3) & (np.abs(y) <= 0.5), (0.0, 0.0, math.pi)
+    )
+    assert abs(theta_rad(behind)) < 0.2
 
 
 @pytest.mark.parametrize(("cells", "fits"), [(5, False), (7, False), (9, True), (13, True)])
@@ -123,7 +128,8 @@ def test_of_two_ways_the_one_to_the_goal_is_taken(draw_map: DrawMap, side: int) 
     turned = draw_map(
         lambda x, y: np.abs(x) > 0.5, lambda x, y: (np.abs(y) > 1.0) & (np.abs(x) <= 0.5), (0.0, 0.0, 0.7)
     )
-    assert theta_rad(turned, toward(side * math.pi / 2 - 0.7)) == pytest.approx(side * math.pi / 2 - 0.7, abs=0.2)
+    expected = max(side * math.pi / 2 - 0.7, -math.pi / 2)
+    assert theta_rad(turned, toward(side * math.pi / 2 - 0.7)) == pytest.approx(expected, abs=0.2)
 
 
 def test_without_a_goal_the_way_not_yet_driven_is_taken(draw_map: DrawMap) -> None:
@@ -164,10 +170,53 @@ def test_a_frontier_of_little_floor_is_not_worth_a_visit(draw_map: DrawMap) -> N
 
 
 def test_touching_a_wall_the_robot_gets_away(draw_map: DrawMap) -> None:
-    map_ = draw_map(lambda x, y: np.abs(y) > 0.5, lambda x, y: (np.abs(x) > 1.2) & (np.abs(y) <= 0.5), (0.0, 0.4, 0.0))
+    def unknown(x: Any, y: Any) -> Any:
+        return (np.abs(x) > 1.2) & (np.abs(y) <= 0.5)
+
+    yaws_rad = (0.0, -0.6, -1.2)
+    found = [theta_rad(draw_map(lambda _, y: np.abs(y) > 0.5, unknown, (0.0, 0.4, yaw))) for yaw in yaws_rad]
+    for yaw_rad, theta in zip(yaws_rad, found, strict=True):
+        assert -math.pi < yaw_rad + theta < 0.05
+    assert len(set(found)) == len(found), "it does not turn because it is shut in"
+
+
+def test_it_squeezes_through_a_narrow_gap_if_there_is_hardly_another_way(draw_map: DrawMap) -> None:
+    def is_wall(x: Any, y: Any) -> Any:
+        return (np.abs(x - 0.75) < 0.06) & (np.abs(y) > 0.175)
+
+    shut = draw_map(lambda x, y: is_wall(x, y) | (np.maximum(-x, np.abs(y)) > 1.4), lambda x, y: x > 1.2)
+    assert abs(theta_rad(shut, toward(0.0))) == math.pi / 2
+    assert abs(theta_rad(shut, toward(0.0), squeeze_m=0.06)) < 0.1
+
+    def is_aside(x: Any, y: Any) -> Any:
+        return (y > 1.0) & (np.abs(x) < 0.6)
+
+    # Another way that is longer by less than a squeezed metre costs, to the left.
+    either = draw_map(
+        lambda x, y: is_wall(x, y) | (np.maximum(-x, np.abs(y)) > 1.4), lambda x, y: (x > 1.2) | is_aside(x, y)
+    )
+    assert theta_rad(either, toward(0.3), squeeze_m=0.06) > 0.5
+
+
+@pytest.mark.parametrize(("at_m", "straight_back"), [(0.1, True), (-0.1, False)])
+def test_it_gives_way_to_what_moves_straight_on_or_back(draw_map: DrawMap, at_m: float, straight_back: bool) -> None:
+    def moving(x: Any, y: Any) -> Any:
+        return (np.abs(x - at_m) < 0.15) & (y > -1.0)
+
+    map_ = draw_map(corridor, lambda x, y: (np.abs(x) > 1.2) & (np.abs(y) <= 0.5), moving=moving)
     found = theta_rad(map_)
-    assert -math.pi < found < 0.05
-    assert abs(found) != math.pi / 2
+    assert found == (math.pi if straight_back else 0.0)
+    assert abs(theta_rad(map_, give_way_m=0.0)) <= math.pi / 2
+    standing = draw_map(lambda x, y: corridor(x, y) | moving(x, y), lambda x, y: (np.abs(x) > 1.2) & (np.abs(y) <= 0.5))
+    assert theta_rad(standing) != math.pi, "it gives way only to what moves"
+
+
+def test_it_does_not_give_way_over_unknown_floor(draw_map: DrawMap) -> None:
+    def moving(x: Any, _: Any) -> Any:
+        return (x > -0.05) & (x < 0.5)
+
+    behind = draw_map(unknown=lambda x, _: x < -0.1, moving=moving)
+    assert abs(theta_rad(behind)) <= math.pi / 2
 
 
 def test_the_force_points_along_the_angle(draw_map: DrawMap) -> None:
