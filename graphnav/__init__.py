@@ -5,7 +5,7 @@ The public names are in ``__init__.pyi``. Each is imported on first use, so that
 
 import lazy_loader
 
-__version__ = "0.5.0"
+__version__ = "0.6.0"
 
 __getattr__, __dir__, _names = lazy_loader.attach_stub(__name__, __file__)
 __all__ = ["__version__", *_names]  # noqa: PLE0604 - strings, as lazy_loader read them

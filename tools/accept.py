@@ -21,6 +21,7 @@ from acceptance.live_late import late_item
 from acceptance.live_load import load_item
 from acceptance.live_safety import safety_item
 from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_item, memory_item
+from acceptance.navigating import navigate_item
 from acceptance.no_odometry import no_odometry_item
 from acceptance.notebook import notebook_item
 from acceptance.replayable import replayable_item
@@ -73,6 +74,7 @@ ITEMS = {
     "unknown": unknown_item,
     "light": light_item,
     "no_odometry": no_odometry_item,
+    "navigate": navigate_item,
 }
 
 

@@ -79,7 +79,19 @@ def test_the_world_is_that_of_the_suite(world: str, catalog: Catalog) -> None:
 @pytest.mark.parametrize("name", STUDIES)
 def test_every_graph_of_a_study_with_every_method_is_right(name: str, catalog: Catalog) -> None:
     checked = check_study(replace(load_study(name), seeds=(0,)), catalog, "")
-    assert "oracle" in checked.plan.axes["method"]
+    assert "navigate" in checked.plan.axes["method"]
+
+
+def test_the_parts_add_up_to_the_graph_navigate(catalog: Catalog) -> None:
+    checked = check_study(replace(load_study("navigate_parts"), seeds=(0,)), catalog, "")
+    built = {folder: graph for folder, graph in checked.graphs.items() if folder.endswith("/navigate")}
+    assert len(built) == len(load_study("navigate_parts").graphs)
+    for folder, graph in built.items():
+        world = folder.removesuffix("/navigate").split("/")[-1]
+        shipped = load_graph(f"navigate/{world}", catalog)
+        for stage in ("flow", "plane", "egomotion", "local", "steer", "control"):
+            assert graph.node(stage).use == shipped.node(stage).use
+            assert graph.node(stage).params == shipped.node(stage).params
 
 
 @pytest.mark.parametrize("name", ["navigate", "navigate/corners"])
