@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self
 
 import graphnav_lcm
 import numpy as np
 
 from graphnav.arrays import Bytes, Doubles, Floats, Indices
 from graphnav.messages.message import Message
+
+_MAX_CELLS = 4096
+_MIN_CELL_M, _MAX_CELL_M, _MAX_M = 1e-4, 1e3, 1e6
+"""Limits of what is received: stages take steps of half a cell."""
 
 
 class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
@@ -19,7 +24,6 @@ class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
     ``state``: uint8 (rows, cols), 0 unknown, 1 free, 2 obstacle, 3 obstacle that moves or floor that it will reach.
     ``obstacle_m``, ``unknown_m``: float32 (rows, cols), distance from the middle of the cell to the rim of the nearest
     cell that is an obstacle (moving or not), or unknown; at most the size of the grid.
-    Lengths are in metres where the map was made with the camera's geometry, else in widths of the picture.
     """
 
     UNKNOWN: ClassVar[int] = 0
@@ -37,6 +41,34 @@ class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
     state: Bytes
     obstacle_m: Floats
     unknown_m: Floats
+
+    @classmethod
+    def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
+        """Return the map of ``local_map_t``.
+
+        Raises
+        ------
+        ValueError
+            It has fewer than 2 or more than 4096 cells to a side, cells smaller than 0.1 mm or larger than 1 km,
+            a state that is not one of the four, a distance below 0 or above 1000 km, or the robot is not on it.
+        """
+        found = super().from_lcm_fields(values)
+        rows, cols = found.state.shape
+        if not (min(rows, cols) >= 2 and max(rows, cols) <= _MAX_CELLS):
+            raise ValueError(f"a local map of {cols}x{rows} cells, not 2 to {_MAX_CELLS} to a side")
+        if not _MIN_CELL_M <= found.cell_m <= _MAX_CELL_M:
+            raise ValueError(f"a local map with cells of {found.cell_m:g} m, not {_MIN_CELL_M:g} to {_MAX_CELL_M:g} m")
+        if found.state.max() > cls.MOVING:
+            raise ValueError(f"a local map with the state {found.state.max()}, not 0 to {cls.MOVING}")
+        for name, size, at_m in (("x", cols, found.x_m - found.origin_x_m), ("y", rows, found.y_m - found.origin_y_m)):
+            if not -1.0 <= at_m / found.cell_m <= size:
+                raise ValueError(f"a local map that the robot is not on: its {name} is {at_m:g} m from the origin")
+        for name, distance_m in (("obstacle_m", found.obstacle_m), ("unknown_m", found.unknown_m)):
+            if distance_m.min() < 0.0 or distance_m.max() > _MAX_M:
+                raise ValueError(
+                    f"a local map with distances of {distance_m.min():g} to {distance_m.max():g} m in {name}"
+                )
+        return found
 
     def cells_at(self, forward_m: Doubles, left_m: Doubles) -> tuple[Indices, Indices]:
         """Return the rows and columns of the cells at points in the robot's frame (any shape), clipped to the grid."""

@@ -11,7 +11,7 @@ import graphnav_lcm
 import numpy as np
 import pytest
 
-from graphnav import Flow, GuardState, Motion, Plane, Stop, Twist
+from graphnav import Flow, GuardState, LocalMap, Motion, Plane, Stop, Twist
 from graphnav.codec import Codec, DecodeError, EncodeError, codec_of, decode, encode, message_classes, not_finite
 from graphnav.codec.layout import PRIMITIVES, Field, fields_of
 from graphnav.messages import Message
@@ -42,6 +42,9 @@ def message_of(message_class: type[Message], seed: int) -> Message:
     sizes = {dim: int(rng.integers(4)) for field in fields.values() for dim in field.dims if isinstance(dim, str)}
     if message_class.__name__ == "Image":
         return message_class(pixels=rng.integers(0, 256, (2, 3), np.uint8), step_px=4)  # type: ignore[call-arg]
+    if message_class is LocalMap:
+        state, far = rng.integers(0, 4, (2, 3), np.uint8), rng.uniform(0, 9, (2, 2, 3)).astype(np.float32)
+        return LocalMap(0.1, -0.1, -0.1, 0.0, 0.0, float(rng.uniform(-3, 3)), state, *far)
     values = {}
     for name in (field.name for field in dataclasses.fields(message_class)):
         shape = tuple(dim if isinstance(dim, int) else sizes[dim] for dim in fields[name].dims)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from graphnav import LocalMap
-from graphnav.codec import decode, encode
+from graphnav.codec import DecodeError, decode, encode
 
 ROWS, COLS, CELL_M = 30, 40, 0.1
 
@@ -64,3 +66,27 @@ def test_it_survives_the_bus() -> None:
     assert (back.x_m, back.y_m, back.yaw_rad) == (0.5, -0.6, 0.4)
     for name in ("state", "obstacle_m", "unknown_m"):
         assert np.array_equal(getattr(back, name), getattr(map_, name))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"state": np.zeros((0, 0), np.uint8)}, "a local map of 0x0 cells, not 2 to 4096 to a side"),
+        ({"state": np.zeros((1, 9), np.uint8)}, "a local map of 9x1 cells, not 2 to 4096 to a side"),
+        ({"state": np.full((ROWS, COLS), 4, np.uint8)}, "a local map with the state 4, not 0 to 3"),
+        ({"cell_m": 0.0}, "a local map with cells of 0 m, not 0.0001 to 1000 m"),
+        ({"cell_m": -0.1}, "a local map with cells of -0.1 m, not 0.0001 to 1000 m"),
+        ({"x_m": 9.0}, "a local map that the robot is not on: its x is 10 m from the origin"),
+        ({"y_m": 1e308, "origin_y_m": -1e308}, "a local map that the robot is not on: its y is inf m from the origin"),
+        ({"unknown_m": np.full((ROWS, COLS), -1, np.float32)}, "distances of -1 to -1 m in unknown_m"),
+        ({"obstacle_m": np.full((ROWS, COLS), 3e38, np.float32)}, "distances of 3e\\+38 to 3e\\+38 m in obstacle_m"),
+    ],
+)
+def test_a_map_that_no_robot_can_be_on_is_refused(wrong: dict[str, Any], said: str) -> None:
+    map_ = replace(local_map(0.5, -0.6, 0.4), **wrong)
+    if "state" in wrong:
+        far = np.ones(wrong["state"].shape, np.float32)
+        map_ = replace(map_, obstacle_m=far, unknown_m=far)
+    data = encode(map_, 1, 2)
+    with pytest.raises(DecodeError, match=said):
+        decode(LocalMap, data)
