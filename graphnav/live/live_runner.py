@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from graphnav.bus import Bus
-from graphnav.codec import EncodeError, decode, encode
+from graphnav.codec import DecodeError, EncodeError, decode, encode
 from graphnav.graph import Channel, Graph
 from graphnav.live.clock import LiveClock
 from graphnav.live.firing import FIRED, Used, encoded_firing
@@ -283,10 +283,13 @@ class LiveRunner:
         """Subscribe once to each channel of this process that a stage consumes."""
         for channel in self.graph.channels.values():
             if channel.name in self._readers and channel.ref not in self.graph.inputs:
-                self._bus.subscribe(channel.name, partial(self._receive, channel.message))
+                self._bus.subscribe(channel.name, partial(self._receive, channel))
 
-    def _receive(self, message_class: type[Message], name: str, data: bytes) -> None:
-        utime, seq, message = decode(message_class, data)
+    def _receive(self, channel: Channel, name: str, data: bytes) -> None:
+        try:
+            utime, seq, message = decode(channel.message, data)
+        except DecodeError as error:
+            raise DecodeError(f"stage '{channel.stage}': output '{channel.port}' is {error}") from error
         now_s = self.clock.now_s()
         for unit, port in self._readers[name]:
             unit.deliver(port, utime, message, self._firing.birth_s, now_s, seq)

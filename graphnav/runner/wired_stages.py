@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from graphnav.bus import Bus
-from graphnav.codec import decode
+from graphnav.codec import DecodeError, decode
 from graphnav.graph import Channel, Graph
 from graphnav.messages import Message
 from graphnav.runner.lockstep_unit import LockstepUnit
@@ -53,7 +53,10 @@ class WiredStages(OwnedStages[LockstepUnit]):
 
     def _decode(self, channel: Channel, data: bytes) -> tuple[int, Message]:
         """Return the stamp and the message of a channel's bytes. A subclass may measure it by channel."""
-        utime, _, message = decode(channel.message, data)
+        try:
+            utime, _, message = decode(channel.message, data)
+        except DecodeError as error:
+            raise DecodeError(f"stage '{channel.stage}': output '{channel.port}' is {error}") from error
         return utime, message
 
     def _subscribe(self) -> set[str]:

@@ -128,7 +128,7 @@ class Sampler(Source):
 class Bad(Stage):
     """Does what a stage may not, from a count on."""
 
-    what: str = param("raise", doc="raise, exit, type, shape or hang")
+    what: str = param("raise", doc="raise, exit, type, shape, empty or hang")
     at: int = param(3, doc="the count at which it does it")
 
     def step(self, twist: Twist) -> Image:
@@ -142,9 +142,18 @@ class Bad(Stage):
             return Goal(bearing_rad=0.0, distance_m=1.0)  # type: ignore[return-value]
         if self.what == "shape":
             return Image(pixels=np.zeros((2, 2), np.complex128))
+        if self.what == "empty":
+            return Image(pixels=np.zeros((0, 2), np.uint8))
         print("hanging", file=sys.stderr, flush=True)
         while True:
             time.sleep(0.01)
+
+
+class Look(Stage):
+    """Reads pictures."""
+
+    def step(self, image: Image) -> None:
+        return None
 
 
 class Nan(Stage):
@@ -156,4 +165,4 @@ class Nan(Stage):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Counter, Dice, Noise, Plus, Split, Frugal, Join, Sampler, Slow, Bad, Nan]
+    return [Counter, Dice, Noise, Plus, Split, Frugal, Join, Sampler, Slow, Bad, Look, Nan]
