@@ -130,6 +130,9 @@ class Intake:
             self.monitor.reject("not finite")
             return None
         sizes = tuple(np.shape(getattr(message, name)) for name in message.grid)
+        if any(0 in size for size in sizes) or getattr(message, "step_px", 1) < 1:
+            self.monitor.reject("empty")
+            return None
         if self._sizes is None:
             self._sizes = sizes
         elif sizes != self._sizes:
