@@ -23,7 +23,7 @@ class Egomotion(Stage):
     ground, by reweighted least squares (Geman and McClure's estimator). The positions are taken midway between both
     frames, which makes the fit exact to second order. The robot cannot slip sideways: it drives along an arc.
 
-    Publishes nothing where fewer than 12 ground cells have a vector.
+    Publishes nothing where fewer than 12 ground cells have a vector; one that is longer than the picture is none.
 
     References
     ----------
@@ -31,13 +31,17 @@ class Egomotion(Stage):
        Society B 208, 1980.
     """
 
-    camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc=HEIGHT_DOC)
+    camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=HEIGHT_DOC)
     tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
-    camera_forward_m: float = param(0.0, doc=FORWARD_DOC)
+    camera_forward_m: float = param(0.0, ge=-100.0, le=100.0, doc=FORWARD_DOC)
     shakes: bool = param(True, doc="whether pitch and roll are estimated too; false: the camera is rigid")
-    noise_px: float = param(0.1, gt=0.0, doc="flow noise: a vector that differs by this has a weight of a quarter")
-    max_distance_m: float = param(3.0, gt=0.0, doc="distance on the floor beyond which the flow is too short to count")
+    noise_px: float = param(
+        0.1, ge=0.001, le=100.0, doc="flow noise: a vector that differs by this has a weight of a quarter"
+    )
+    max_distance_m: float = param(
+        3.0, gt=0.0, le=1000.0, doc="distance on the floor beyond which the flow is too short to count"
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the picture's size."""
@@ -59,6 +63,7 @@ class Egomotion(Stage):
             )
         near = self._mount.floor_distance_m(*plane.valid.shape) < self.max_distance_m
         counts = near & (cells.valid != 0) & (plane.valid != 0) & (plane.obstacle == 0)
+        counts &= (np.abs(cells.uv_px) <= plane.step_px * max(counts.shape)).all(axis=-1)
         if np.count_nonzero(counts) < MIN_VECTORS:
             return None
         moved = self._fitted(cells, counts)

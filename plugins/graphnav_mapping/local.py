@@ -8,7 +8,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from graphnav import Continuity, LocalMap, Motion, Plane, Stage, Stamp, param
+from graphnav import Continuity, LocalMap, Motion, ParamError, Plane, Stage, Stamp, param
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
 from graphnav_mapping.movers import Look, Mover, Movers, swept
@@ -17,6 +17,11 @@ from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
 _OBSTACLE_EVIDENCE = 1.0
 _PRESUMED_FREE = -0.2
 _BESIDE = np.ones((3, 3), np.uint8)
+_MIN_CELLS, _MAX_CELLS = 8, 2000
+_LOOK_BACK_S = 0.8
+"""How long ago the floor was seen that tells what moves."""
+_MAX_REACH = 100
+"""Farthest shift, in cells, that is tried for what moves: the time grows with its square."""
 
 
 class Local(Stage):
@@ -34,26 +39,32 @@ class Local(Stage):
     it has to set out to see.
     """
 
-    camera_height_m: float = param(1.0, gt=0.0, le=100.0, doc=HEIGHT_DOC)
+    camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=HEIGHT_DOC)
     tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
-    camera_forward_m: float = param(0.0, doc=FORWARD_DOC)
+    camera_forward_m: float = param(0.0, ge=-100.0, le=100.0, doc=FORWARD_DOC)
     size_m: float = param(9.0, gt=0.0, le=100.0, doc="side of the map")
-    cell_m: float = param(0.04, gt=0.0, le=1.0, doc="side of a cell")
-    max_distance_m: float = param(2.0, gt=0.0, doc="distance from the camera's foot beyond which the plane is not used")
-    hit: float = param(0.8, gt=0.0, doc="dimensionless: evidence of a frame for an obstacle; from 1 on it is one")
-    miss: float = param(0.4, gt=0.0, doc="dimensionless: evidence of a frame against an obstacle")
+    cell_m: float = param(0.04, ge=0.001, le=1.0, doc="side of a cell")
+    max_distance_m: float = param(
+        2.0, gt=0.0, le=1000.0, doc="distance from the camera's foot beyond which the plane is not used"
+    )
+    hit: float = param(
+        0.8, gt=0.0, le=1000.0, doc="dimensionless: evidence of a frame for an obstacle; from 1 on it is one"
+    )
+    miss: float = param(0.4, gt=0.0, le=1000.0, doc="dimensionless: evidence of a frame against an obstacle")
     max_evidence: float = param(
-        3.0, ge=1.0, doc="dimensionless: evidence for an obstacle that more frames do not add to"
+        3.0, ge=1.0, le=1000.0, doc="dimensionless: evidence for an obstacle that more frames do not add to"
     )
     max_free_evidence: float = param(
         1.0,
         gt=0.0,
+        le=1000.0,
         doc="dimensionless: evidence against an obstacle that more frames do not add to; less reacts sooner",
     )
     ahead_s: float = param(
         3.0,
         ge=0.0,
+        le=60.0,
         doc="time for which moving obstacles are expected to go on, which blocks that floor; 0: none",
     )
     min_mover_mps: float = param(0.06, gt=0.0, doc="speed from which an obstacle counts as moving")
@@ -62,12 +73,14 @@ class Local(Stage):
     blind_height_m: float = param(
         0.05,
         ge=0.0,
+        le=100.0,
         doc="height up to which an obstacle moves too much like the floor to be seen: obstacles reach down by this "
         "much from where they are seen",
     )
     foot_m: float = param(
         0.15,
         gt=0.0,
+        le=100.0,
         doc="depth of the floor that an obstacle marks from its foot on; floor that it hides stays unknown",
     )
     min_unknown_m2: float = param(0.02, ge=0.0, doc="unknown floor of a smaller area counts as free")
@@ -82,6 +95,17 @@ class Local(Stage):
     )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; the floor below it is free")
 
+    def check(self) -> None:
+        """Check that the grid is neither too coarse nor too fine for its size and for what moves on it."""
+        cells = self._cells()
+        if not _MIN_CELLS <= cells <= _MAX_CELLS:
+            what = f"'size_m' {self.size_m:g} and 'cell_m' {self.cell_m:g} give a map of {cells} cells to a side"
+            raise ParamError("size_m", what, f"choose them for {_MIN_CELLS} to {_MAX_CELLS} cells")
+        reach = self.max_mover_mps * _LOOK_BACK_S / self.cell_m
+        if self.ahead_s and reach > _MAX_REACH:
+            what = f"'max_mover_mps' {self.max_mover_mps:g} is {reach:.0f} cells in {_LOOK_BACK_S:g} s"
+            raise ParamError("max_mover_mps", what, f"a search reaches {_MAX_REACH}: larger cells, or less speed")
+
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Know nothing."""
         self._mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
@@ -90,9 +114,16 @@ class Local(Stage):
         self._start()
 
     def step(self, plane: Plane, motion: Motion, stamp: Stamp) -> LocalMap:
-        """Return the map with this frame; it begins anew after a gap of more than 3 periods."""
+        """Return the map with this frame.
+
+        It begins anew after a gap of more than 3 periods, and without the motion where that is longer than half of the
+        map: odometry that jumps does not tell where the robot is on it.
+        """
         if self._continuity.breaks(stamp):
             self._start()
+        if math.hypot(motion.forward_m, motion.left_m) > self.size_m / 2:
+            self._start()
+            motion = Motion(forward_m=0.0, left_m=0.0, turn_rad=0.0, interval_us=motion.interval_us)
         grid = self._grid
         grid.move(motion.forward_m, motion.left_m, motion.turn_rad)
         seen = grid.seen(self._labels(plane), self._floor_to_cells(plane))
@@ -112,8 +143,12 @@ class Local(Stage):
 
     def _start(self) -> None:
         self._driven_m = 0.0
-        self._movers = Movers(0.8, self.max_mover_mps, self.cell_m)
-        self._grid = RollingGrid(math.ceil(self.size_m / self.cell_m), self.cell_m)
+        self._movers = Movers(_LOOK_BACK_S, self.max_mover_mps, self.cell_m)
+        self._grid = RollingGrid(self._cells(), self.cell_m)
+
+    def _cells(self) -> int:
+        """Return the number of cells to a side."""
+        return math.ceil(self.size_m / self.cell_m)
 
     def _labels(self, plane: Plane) -> Bytes:
         """Return the labels of the plane's cells, 0 beyond the distance that is used."""

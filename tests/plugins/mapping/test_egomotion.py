@@ -118,3 +118,15 @@ def test_a_plane_of_another_picture_is_refused() -> None:
 
 def test_the_interval_is_that_of_the_flow() -> None:
     assert found(Camera(), Camera().driven(0.01, 0.0)).interval_us == 100_000
+
+
+@pytest.mark.parametrize("wrong_px", [200.0, 3e38, math.nan, math.inf])
+def test_vectors_longer_than_the_picture_do_not_count(wrong_px: float) -> None:
+    now = Camera().driven(0.03, 0.05)
+    flow = floor_flow(Camera(), now)
+    flow.uv_px[:40] = wrong_px
+    is_right(found(Camera(), now, flow=flow), 0.03, 0.05)
+    flow.uv_px[:] = wrong_px
+    stage = Egomotion(tilt_deg=60.0)
+    stage.reset(seed=0)
+    assert stage.step(flow, empty_plane()) is None

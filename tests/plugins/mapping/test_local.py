@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from graphnav_mapping.local import Local
 
-from graphnav import LocalMap, Motion, Plane, Stamp
+from graphnav import LocalMap, Motion, ParamError, Plane, Stamp
 
 from .conftest import Camera, Pillar, seen_plane
 
@@ -269,3 +269,26 @@ def unjudged() -> Plane:
     """Return a plane of which no cell is judged."""
     nothing = np.zeros((120, 160), np.uint8)
     return Plane(nothing, nothing.astype(np.float32), nothing, 1, 0.0)
+
+
+@pytest.mark.parametrize("jump_m", [2.5, 1e20, -1e300])
+def test_it_begins_anew_where_odometry_jumps(jump_m: float) -> None:
+    drive = Drive()
+    drive.steps(pillars(PILLAR), [(0.03, 0.0)] * 3)
+    drive.step(pillars(), jump_m)
+    map_ = drive.stage.step(seen_plane(Camera()), Motion(0.03, 0.0, 0.0, PERIOD_US), Stamp(drive.utime + PERIOD_US))
+    assert (map_.x_m, map_.y_m, map_.yaw_rad) == pytest.approx((0.03, 0.0, 0.0))
+    assert not len(obstacles_m(map_))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"size_m": 4.0, "cell_m": 1.0}, "'size_m' 4 and 'cell_m' 1 give a map of 4 cells to a side"),
+        ({"size_m": 100.0, "cell_m": 0.001}, "'size_m' 100 and 'cell_m' 0.001 give a map of 100000 cells to a side"),
+        ({"ahead_s": 3.0, "max_mover_mps": 5.0, "cell_m": 0.02}, "'max_mover_mps' 5 is 200 cells in 0.8 s"),
+    ],
+)
+def test_a_grid_that_cannot_be_searched_is_refused(wrong: dict[str, Any], said: str) -> None:
+    with pytest.raises(ParamError, match=said):
+        Local(**wrong).check()
