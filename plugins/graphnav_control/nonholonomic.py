@@ -39,13 +39,15 @@ class Nonholonomic(Stage):
     map_error_m: float = param(
         0.1,
         ge=0.0,
+        le=10.0,
         doc="how much nearer than they are obstacles may be on the map: a way past them that is narrower by as much is "
         "driven where the steering leads through it",
     )
-    max_decel_mps2: float = param(0.5, gt=0.0, doc="deceleration to count on where a map limits the speed")
+    max_decel_mps2: float = param(0.5, gt=0.0, le=100.0, doc="deceleration to count on where a map limits the speed")
     reaction_s: float = param(
         0.25,
         ge=0.0,
+        le=60.0,
         doc="time from what the camera sees to the brakes, where a map limits the speed: images and latency",
     )
     reversing: bool = param(

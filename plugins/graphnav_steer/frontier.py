@@ -19,6 +19,8 @@ _TRAIL_STEP_M = 0.1
 _MAX_TRAIL = 400
 _TOUCH_COST = 20.0
 """Cost of a metre in touch with an obstacle, to squeeze through or to leave it."""
+_FAR_M = 1e6
+"""A goal that is farther away counts as this far: only its bearing matters."""
 _SAME_M = 0.3
 """Frontiers nearer to the last choice than this are the same choice."""
 
@@ -54,31 +56,37 @@ class Frontier(Stage):
     """
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
-    margin_m: float = param(0.05, ge=0.0, doc="distance to keep from obstacles beyond the radius")
+    margin_m: float = param(0.05, ge=0.0, le=10.0, doc="distance to keep from obstacles beyond the radius")
     map_error_m: float = param(
         0.02,
         ge=0.0,
+        le=10.0,
         doc="how much nearer than they are obstacles may be on the map; more squeezes through narrower gaps",
     )
     squeeze_m: float = param(
         0.06,
         ge=0.0,
+        le=10.0,
         doc="by how much nearer still obstacles may be on the map where there is hardly another way: a metre costs 20",
     )
     unknown_margin_m: float = param(
-        0.08, ge=0.0, doc="distance that the robot's centre keeps from floor that it has not seen"
+        0.08, ge=0.0, le=10.0, doc="distance that the robot's centre keeps from floor that it has not seen"
     )
     narrow_cost: float = param(
         1.0,
         ge=0.0,
+        le=1000.0,
         doc="dimensionless: cost of a metre that cannot keep `margin_m`, in addition to what nearness costs",
     )
     min_frontier_m2: float = param(0.15, ge=0.0, doc="unknown floor of a smaller area is not worth a visit")
     comfort_m: float = param(
-        0.25, gt=0.0, doc="distance from obstacles beyond the radius from which nearness costs nothing"
+        0.25, ge=0.001, le=10.0, doc="distance from obstacles beyond the radius from which nearness costs nothing"
     )
     near_cost: float = param(
-        1.5, ge=0.0, doc="dimensionless: cost of a metre along an obstacle, in addition to 1; more keeps to the middle"
+        1.5,
+        ge=0.0,
+        le=1000.0,
+        doc="dimensionless: cost of a metre along an obstacle, in addition to 1; more keeps to the middle",
     )
     look_ahead_m: float = param(0.6, gt=0.0, doc="distance of the farthest point of the path to head for")
     turn_cost_m: float = param(0.6, ge=0.0, doc="cost of a first turn by half a circle where there is no goal")
@@ -86,7 +94,10 @@ class Frontier(Stage):
     commit_m: float = param(0.4, ge=0.0, doc="by how much another frontier must be cheaper to be preferred")
     goal_weight: float = param(2.0, ge=0.0, doc="dimensionless: cost of a metre between a frontier and the goal")
     give_way_m: float = param(
-        1.0, ge=0.0, doc="how far the robot drives, straight on or back, out of the way of what moves; 0: it does not"
+        1.0,
+        ge=0.0,
+        le=100.0,
+        doc="how far the robot drives, straight on or back, out of the way of what moves; 0: it does not",
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
@@ -238,8 +249,8 @@ def _is_in_the_way(map: LocalMap, radius_m: float) -> bool:  # noqa: A002
 
 def _goal_m(map: LocalMap, goal: Goal) -> Point:  # noqa: A002
     """Return the goal in the frame of the map."""
-    bearing_rad = map.yaw_rad + goal.bearing_rad
-    return map.x_m + goal.distance_m * math.cos(bearing_rad), map.y_m + goal.distance_m * math.sin(bearing_rad)
+    bearing_rad, distance_m = map.yaw_rad + goal.bearing_rad, min(max(goal.distance_m, -_FAR_M), _FAR_M)
+    return map.x_m + distance_m * math.cos(bearing_rad), map.y_m + distance_m * math.sin(bearing_rad)
 
 
 def _places_m(map: LocalMap, rows: Indices, cols: Indices) -> tuple[Doubles, Doubles]:  # noqa: A002

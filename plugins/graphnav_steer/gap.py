@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from graphnav import Goal, Latest, LocalMap, Stage, Steering, param
+from graphnav import Goal, Latest, LocalMap, ParamError, Stage, Steering, param
 from graphnav.arrays import Doubles
 from graphnav_steer.axes import toward
 
@@ -27,16 +27,22 @@ class Gap(Stage):
     """
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
-    margin_m: float = param(0.03, ge=0.0, doc="distance to keep from obstacles beyond the radius")
+    margin_m: float = param(0.03, ge=0.0, le=10.0, doc="distance to keep from obstacles beyond the radius")
     unknown: Literal["obstacle", "free"] = param(
         "obstacle", doc="what cells that were never judged count as; free drives where nothing was seen"
     )
-    max_way_m: float = param(1.0, gt=0.0, doc="a longer free way counts as this long")
+    max_way_m: float = param(1.0, gt=0.0, le=100.0, doc="a longer free way counts as this long")
     min_way_m: float = param(0.1, ge=0.0, doc="with no heading free for this long the robot turns on the spot")
     turn_cost_m: float = param(0.25, ge=0.0, doc="cost of turning by half a circle")
     change_cost_m: float = param(0.3, ge=0.0, doc="cost of a heading at half a circle from the last choice")
     goal_cost_m: float = param(1.5, ge=0.0, doc="cost of a heading at half a circle from the goal")
     headings: int = param(72, ge=8, le=720, doc="number of headings around the robot")
+
+    def check(self) -> None:
+        """Check that a way can be as long as the robot wants it."""
+        if self.min_way_m > self.max_way_m:
+            what = f"'min_way_m' {self.min_way_m:g} is more than 'max_way_m' {self.max_way_m:g}"
+            raise ParamError("min_way_m", f"{what}: the robot would only turn", "make it less")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the last choice."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from graphnav import Goal, Latest, LocalMap, Stage, Steering, param
+from graphnav import Goal, Latest, LocalMap, ParamError, Stage, Steering, param
 from graphnav.arrays import Bools, Doubles
 from graphnav_steer.axes import toward
 
@@ -35,13 +35,20 @@ class Vfh(Stage):
     """
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
-    margin_m: float = param(0.05, ge=0.0, doc="distance to keep from obstacles beyond the radius")
-    active_m: float = param(1.0, gt=0.0, doc="distance of the obstacles that count; more turns sooner")
+    margin_m: float = param(0.05, ge=0.0, le=10.0, doc="distance to keep from obstacles beyond the radius")
+    active_m: float = param(1.0, gt=0.0, le=20.0, doc="distance of the obstacles that count; more turns sooner")
     sectors: int = param(72, ge=8, le=720, doc="number of sectors around the robot")
     max_density: float = param(
         0.3, ge=0.0, doc="dimensionless: density of a sector that is still free; an obstacle's cell at contact has 1"
     )
     wide_deg: float = param(60.0, gt=0.0, le=360.0, doc="width from which a valley is wide")
+
+    def check(self) -> None:
+        """Check that obstacles count before the robot touches them."""
+        kept_m = self.robot_radius_m + self.margin_m
+        if self.active_m <= kept_m:
+            what = f"'active_m' is {self.active_m:g}, but radius and margin of the robot are {kept_m:g}"
+            raise ParamError("active_m", f"{what}: nothing counts before it is touched", "make it larger")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the side of the last turn."""

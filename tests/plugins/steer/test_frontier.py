@@ -231,3 +231,10 @@ def test_the_same_maps_give_the_same_steering(draw_map: DrawMap) -> None:
     maps = [draw_map(corridor, lambda x, _: np.abs(x) > 1.2, (0.05 * k, 0.0, 0.1)) for k in range(6)]
     one, other = ([stage.step(map_, NONE).theta_rad for map_ in maps] for stage in (frontier(), frontier()))
     assert one == other
+
+
+@pytest.mark.parametrize("far_m", [1e9, 1e308])
+def test_of_a_goal_far_away_only_the_bearing_matters(draw_map: DrawMap, far_m: float) -> None:
+    map_ = draw_map(unknown=lambda x, y: np.hypot(x, y) > 1.2)
+    found = [theta_rad(map_, toward(1.0, distance_m)) for distance_m in (1e6, far_m)]
+    assert found[0] == found[1] == pytest.approx(1.0, abs=0.3)

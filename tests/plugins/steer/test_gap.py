@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from graphnav_steer.gap import Gap
 
-from graphnav import Goal, Latest, LocalMap
+from graphnav import Goal, Latest, LocalMap, ParamError
 
 DrawMap = Callable[..., LocalMap]
 NONE: Latest[Any] = Latest()
@@ -108,3 +108,8 @@ def test_the_same_maps_give_the_same_steering(draw_map: DrawMap) -> None:
     maps = [draw_map(around, pose=(0.02 * k, 0.0, 0.3 * k)) for k in range(6)]
     one, other = ([stage.step(map_, NONE).theta_rad for map_ in maps] for stage in (gap(), gap()))
     assert one == other
+
+
+def test_a_way_longer_than_any_that_counts_cannot_be_asked_for() -> None:
+    with pytest.raises(ParamError, match="'min_way_m' 2 is more than 'max_way_m' 1: the robot would only turn"):
+        gap(max_way_m=1.0, min_way_m=2.0).check()
