@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 
 from graphnav import Continuity, LocalMap, Motion, ParamError, Plane, Stage, Stamp, param
-from graphnav.arrays import Bools, Bytes, Doubles, Floats
+from graphnav.arrays import Bools, Bytes, Doubles
+from graphnav_mapping.cell_regions import distance_m, small_regions
 from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
 from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
@@ -193,7 +194,7 @@ class Local(Stage):
         grid = self._grid
         state = (grid.evidence <= _PRESUMED_FREE).astype(np.uint8)
         state[grid.evidence >= _OBSTACLE_EVIDENCE] = LocalMap.OBSTACLE
-        state[_small(state == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2)] = LocalMap.FREE
+        state[small_regions(state == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2)] = LocalMap.FREE
         state[ahead != 0] = LocalMap.MOVING
         return LocalMap(
             cell_m=grid.cell_m,
@@ -203,24 +204,6 @@ class Local(Stage):
             y_m=grid.y_m,
             yaw_rad=grid.yaw_rad,
             state=state,
-            obstacle_m=_distance(state >= LocalMap.OBSTACLE, grid.cell_m),
-            unknown_m=_distance(state == LocalMap.UNKNOWN, grid.cell_m),
+            obstacle_m=distance_m(state >= LocalMap.OBSTACLE, grid.cell_m),
+            unknown_m=distance_m(state == LocalMap.UNKNOWN, grid.cell_m),
         )
-
-
-def _small(cells: Bools, min_cells: float) -> Bools:
-    """Return the ``cells`` (rows, cols) that are in connected regions of fewer than so many."""
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=4)
-    is_small = stats[:, cv2.CC_STAT_AREA] < min_cells
-    is_small[0] = False
-    return np.asarray(is_small[labels])
-
-
-def _distance(there: Bools, cell_m: float) -> Floats:
-    """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
-    farthest = np.float32(cell_m * math.hypot(*there.shape))
-    cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
-    apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
-    rim_m: Floats = np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
-    return rim_m

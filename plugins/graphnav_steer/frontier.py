@@ -11,6 +11,7 @@ import numpy as np
 from graphnav import Goal, Latest, LocalMap, Stage, Steering, param
 from graphnav.arrays import Bools, Doubles, Indices
 from graphnav_steer.axes import toward
+from graphnav_steer.giving_way import out_of_the_way_rad
 from graphnav_steer.local_paths import beside, cheapest_paths
 
 Point = tuple[float, float]
@@ -119,44 +120,29 @@ class Frontier(Stage):
             self._trail = [*self._trail[1 - _MAX_TRAIL :], here]
 
     def _theta_rad(self, map: LocalMap, goal: Goal | None) -> float:  # noqa: A002
-        if self.give_way_m and _is_in_the_way(map, self.robot_radius_m + self.margin_m):
-            aside_rad = self._out_of_the_way_rad(map)
+        if self.give_way_m:
+            aside_rad = out_of_the_way_rad(map, self.robot_radius_m + self.margin_m, self.give_way_m)
             if aside_rad is not None:
                 return aside_rad
-        way = self._way(map, goal)
+        price = self._price(map)
+        way = self._way(map, goal, price)
         if way is None:
             self._chosen = None
             return self._spin * math.pi / 2
         self._chosen = way.end_m
-        theta_rad = self._toward(map, way.path, self._price(map))
+        theta_rad = self._toward(map, way.path, price)
         if theta_rad:
             self._spin = math.copysign(1.0, theta_rad)
         return min(max(theta_rad, -math.pi / 2), math.pi / 2)
 
-    def _out_of_the_way_rad(self, map: LocalMap) -> float | None:  # noqa: A002
-        """Return 0 or pi, whether straight on or straight back is out of the way sooner; None if neither is free."""
-        steps_m = map.cell_m / 2 * np.arange(1, math.ceil(2 * self.give_way_m / map.cell_m) + 1)
-        found: dict[float, float] = {}
-        for theta_rad in (0.0, math.pi):
-            ahead_m = np.asarray(math.cos(theta_rad) * steps_m, np.float64)
-            near_m = map.obstacle_m_at(ahead_m, np.zeros_like(steps_m))
-            blocked = map.unknown_m_at(ahead_m, np.zeros_like(steps_m)) <= 0.0
-            blocked |= np.diff(near_m, prepend=near_m[0]) < 0.0
-            clear = near_m >= self.robot_radius_m + self.margin_m
-            first = int(np.argmax(clear))
-            if clear.any() and not blocked[: first + 1].any():
-                found[theta_rad] = float(steps_m[first])
-        return min(found, key=found.__getitem__) if found else None
-
-    def _way(self, map: LocalMap, goal: Goal | None) -> Way | None:  # noqa: A002
+    def _way(self, map: LocalMap, goal: Goal | None, price: Doubles) -> Way | None:  # noqa: A002
         """Return the cheapest way to a frontier, None if there is none."""
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
         open_cells = self._open(map, int(row), int(col))
         known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
         beyond = _wide(open_cells & ~known, self.min_frontier_m2 / map.cell_m**2)
         frontier = beyond & beside(known)
-        price = np.where(known | frontier, self._price(map), math.inf)
-        paths = cheapest_paths((int(row), int(col)), price, map.cell_m)
+        paths = cheapest_paths((int(row), int(col)), np.where(known | frontier, price, math.inf), map.cell_m)
         end = None if goal is None else self._at_goal(map, goal, np.isfinite(paths.cost_m))
         if goal is not None and end is not None:
             return Way(_goal_m(map, goal), paths.to(*end))
@@ -238,13 +224,6 @@ class Frontier(Stage):
                 break
             last = k
         return math.remainder(math.atan2(y_m[last] - map.y_m, x_m[last] - map.x_m) - map.yaw_rad, 2 * math.pi)
-
-
-def _is_in_the_way(map: LocalMap, radius_m: float) -> bool:  # noqa: A002
-    """Return whether what moves is expected within a distance of the robot's centre."""
-    rows, cols = np.nonzero(map.state == LocalMap.MOVING)
-    x_m, y_m = _places_m(map, rows, cols)
-    return bool((np.hypot(x_m - map.x_m, y_m - map.y_m) < radius_m).any())
 
 
 def _goal_m(map: LocalMap, goal: Goal) -> Point:  # noqa: A002
