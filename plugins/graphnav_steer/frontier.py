@@ -68,7 +68,8 @@ class Frontier(Stage):
         0.06,
         ge=0.0,
         le=10.0,
-        doc="by how much nearer still obstacles may be on the map where there is hardly another way: a metre costs 20",
+        doc="by how much nearer still obstacles may be on the map where there is hardly another way, a metre costs 20; "
+        "by twice as much where there is no other",
     )
     unknown_margin_m: float = param(
         0.08, ge=0.0, le=10.0, doc="distance that the robot's centre keeps from floor that it has not seen"
@@ -125,7 +126,7 @@ class Frontier(Stage):
             if aside_rad is not None:
                 return aside_rad
         price = self._price(map)
-        way = self._way(map, goal, price)
+        way = self._way(map, goal, price, self.squeeze_m) or self._way(map, goal, price, 2 * self.squeeze_m)
         if way is None:
             self._chosen = None
             return self._spin * math.pi / 2
@@ -135,10 +136,10 @@ class Frontier(Stage):
             self._spin = math.copysign(1.0, theta_rad)
         return min(max(theta_rad, -math.pi / 2), math.pi / 2)
 
-    def _way(self, map: LocalMap, goal: Goal | None, price: Doubles) -> Way | None:  # noqa: A002
+    def _way(self, map: LocalMap, goal: Goal | None, price: Doubles, squeeze_m: float) -> Way | None:  # noqa: A002
         """Return the cheapest way to a frontier, None if there is none."""
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
-        open_cells = self._open(map, int(row), int(col))
+        open_cells = self._open(map, int(row), int(col), squeeze_m)
         known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
         beyond = _wide(open_cells & ~known, self.min_frontier_m2 / map.cell_m**2)
         frontier = beyond & beside(known)
@@ -154,9 +155,9 @@ class Frontier(Stage):
         best = self._best(x_m, y_m, cost_m)
         return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))
 
-    def _open(self, map: LocalMap, row: int, col: int) -> Bools:  # noqa: A002
+    def _open(self, map: LocalMap, row: int, col: int, squeeze_m: float) -> Bools:  # noqa: A002
         """Return the cells where the robot touches nothing, and those by which it can leave what it touches now."""
-        open_cells: Bools = map.obstacle_m >= self.robot_radius_m - self.map_error_m - self.squeeze_m
+        open_cells: Bools = map.obstacle_m >= self.robot_radius_m - self.map_error_m - squeeze_m
         reach = math.ceil((self.robot_radius_m + self.margin_m) / map.cell_m)
         near = (slice(max(row - reach, 0), row + reach + 1), slice(max(col - reach, 0), col + reach + 1))
         open_cells[near] |= map.obstacle_m[near] >= map.obstacle_m[row, col]
