@@ -17,7 +17,7 @@ _MIN_CELL_M, _MAX_CELL_M, _MAX_M = 1e-4, 1e3, 1e6
 
 
 class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
-    """What the robot knows of the floor around it: a grid that moves along with the robot and does not turn with it.
+    """The floor around the robot, as far as it is known: a grid that moves with the robot and does not turn with it.
 
     The frame of the map is the robot's at its start (x forward, y left). Cell (r, c) has its middle at
     x = origin_x_m + c * cell_m, y = origin_y_m + r * cell_m. ``x_m``, ``y_m``, ``yaw_rad``: pose of the robot.

@@ -18,7 +18,9 @@ class Nonholonomic(Stage):
     right angle the law as published would drive backwards, blind, and turn more slowly the larger the angle: there T is
     0 and R keeps its full value, so that the robot turns on the spot. ``reversing`` is the law as published.
 
-    ``floor_ratio`` and ``smoothing_s`` are departures from [OI], off by default.
+    ``floor_ratio``, ``smoothing_s`` and ``map`` are departures from [OI], off by default. With a local map the robot
+    drives no faster than it can stop before the first obstacle or unknown floor ahead; the newest map counts, however
+    old it is.
 
     References
     ----------

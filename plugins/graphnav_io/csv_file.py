@@ -17,6 +17,8 @@ TIME_UNITS = {"s": 1e6, "ms": 1e3, "us": 1.0, "ns": 1e-3}
 """Suffixes of columns of times, and microseconds in each."""
 TIMES = ("utime", "time", "timestamp", "stamp", "t")
 """Names of columns of times, which a suffix may follow."""
+MAX_US = 3e18
+"""A larger time, in microseconds, is none: it is later than the year 90000."""
 MAX_SECONDS = 1e11
 """A larger time is not in seconds: it is the year 5138."""
 
@@ -92,7 +94,8 @@ class CsvFile:
         Raises
         ------
         ParamError
-            A cell is not a number, a time is not later than the one before, or its unit cannot be seconds.
+            A cell is not a number, a time is not later than the one before, is larger than `MAX_US`, or its unit
+            cannot be seconds.
         """
         values = self.numbers(name)
         unit = "us" if name == "utime" else name.rpartition("_")[2]
@@ -100,7 +103,11 @@ class CsvFile:
             line, _ = self._rows[int(np.argmax(np.abs(values)))]
             what = f"'{name}' is {self.words(name)[int(np.argmax(np.abs(values)))]}, which cannot be seconds"
             raise self.fault(line, what, f"name the column {name}_ms, {name}_us or {name}_ns, by its unit")
-        found = np.rint(values * TIME_UNITS.get(unit, TIME_UNITS["s"])).astype(np.int64)
+        scale = TIME_UNITS.get(unit, TIME_UNITS["s"])
+        for k in np.flatnonzero(np.abs(values) > MAX_US / scale):
+            line, _ = self._rows[k]
+            raise self.fault(line, f"'{name}' is {self.words(name)[k]}, which is not a time", "correct the line")
+        found = np.rint(values * scale).astype(np.int64)
         for k in np.flatnonzero(np.diff(found) <= 0):
             line, _ = self._rows[k + 1]
             raise self.fault(line, f"'{name}' is not later than in the row before", "sort the rows by time")

@@ -19,6 +19,8 @@ OMEGA = ("omega", "omega_radps", "omega_degps", "w", "w_radps", "yaw_rate", "yaw
 WRITE = "name them time, x, y, yaw or time, v, omega, with units as suffixes (time_us, yaw_deg), or set 'columns'"
 MAX_PERIODS = 3.0
 """Longest gap, in typical periods, that is interpolated."""
+MAX_M, MAX_RAD = 1e9, 1e9
+"""Limits of poses; UTM coordinates are below 1e7 m."""
 
 
 class Track(NamedTuple):
@@ -87,6 +89,9 @@ def read_odometry(path: Path, columns: tuple[str, ...] | None, channel: str | No
     track = _read_log(path, channel) if path.suffix == ".lcmlog" else _read_csv(path, columns)
     if len(track.utimes) < 2:
         raise ParamError("odometry", f"'{path}' holds a single sample", "record the drive, at 10 Hz or more")
+    if not (np.abs(track.position_m).max() <= MAX_M and np.abs(track.yaw_rad).max() <= MAX_RAD):
+        what = f"'{path}' leads farther than {MAX_M:g} m away, or turns by more than {MAX_RAD:g} rad"
+        raise ParamError("odometry", what, "give metres and radians, or m/s and rad/s")
     return track
 
 
@@ -124,6 +129,7 @@ def _radians(table: CsvFile, name: str) -> Doubles:
     return np.radians(values) if name.endswith(("_deg", "_degps")) else values
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def _integrated(utimes: Longs, v_mps: Doubles, omega_radps: Doubles) -> Track:
     elapsed_s = np.diff(utimes) * 1e-6
     turns = elapsed_s * (omega_radps[1:] + omega_radps[:-1]) / 2

@@ -10,7 +10,7 @@ import numpy as np
 
 from graphnav import ParamError
 from graphnav.arrays import Longs
-from graphnav_io.csv_file import CsvFile
+from graphnav_io.csv_file import MAX_US, CsvFile
 
 FILES = ("file", "filename", "name", "image", "picture")
 """Names of the column of picture files."""
@@ -51,7 +51,7 @@ def row_times(times: Path) -> Longs:
 
 def _named_times(files: Sequence[Path]) -> TimedPictures:
     for file in files:
-        if not (file.stem.isascii() and file.stem.isdecimal()):
+        if not (file.stem.isascii() and file.stem.isdecimal() and float(file.stem) <= MAX_US):
             raise ParamError("times", f"'{file}' is not named by its time in microseconds", WRITE)
     ordered = sorted(files, key=lambda file: int(file.stem))
     utimes = np.array([int(file.stem) for file in ordered], np.int64)

@@ -117,8 +117,8 @@ class Local(Stage):
     def step(self, plane: Plane, motion: Motion, stamp: Stamp) -> LocalMap:
         """Return the map with this frame.
 
-        It begins anew after a gap of more than 3 periods, and without the motion where that is longer than half of the
-        map: odometry that jumps does not tell where the robot is on it.
+        It restarts after a gap of more than 3 periods, and where the motion is longer than half of the map: odometry
+        that jumps does not tell where the robot is on it.
         """
         if self._continuity.breaks(stamp):
             self._start()

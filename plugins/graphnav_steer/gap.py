@@ -16,7 +16,7 @@ class Gap(Stage):
     """Heads for the gap: the heading with the longest free way, less the cost of turning there.
 
     For each heading the free way of a disc is as long as nothing on the map is nearer to its middle than the robot's
-    radius and a margin. The heading with the greatest length, less costs for turning, for changing the last choice and
+    radius and a margin. The heading with the maximum length, less costs for turning, for changing the last choice and
     for leaving the goal's bearing, wins. Where no way is free for ``min_way_m``, the robot turns on the spot towards
     the longest one, to the side that it has begun with.
 

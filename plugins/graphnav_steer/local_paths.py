@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 from graphnav.arrays import Bools, Doubles, Indices
 
 _NONE = -9999
-"""What scipy calls the predecessor of a cell that is not reached."""
+"""The name in scipy for the predecessor of a cell that is not reached."""
 
 
 class Paths(NamedTuple):

@@ -53,9 +53,9 @@ def _arrives(world: str, method: str, runs: Sequence[Run]) -> bool:
 
 def _lasts(method: str, runs: Sequence[Run]) -> bool:
     lasted = sum(run["outcome"] != "contact" for run in runs)
-    least = min(float(run["drive.progress_ratio"] or 0.0) for run in runs)
-    good = lasted == len(runs) and least >= MIN_PROGRESS
+    slowest = min(float(run["drive.progress_ratio"] or 0.0) for run in runs)
+    good = lasted == len(runs) and slowest >= MIN_PROGRESS
     mark = "ok  " if good else "MISS"
     say(f"{mark} laps: {method} lasts without contact in {lasted} of {len(runs)}")
-    say(f"     net progress at least {least:.3f} of what the highest speed allows, wanted {MIN_PROGRESS:g}")
+    say(f"     net progress at least {slowest:.3f} of what the highest speed allows, wanted {MIN_PROGRESS:g}")
     return good

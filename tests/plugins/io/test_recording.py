@@ -202,7 +202,13 @@ ODOMETRY_FAULTS = {
     "time,v,omega\n1,2,3\n2,nan,3\n": "{path}:3: 'v' is 'nan', not a finite number",
     "time,v,omega\n1,2,3\n1,2,3\n": "{path}:3: 'time' is not later than in the row before",
     "time,v,omega\n1700000000000,2,3\n": "{path}:2: 'time' is 1700000000000, which cannot be seconds",
+    "time_us,v,omega\n1,2,3\n1e300,2,3\n": "{path}:3: 'time_us' is 1e300, which is not a time",
+    "time_ns,v,omega\n-1e25,2,3\n2,2,3\n": "{path}:2: 'time_ns' is -1e25, which is not a time",
     "time,v,omega\n1,2,3\n": "'{path}' holds a single sample",
+    "time,v,omega\n1,1e308,1e308\n2,1e308,0\n3,1,1\n": "'{path}' leads farther than 1e+09 m away, or turns by more "
+    "than 1e+09 rad",
+    "time,x,y,yaw\n1,0,0,0\n2,0,-1e300,0\n": "'{path}' leads farther than 1e+09 m away, or turns by more than "
+    "1e+09 rad",
     "time,v,omega\n1,2,3\n2,2,3\n": "the odometry is of 1.000 to 2.000 s, but the pictures are of 1700000000.000 to "
     "1700000000.320 s",
 }
@@ -248,6 +254,10 @@ def test_a_log_has_to_hold_one_channel_of_odometry_or_the_named_one(frames: Path
 def test_names_that_are_not_times_are_refused(folder: Path, tmp_path: Path) -> None:
     error = refusal(path=folder)
     assert (error.param, error.what) == ("times", f"'{folder}/frame_1.png' is not named by its time in microseconds")
+    late = tmp_path / f"{10**20}.png"
+    cv2.imwrite(str(late), np.zeros((8, 8), np.uint8))
+    assert refusal(path=tmp_path).what == f"'{late}' is not named by its time in microseconds"
+    late.unlink()
     for number in (1290, 1291, 1292):
         cv2.imwrite(str(tmp_path / f"{number:06d}.png"), np.zeros((8, 8), np.uint8))
     assert refusal(path=tmp_path).what.startswith(f"'{tmp_path}/001290.png' and '001291.png' are 1 us apart")

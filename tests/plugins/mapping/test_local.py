@@ -184,14 +184,14 @@ def test_a_robot_that_has_not_set_out_presumes_that_ground_is_free() -> None:
 def test_an_obstacle_that_is_gone_disappears() -> None:
     drive = Drive()
     assert len(obstacles_m(drive.steps(pillars(PILLAR), [(0.01, 0.0)] * 4)))
-    # From the greatest evidence, 2, to that of free floor in steps of at most 0.5, at half of the full motion.
+    # From the maximum evidence, 2, to that of free floor in steps of at most 0.5, at half of the full motion.
     map_ = drive.steps(pillars(), [(0.01, 0.0)] * 12)
     assert not len(obstacles_m(map_))
     assert state_at(map_, PILLAR.x_m, PILLAR.y_m) == LocalMap.FREE
 
 
 @pytest.mark.parametrize("gap_us", [10 * PERIOD_US, -PERIOD_US])
-def test_it_begins_anew_after_a_gap(gap_us: int) -> None:
+def test_it_restarts_after_a_gap(gap_us: int) -> None:
     drive = Drive()
     drive.steps(pillars(PILLAR), [(0.03, 0.1)] * 5)
     map_ = drive.step(lambda _: unjudged(), 0.0, 0.0, gap_us)
@@ -272,7 +272,7 @@ def unjudged() -> Plane:
 
 
 @pytest.mark.parametrize("jump_m", [2.5, 1e20, -1e300])
-def test_it_begins_anew_where_odometry_jumps(jump_m: float) -> None:
+def test_it_restarts_where_odometry_jumps(jump_m: float) -> None:
     drive = Drive()
     drive.steps(pillars(PILLAR), [(0.03, 0.0)] * 3)
     drive.step(pillars(), jump_m)
