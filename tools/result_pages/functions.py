@@ -42,6 +42,11 @@ def total(results: ShippedResults, graph: str, variant: str, metric: str, *, at:
     return float(_values(results, graph, variant, metric, at).sum())
 
 
+def lowest(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
+    """Return the lowest value over the worlds that have a metric."""
+    return float(_values(results, graph, variant, metric, at).min())
+
+
 def low(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
     """Return the lower end of the mean's 95 % interval."""
     values = _values(results, graph, variant, metric, at)
@@ -175,6 +180,7 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "outcomes": outcomes,
     "mean": mean,
     "total": total,
+    "lowest": lowest,
     "low": low,
     "high": high,
     "interval": interval,
