@@ -50,13 +50,13 @@ class local_map_t(object):
         """ LCM Type: int32_t """
         self.state = []
         """
-        0 unknown, 1 free, 2 obstacle.
+        0 unknown, 1 free, 2 obstacle, 3 obstacle that moves, or floor that it is about to reach.
         LCM Type: byte[rows][cols]
         """
 
         self.obstacle_m = []
         """
-        Distance from the middle of a cell to the nearest obstacle, and to the nearest cell that is unknown.
+        Distance from the middle of a cell to the nearest obstacle, moving or not, and to the nearest cell that is unknown.
         LCM Type: float[rows][cols]
         """
 

@@ -131,11 +131,13 @@ def test_the_log_itself_is_never_replaced(
     log, link = tmp_path / "run.lcmlog", tmp_path / "link"
     shutil.copy(drive / "run.lcmlog", log)
     link.symlink_to(log)
-    channel = "robot.image" if kind == "mp4" else "control.twist"
+    channel = "robot.image" if kind in ("mp4", "images") else "control.twist"
+    refused = "is the log to export\n  choose another place with -o\n"
+    folder = "is a file\n  name a folder with -o, or one channel with --channel\n"
     for target in (log, link):
         words = ["--to", kind, "-o", str(target), "--channel", channel, "--force"]
         assert main(["export", str(tmp_path), *words]) == 2
-        said = f"{target} is the log to export\n  choose another place with -o\n"
+        said = f"{target} {folder if kind == 'images' else refused}"
         assert capsys.readouterr().err == said
     assert log.read_bytes() == (drive / "run.lcmlog").read_bytes()
 

@@ -81,6 +81,8 @@ def filled(lcm_class: Any) -> Any:
             size = getattr(made, dim) if isinstance(dim, str) else dim
             value = [value] * size
         setattr(made, name, value)
+    if lcm_class is graphnav_lcm.local_map_t:
+        made.cell_m, made.state = 0.5, [[3] * made.cols] * made.rows
     return made
 
 
