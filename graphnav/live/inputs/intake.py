@@ -60,6 +60,8 @@ class Intake:
         self._sizes: tuple[tuple[int, ...], ...] | None = None
         self._seq_at = None if source.channel.message.many_writers else offsets_of(source.lcm_class)[1]
         self._seen_wrong = self._seen_overflowed = self._seen_flooded = 0
+        self._overflowed_before: int | None = None
+        """Messages that the mailbox had dropped when the first one was judged: their numbers are not missed."""
         self._birth_s = -math.inf
 
     def take(self) -> Iterator[Received]:
@@ -88,7 +90,7 @@ class Intake:
     @property
     def lost(self) -> int:
         """Messages that never arrived, by their sequence numbers; overtaken messages did arrive."""
-        return max(0, self.monitor.missing - self.mailbox.overflowed)
+        return max(0, self.monitor.missing - (self.mailbox.overflowed - (self._overflowed_before or 0)))
 
     def age_s(self, now_s: float) -> float:
         """Return the age of the newest delivered message, infinite before the first."""
@@ -103,6 +105,8 @@ class Intake:
         adapter = self.source.adapter
         utime = adapter.utime(fields) if adapter is not None else fields.get("utime")
         seq = fields.get("seq")
+        if self._overflowed_before is None:
+            self._overflowed_before = self.mailbox.overflowed
         if self.source.channel.message.many_writers:
             utime = seq = None
         verdict = self.monitor.judge(
