@@ -10,7 +10,7 @@ from rich.console import Console
 from graphnav.teaching import Taught, gaps
 
 LINE_S = 10.0
-"""Time between two lines where there is no terminal."""
+"""Time between two lines without a terminal."""
 
 
 @contextmanager

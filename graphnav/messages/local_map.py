@@ -82,6 +82,10 @@ class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
         col = np.clip(np.rint((x_m - self.origin_x_m) / self.cell_m), 0, cols - 1).astype(np.intp)
         return row, col
 
+    def places_m(self, rows: Indices, cols: Indices) -> tuple[Doubles, Doubles]:
+        """Return the middles of cells in the map's frame, x and y."""
+        return np.asarray(self.origin_x_m + cols * self.cell_m), np.asarray(self.origin_y_m + rows * self.cell_m)
+
     def obstacle_m_at(self, forward_m: Doubles, left_m: Doubles) -> Doubles:
         """Return the distance to the nearest obstacle from points in the robot's frame, interpolated."""
         return self._interpolated(self.obstacle_m, forward_m, left_m)

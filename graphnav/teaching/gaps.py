@@ -1,4 +1,4 @@
-"""Hints that follow from the messages of a run: motions that were not driven, and why there is no model."""
+"""Hints that follow from the messages of a run: motions that were not driven, and why a model is missing."""
 
 from __future__ import annotations
 

@@ -15,8 +15,8 @@ from graphnav.messages import About, Flow, Motion, PlanarModel
 class Taught:
     """A sink of a run that keeps what its teacher receives and publishes.
 
-    ``channel``: that of the planar model. ``model``: the newest one, None before the first. ``flows``: number of flows
-    that the teacher was sent.
+    ``channel``: that of the planar model. ``model``: the newest one, None before the first. ``residuals_px``: median
+    over the valid cells of each model's residual, oldest first. ``flows``: number of flows that the teacher was sent.
     """
 
     url = "memq://"
@@ -31,7 +31,7 @@ class Taught:
         self._flows = {name for name, message in inputs.items() if message is Flow}
         self._motions = {name for name, message in inputs.items() if message is Motion}
         self._rates: list[tuple[float, float]] = []
-        self._residuals_px: list[float] = []
+        self.residuals_px: list[float] = []
 
     @property
     def needs_motion(self) -> bool:
@@ -42,11 +42,6 @@ class Taught:
     def rates(self) -> Doubles:
         """Speed in m/s and turning rate in rad/s of every motion, (n, 2)."""
         return np.array(self._rates, np.float64).reshape(-1, 2)
-
-    @property
-    def residuals_px(self) -> list[float]:
-        """Median over the valid cells of each model's residual, oldest first."""
-        return self._residuals_px
 
     def write(self, channel: str, utime: int, data: bytes) -> None:  # noqa: ARG002
         """Take a message of the run."""
@@ -61,7 +56,7 @@ class Taught:
             _, _, model = decode(PlanarModel, data)
             valid = model.valid != 0
             self.model = model
-            self._residuals_px.append(float(np.median(model.residual_px[valid])) if valid.any() else np.inf)
+            self.residuals_px.append(float(np.median(model.residual_px[valid])) if valid.any() else np.inf)
 
     def announce(self, about: About, shareable: Collection[str] = ()) -> None:
         """Do nothing: the graph is known."""

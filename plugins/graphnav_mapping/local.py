@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from graphnav import Continuity, LocalMap, Motion, ParamError, Plane, Stage, Stamp, param
-from graphnav.arrays import Bools, Bytes, Doubles
+from graphnav.arrays import Bools, Bytes
 from graphnav_mapping.cell_regions import distance_m, small_regions
 from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
 from graphnav_mapping.movers import Look, Mover, Movers, swept
@@ -127,7 +127,7 @@ class Local(Stage):
             motion = Motion(forward_m=0.0, left_m=0.0, turn_rad=0.0, interval_us=motion.interval_us)
         grid = self._grid
         grid.move(motion.forward_m, motion.left_m, motion.turn_rad)
-        seen = grid.seen(self._labels(plane), self._floor_to_cells(plane))
+        seen = grid.seen(self._labels(plane), self._mount.floor_to_pixels(*plane.valid.shape))
         moved_m = math.hypot(motion.forward_m, motion.left_m)
         self._driven_m += moved_m
         self._add(seen, min(1.0, moved_m / self.full_motion_m))
@@ -171,9 +171,6 @@ class Local(Stage):
         for height_m in (self.blind_height_m / 2, self.blind_height_m):
             grown = np.maximum(grown, self._mount.outward(obstacle, height_m))
         return grown & ~self._mount.inward(obstacle, 0.0, self.foot_m)
-
-    def _floor_to_cells(self, plane: Plane) -> Doubles:
-        return self._mount.floor_to_pixels(*plane.valid.shape)
 
     def _add(self, seen: Bytes, weight: float) -> None:
         evidence = self._grid.evidence

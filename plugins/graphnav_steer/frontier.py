@@ -10,8 +10,8 @@ import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, Stage, Steering, param
 from graphnav.arrays import Bools, Doubles, Indices
-from graphnav_steer.axes import toward
 from graphnav_steer.giving_way import out_of_the_way_rad
+from graphnav_steer.headings import apart_rad, headed
 from graphnav_steer.local_paths import beside, cheapest_paths
 
 Point = tuple[float, float]
@@ -69,7 +69,7 @@ class Frontier(Stage):
         ge=0.0,
         le=10.0,
         doc="by how much nearer still obstacles may be on the map where there is hardly another way, a metre costs 20; "
-        "by twice as much where there is no other",
+        "by twice as much if the map shows no way at all",
     )
     unknown_margin_m: float = param(
         0.08, ge=0.0, le=10.0, doc="distance that the robot's centre keeps from floor that it has not seen"
@@ -91,8 +91,8 @@ class Frontier(Stage):
         doc="dimensionless: cost of a metre along an obstacle, in addition to 1; more keeps to the middle",
     )
     look_ahead_m: float = param(0.6, gt=0.0, doc="distance of the farthest point of the path to head for")
-    turn_cost_m: float = param(0.6, ge=0.0, doc="cost of a first turn by half a circle where there is no goal")
-    back_cost_m: float = param(3.0, ge=0.0, doc="cost of a frontier where the robot has been, where there is no goal")
+    turn_cost_m: float = param(0.6, ge=0.0, doc="cost of a first turn by half a circle without a goal")
+    back_cost_m: float = param(3.0, ge=0.0, doc="cost of a frontier where the robot has been, without a goal")
     commit_m: float = param(0.4, ge=0.0, doc="by how much another frontier must be cheaper to be preferred")
     goal_weight: float = param(2.0, ge=0.0, doc="dimensionless: cost of a metre between a frontier and the goal")
     give_way_m: float = param(
@@ -111,9 +111,7 @@ class Frontier(Stage):
     def step(self, map: LocalMap, goal: Latest[Goal]) -> Steering:  # noqa: A002  # the port's name
         """Return the steering along the path: no repulsive force, a guiding force of length 1."""
         self._remember(map)
-        theta_rad = self._theta_rad(map, goal.value)
-        along, nothing = toward(theta_rad), np.zeros(2)
-        return Steering(repulsive=nothing, guiding=along, control=along, theta_rad=theta_rad, eigenvalues=nothing)
+        return headed(self._theta_rad(map, goal.value))
 
     def _remember(self, map: LocalMap) -> None:  # noqa: A002
         here = (map.x_m, map.y_m)
@@ -150,7 +148,7 @@ class Frontier(Stage):
         rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
         if not len(rows):
             return None
-        x_m, y_m = _places_m(map, rows, cols)
+        x_m, y_m = map.places_m(rows, cols)
         cost_m = paths.cost_m[rows, cols] + self._cost_beyond_m(map, goal, x_m, y_m)
         best = self._best(x_m, y_m, cost_m)
         return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))
@@ -197,8 +195,8 @@ class Frontier(Stage):
         return int(np.argmin(cost_m))
 
     def _cost_of_return_m(self, map: LocalMap, x_m: Doubles, y_m: Doubles) -> Doubles:  # noqa: A002
-        turn = np.arctan2(y_m - map.y_m, x_m - map.x_m) - map.yaw_rad
-        cost_m = self.turn_cost_m * np.abs(np.remainder(turn + math.pi, 2 * math.pi) - math.pi) / math.pi
+        turn_rad = apart_rad(np.arctan2(y_m - map.y_m, x_m - map.x_m), map.yaw_rad)
+        cost_m = self.turn_cost_m * turn_rad / math.pi
         trail = np.array(self._trail[:-4] or self._trail[:1])
         apart_m = np.hypot(x_m[:, None] - trail[:, 0], y_m[:, None] - trail[:, 1]).min(axis=1)
         return np.asarray(cost_m + self.back_cost_m * np.clip(1.0 - apart_m / 1.0, 0.0, 1.0))
@@ -209,7 +207,7 @@ class Frontier(Stage):
         A straight way keeps ``margin_m`` from obstacles beyond the radius, or as much as the path does up to there, and
         does not cost more than the path.
         """
-        x_m, y_m = _places_m(map, path[:, 0], path[:, 1])
+        x_m, y_m = map.places_m(path[:, 0], path[:, 1])
         away_m = np.hypot(x_m - map.x_m, y_m - map.y_m)
         along_m = np.hypot(np.diff(x_m, prepend=x_m[0]), np.diff(y_m, prepend=y_m[0]))
         cost_m = np.cumsum(along_m * price[path[:, 0], path[:, 1]])
@@ -231,11 +229,6 @@ def _goal_m(map: LocalMap, goal: Goal) -> Point:  # noqa: A002
     """Return the goal in the frame of the map."""
     bearing_rad, distance_m = map.yaw_rad + goal.bearing_rad, min(max(goal.distance_m, -_FAR_M), _FAR_M)
     return map.x_m + distance_m * math.cos(bearing_rad), map.y_m + distance_m * math.sin(bearing_rad)
-
-
-def _places_m(map: LocalMap, rows: Indices, cols: Indices) -> tuple[Doubles, Doubles]:  # noqa: A002
-    """Return the middles of cells in the frame of the map, x and y."""
-    return np.asarray(map.origin_x_m + cols * map.cell_m), np.asarray(map.origin_y_m + rows * map.cell_m)
 
 
 def _wide(cells: Bools, min_cells: float) -> Bools:

@@ -9,7 +9,7 @@ import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, ParamError, Stage, Steering, param
 from graphnav.arrays import Doubles
-from graphnav_steer.axes import toward
+from graphnav_steer.headings import apart_rad, headed
 
 
 class Gap(Stage):
@@ -17,8 +17,8 @@ class Gap(Stage):
 
     For each heading the free way of a disc is as long as nothing on the map is nearer to its middle than the robot's
     radius and a margin. The heading with the maximum length, less costs for turning, for changing the last choice and
-    for leaving the goal's bearing, wins. Where no way is free for ``min_way_m``, the robot turns on the spot towards
-    the longest one, to the side that it has begun with.
+    for leaving the goal's bearing, wins. Where no way is free for ``min_way_m``, the robot turns on the spot, to the
+    side of the best one, and goes on to the side that it has begun with.
 
     References
     ----------
@@ -57,8 +57,7 @@ class Gap(Stage):
         cost_m = self._costs_m(map, goal.value)
         theta_rad = self._choice(np.minimum(way_m, self.max_way_m), cost_m)
         self._chosen_rad = theta_rad + map.yaw_rad
-        along, nothing = toward(theta_rad), np.zeros(2)
-        return Steering(repulsive=nothing, guiding=along, control=along, theta_rad=theta_rad, eigenvalues=nothing)
+        return headed(theta_rad)
 
     def _ways_m(self, map: LocalMap) -> Doubles:  # noqa: A002
         """Return the free way of each heading, (headings,)."""
@@ -72,11 +71,11 @@ class Gap(Stage):
         return np.asarray(map.cell_m / 2 * (np.logical_and.accumulate(free, axis=1).sum(axis=1) - 1.0))
 
     def _costs_m(self, map: LocalMap, goal: Goal | None) -> Doubles:  # noqa: A002
-        cost_m = self.turn_cost_m * _apart(self._headings_rad, 0.0)
+        cost_m = self.turn_cost_m * _half_circles(self._headings_rad, 0.0)
         if self._chosen_rad is not None:
-            cost_m += self.change_cost_m * _apart(self._headings_rad, self._chosen_rad - map.yaw_rad)
+            cost_m += self.change_cost_m * _half_circles(self._headings_rad, self._chosen_rad - map.yaw_rad)
         if goal is not None:
-            cost_m += self.goal_cost_m * _apart(self._headings_rad, goal.bearing_rad)
+            cost_m += self.goal_cost_m * _half_circles(self._headings_rad, goal.bearing_rad)
         return cost_m
 
     def _choice(self, way_m: Doubles, cost_m: Doubles) -> float:
@@ -85,11 +84,10 @@ class Gap(Stage):
             self._spin = 0.0
             return float(self._headings_rad[best])
         if not self._spin:
-            longest = float(self._headings_rad[int(np.argmax(way_m - cost_m))])
-            self._spin = math.copysign(1.0, longest)
+            self._spin = math.copysign(1.0, float(self._headings_rad[best]))
         return self._spin * math.pi / 2
 
 
-def _apart(headings_rad: Doubles, other_rad: float) -> Doubles:
+def _half_circles(headings_rad: Doubles, other_rad: float) -> Doubles:
     """Return the angles between headings and another one, as shares of half a circle."""
-    return np.abs(np.remainder(headings_rad - other_rad + math.pi, 2 * math.pi) - math.pi) / math.pi
+    return apart_rad(headings_rad, other_rad) / math.pi

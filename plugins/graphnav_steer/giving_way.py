@@ -33,5 +33,5 @@ def out_of_the_way_rad(map: LocalMap, clear_m: float, reach_m: float) -> float |
 
 def _is_in_the_way(map: LocalMap, clear_m: float) -> bool:  # noqa: A002  # the port's name
     rows, cols = np.nonzero(map.state == LocalMap.MOVING)
-    x_m, y_m = map.origin_x_m + cols * map.cell_m, map.origin_y_m + rows * map.cell_m
+    x_m, y_m = map.places_m(rows, cols)
     return bool((np.hypot(x_m - map.x_m, y_m - map.y_m) < clear_m).any())

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-import numpy as np
-
 from graphnav import Latest, Map, Stage, State, Steering, param
-from graphnav_steer.axes import toward
+from graphnav_steer.headings import headed
 from graphnav_steer.lap import once_around
 from graphnav_steer.way import Way
 
@@ -66,8 +64,7 @@ class Oracle(Stage):
             self._way = self._plan(state)
         x, y = self._way.ahead(state.x_m, state.y_m, self.look_ahead_m) - (state.x_m, state.y_m)
         theta_rad = 0.0 if x == y == 0.0 else math.remainder(math.atan2(y, x) - state.yaw_rad, 2 * math.pi)
-        way, nothing = toward(theta_rad), np.zeros(2)
-        return Steering(repulsive=nothing, guiding=way, control=way, theta_rad=theta_rad, eigenvalues=nothing)
+        return headed(theta_rad)
 
     def _plan(self, state: State) -> Way:
         world = self._world if len(self._world.goal_m) else once_around(self._world, state)

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphnav import Plane, Stage, Stamp, Steering, param
-from graphnav_steer.axes import toward
+from graphnav_steer.headings import headed
 
 
 class Random(Stage):
@@ -35,6 +35,4 @@ class Random(Stage):
         if self._next_us is None or stamp >= self._next_us:
             self._theta_rad = math.radians(self._rng.uniform(-self.widest_deg, self.widest_deg))
             self._next_us = stamp + round(1e6 * self._rng.exponential(self.hold_s))
-        way = toward(self._theta_rad)
-        nothing = np.zeros(2)
-        return Steering(repulsive=nothing, guiding=way, control=way, theta_rad=self._theta_rad, eigenvalues=nothing)
+        return headed(self._theta_rad)

@@ -10,7 +10,7 @@ import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, ParamError, Stage, Steering, param
 from graphnav.arrays import Bools, Doubles
-from graphnav_steer.axes import toward
+from graphnav_steer.headings import apart_rad, headed
 
 
 class Polar(NamedTuple):
@@ -62,8 +62,7 @@ class Vfh(Stage):
         theta_rad = self._theta_rad(self._density(map) <= self.max_density, wanted_rad)
         if theta_rad:
             self._spin = math.copysign(1.0, theta_rad)
-        along, nothing = toward(theta_rad), np.zeros(2)
-        return Steering(repulsive=nothing, guiding=along, control=along, theta_rad=theta_rad, eigenvalues=nothing)
+        return headed(theta_rad)
 
     def _density(self, map: LocalMap) -> Doubles:  # noqa: A002
         """Return the largest density of each sector, (sectors,)."""
@@ -75,9 +74,9 @@ class Vfh(Stage):
         distance_m, bearing_rad = polar.distance_m[there], polar.bearing_rad[there] - map.yaw_rad
         kept_m = self.robot_radius_m + self.margin_m
         half_rad = np.arcsin(np.minimum(kept_m / np.maximum(distance_m, 1e-6), 1.0))
-        apart_rad = np.abs(np.remainder(self._headings_rad[:, None] - bearing_rad + math.pi, 2 * math.pi) - math.pi)
+        beside_rad = apart_rad(np.asarray(self._headings_rad[:, None], np.float64), bearing_rad)
         density = np.clip((self.active_m - distance_m) / max(self.active_m - kept_m, 1e-6), 0.0, 1.0)
-        return np.asarray(np.where(apart_rad <= half_rad, density, 0.0).max(axis=1, initial=0.0))
+        return np.asarray(np.where(beside_rad <= half_rad, density, 0.0).max(axis=1, initial=0.0))
 
     def _theta_rad(self, free: Bools, wanted_rad: float) -> float:
         if free.all():

@@ -14,7 +14,7 @@ _MIN_MOTION_PX = 0.1
 
 
 class SmallObstacles(Stage):
-    """Count obstacle pixels found and missed, and ground called obstacle where there is no obstacle.
+    """Count obstacle pixels found and missed, and ground that is called obstacle.
 
     ``hit``, ``total``: (2,), obstacle pixels of the frames of each of `SHARES`; what was not judged is missed.
     ``false``, ``ground``: judged pixels of the frames without an obstacle.

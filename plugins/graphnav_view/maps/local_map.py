@@ -15,7 +15,9 @@ _SHIFT = 4
 """Fractional bits of pixel coordinates."""
 _ROBOT_RATIO = 0.025
 """Radius of the robot's mark as a share of the picture; the map does not know the robot's size."""
-_COLOURS = np.array([style.rgb("#9a9a9a"), (255, 255, 255), style.rgb(style.CONTACT), style.rgb("#f0a030")], np.uint8)
+UNKNOWN = "#9a9a9a"
+"""Colour of unknown floor."""
+_COLOURS = np.array([style.rgb(UNKNOWN), (255, 255, 255), style.rgb(style.CONTACT), style.rgb("#f0a030")], np.uint8)
 """Of the states 0 unknown, 1 free, 2 obstacle, 3 moving."""
 _LEVELS = np.repeat(np.array([[0], [110], [255], [190]], np.uint8), 3, axis=1)
 

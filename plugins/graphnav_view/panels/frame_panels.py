@@ -8,6 +8,7 @@ from functools import partial
 from graphnav import Map
 from graphnav_view.panels import camera_panels, force_panel, potential_panels
 from graphnav_view.panels.keyframe import Frame
+from graphnav_view.panels.local_map_panel import draw_surroundings
 from graphnav_view.panels.panel_page import Panel
 from graphnav_view.panels.scene_panel import Scene, draw_scene
 from graphnav_view.track import Track, is_placed
@@ -26,6 +27,8 @@ def frame_panels(world: Map | None, track: Track | None, frame: Frame) -> Iterat
         yield Panel("optical flow", partial(camera_panels.draw_flow, frame=frame))
     if frame.plane is not None:
         yield Panel("dominant plane", partial(camera_panels.draw_plane, frame=frame), letter="c")
+    if frame.local_map is not None:
+        yield Panel("local map", partial(draw_surroundings, local=frame.local_map))
     if frame.potential is not None:
         yield Panel("obstacle potential", partial(potential_panels.draw_potential, frame=frame), letter="d")
         yield Panel("gradient field", partial(potential_panels.draw_gradient, frame=frame), letter="e")

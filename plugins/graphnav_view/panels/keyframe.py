@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import NamedTuple
 
-from graphnav import Flow, Image, Plane, Potential, State, Steering
+from graphnav import Flow, Image, LocalMap, Plane, Potential, State, Steering
 from graphnav_view.signals import Signals
 
 MIN_RATIO, MAX_RATIO = 0.03, 0.5
@@ -33,6 +33,7 @@ class Frame:
     state: State | None
     time_s: float = 0.0
     """From the start of the log."""
+    local_map: LocalMap | None = None
 
     @property
     def shape_px(self) -> tuple[int, int]:
@@ -115,6 +116,7 @@ def frame_at(signals: Signals, utime: int) -> Frame:
         steering=signals.at(Steering, utime),
         state=signals.at(State, utime),
         time_s=(utime - signals.begin_us) / 1e6,
+        local_map=signals.at(LocalMap, utime),
     )
 
 

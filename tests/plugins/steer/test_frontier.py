@@ -188,7 +188,7 @@ def test_it_squeezes_through_a_narrow_gap_if_there_is_hardly_another_way(draw_ma
     assert abs(theta_rad(shut, toward(0.0))) == math.pi / 2
     assert abs(theta_rad(shut, toward(0.0), squeeze_m=0.06)) < 0.1
 
-    # Twice as narrow a gap is taken, too, where there is no other way.
+    # Twice as narrow a gap is taken, too, without another way.
     assert abs(theta_rad(shut, toward(0.0), squeeze_m=0.03)) < 0.1
 
     def is_aside(x: Any, y: Any) -> Any:

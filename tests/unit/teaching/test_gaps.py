@@ -1,4 +1,4 @@
-"""Hints of teaching say what was not driven, or why there is no model, and are true of the messages of the run."""
+"""Hints of teaching say what was not driven, or why a model is missing, and are true of the messages of the run."""
 
 from __future__ import annotations
 
