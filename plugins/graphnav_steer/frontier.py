@@ -17,11 +17,9 @@ from graphnav_steer.local_paths import beside, cheapest_paths
 Point = tuple[float, float]
 
 _TRAIL_STEP_M = 0.1
-_MAX_TRAIL = 400
-_TOUCH_COST = 20.0
-"""Cost of a metre in touch with an obstacle, to squeeze through or to leave it."""
 _FAR_M = 1e6
 """A goal that is farther away counts as this far: only its bearing matters."""
+_MIN_SQUEEZE_M = 1e-6
 _SAME_M = 0.3
 """Frontiers nearer to the last choice than this are the same choice."""
 
@@ -65,11 +63,17 @@ class Frontier(Stage):
         doc="how much nearer than they are obstacles may be on the map; more squeezes through narrower gaps",
     )
     squeeze_m: float = param(
-        0.06,
+        0.12,
         ge=0.0,
         le=10.0,
-        doc="by how much nearer still obstacles may be on the map where there is hardly another way, a metre costs 20; "
-        "by twice as much if the map shows no way at all",
+        doc="by how much nearer still obstacles may be on the map, at the price of `touch_cost`",
+    )
+    touch_cost: float = param(
+        40.0,
+        ge=0.0,
+        le=1000.0,
+        doc="dimensionless: cost of a metre where obstacles are nearer by all of `squeeze_m`, in addition; "
+        "in proportion where they are nearer by less of it",
     )
     unknown_margin_m: float = param(
         0.08, ge=0.0, le=10.0, doc="distance that the robot's centre keeps from floor that it has not seen"
@@ -93,6 +97,13 @@ class Frontier(Stage):
     look_ahead_m: float = param(0.6, gt=0.0, doc="distance of the farthest point of the path to head for")
     turn_cost_m: float = param(0.6, ge=0.0, doc="cost of a first turn by half a circle without a goal")
     back_cost_m: float = param(3.0, ge=0.0, doc="cost of a frontier where the robot has been, without a goal")
+    trail_m: float = param(
+        10.0,
+        ge=_TRAIL_STEP_M,
+        le=1000.0,
+        doc="how far back along its way the robot knows where it has been, without a goal; on a loop that is shorter, "
+        "going on costs as much as turning round",
+    )
     commit_m: float = param(0.4, ge=0.0, doc="by how much another frontier must be cheaper to be preferred")
     goal_weight: float = param(2.0, ge=0.0, doc="dimensionless: cost of a metre between a frontier and the goal")
     give_way_m: float = param(
@@ -116,7 +127,7 @@ class Frontier(Stage):
     def _remember(self, map: LocalMap) -> None:  # noqa: A002
         here = (map.x_m, map.y_m)
         if not self._trail or math.dist(self._trail[-1], here) > _TRAIL_STEP_M:
-            self._trail = [*self._trail[1 - _MAX_TRAIL :], here]
+            self._trail = [*self._trail[-round(self.trail_m / _TRAIL_STEP_M) :], here]
 
     def _theta_rad(self, map: LocalMap, goal: Goal | None) -> float:  # noqa: A002
         if self.give_way_m:
@@ -124,7 +135,7 @@ class Frontier(Stage):
             if aside_rad is not None:
                 return aside_rad
         price = self._price(map)
-        way = self._way(map, goal, price, self.squeeze_m) or self._way(map, goal, price, 2 * self.squeeze_m)
+        way = self._way(map, goal, price)
         if way is None:
             self._chosen = None
             return self._spin * math.pi / 2
@@ -134,10 +145,10 @@ class Frontier(Stage):
             self._spin = math.copysign(1.0, theta_rad)
         return min(max(theta_rad, -math.pi / 2), math.pi / 2)
 
-    def _way(self, map: LocalMap, goal: Goal | None, price: Doubles, squeeze_m: float) -> Way | None:  # noqa: A002
+    def _way(self, map: LocalMap, goal: Goal | None, price: Doubles) -> Way | None:  # noqa: A002
         """Return the cheapest way to a frontier, None if there is none."""
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
-        open_cells = self._open(map, int(row), int(col), squeeze_m)
+        open_cells = self._open(map, int(row), int(col))
         known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
         beyond = _wide(open_cells & ~known, self.min_frontier_m2 / map.cell_m**2)
         frontier = beyond & beside(known)
@@ -153,9 +164,9 @@ class Frontier(Stage):
         best = self._best(x_m, y_m, cost_m)
         return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))
 
-    def _open(self, map: LocalMap, row: int, col: int, squeeze_m: float) -> Bools:  # noqa: A002
+    def _open(self, map: LocalMap, row: int, col: int) -> Bools:  # noqa: A002
         """Return the cells where the robot touches nothing, and those by which it can leave what it touches now."""
-        open_cells: Bools = map.obstacle_m >= self.robot_radius_m - self.map_error_m - squeeze_m
+        open_cells: Bools = map.obstacle_m >= self.robot_radius_m - self.map_error_m - self.squeeze_m
         reach = math.ceil((self.robot_radius_m + self.margin_m) / map.cell_m)
         near = (slice(max(row - reach, 0), row + reach + 1), slice(max(col - reach, 0), col + reach + 1))
         open_cells[near] |= map.obstacle_m[near] >= map.obstacle_m[row, col]
@@ -165,11 +176,9 @@ class Frontier(Stage):
         """Return the cost of a metre at each cell: 1, and more near obstacles."""
         beyond_m = map.obstacle_m - self.robot_radius_m
         near = np.clip(1.0 - beyond_m / self.comfort_m, 0.0, 1.0)
+        touching = np.clip((-self.map_error_m - beyond_m) / max(self.squeeze_m, _MIN_SQUEEZE_M), 0.0, 1.0)
         return np.asarray(
-            1.0
-            + self.near_cost * near**2
-            + self.narrow_cost * (beyond_m < self.margin_m)
-            + _TOUCH_COST * (beyond_m < -self.map_error_m)
+            1.0 + self.near_cost * near**2 + self.narrow_cost * (beyond_m < self.margin_m) + self.touch_cost * touching
         )
 
     def _cost_beyond_m(self, map: LocalMap, goal: Goal | None, x_m: Doubles, y_m: Doubles) -> Doubles:  # noqa: A002
