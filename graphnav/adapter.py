@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from graphnav.codec import add_type
-from graphnav.errors import DeclarationError, one_line
+from graphnav.errors import DeclarationError, one_line, shown_value
+from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.messages import Message
 
 
@@ -108,11 +109,14 @@ def _made(origin: str, given: Any) -> Adapter:
     adapter = given
     if isinstance(given, type) and issubclass(given, Adapter):
         try:
-            adapter = given()
-        except Exception as error:
+            with third_party_code():
+                adapter = given()
+        except USER_ENDS:
+            raise
+        except BaseException as error:
             raise DeclarationError(f"{origin}: {given.__name__}() raises {one_line(error)}") from error
     if not isinstance(adapter, Adapter):
-        raise DeclarationError(f"{origin}: graphnav_adapters() returns {given!r}, which is not an Adapter")
+        raise DeclarationError(f"{origin}: graphnav_adapters() returns {shown_value(given)}, which is not an Adapter")
     who = f"{origin}: adapter {type(adapter).__name__}"
     if not isinstance(getattr(adapter, "type_name", None), str):
         raise DeclarationError(f"{who} does not name its type: write type_name = 'package.type_t'")

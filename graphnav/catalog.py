@@ -6,7 +6,7 @@ import importlib.util
 import re
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -16,7 +16,8 @@ import pluggy
 
 import graphnav.hooks
 from graphnav.adapter import Adapters, collect_adapters
-from graphnav.errors import CatalogError, DeclarationError, Hint, did_you_mean, message_line, one_line
+from graphnav.errors import CatalogError, DeclarationError, Hint, did_you_mean, message_line, one_line, shown_value
+from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.messages import snake_case
 from graphnav.stage import Role, Source, Stage, former_names, metrics_of, params_of, ports_of
 
@@ -102,7 +103,9 @@ class Catalog:
             hint = did_you_mean(name, names) or (f"it has {', '.join(names)}" if names else "it has no stages")
             raise CatalogError(f"family '{family}' has no stage '{name}'", hint)
         cls = self._stages[family][name]
-        _check_declaration(cls, self._origins[use])
+        self._called(
+            self._origins[use], f"the declaration of {use}", lambda: _check_declaration(cls, self._origins[use])
+        )
         return cls
 
     def origin(self, use: str) -> str:
@@ -127,8 +130,11 @@ class Catalog:
         for point in self._entry_points.get(family, []):
             origin = f"package {point.dist.name}" if point.dist else f"module {point.value}"
             try:
-                module = point.load()
-            except (Exception, SystemExit) as error:
+                with third_party_code():
+                    module = point.load()
+            except USER_ENDS:
+                raise
+            except BaseException as error:
                 raise CatalogError(
                     f"family '{family}' cannot be imported from {origin}: {one_line(error)}",
                     "fix the package, or install its dependencies",
@@ -151,10 +157,10 @@ class Catalog:
             if file in files:
                 return known
         module = _import_file(path)
-        family = getattr(module, "FAMILY", path.stem)
+        family = self._called(str(path), "FAMILY", lambda: getattr(module, "FAMILY", path.stem))
         if not isinstance(family, str) or not _NAME.fullmatch(family):
             raise CatalogError(
-                f"plugin {path}: {family!r} cannot be a family: it must match {_NAME.pattern}",
+                f"plugin {path}: {shown_value(family)} cannot be a family: it must match {_NAME.pattern}",
                 "write FAMILY = '...' in the file",
             )
         if family in self._entry_points:
@@ -171,13 +177,16 @@ class Catalog:
         if (family, origin) in self._registered:
             return
         if not self._plugins.is_registered(module):
+            name = f"{family}: {origin}"
+            self._called(origin, "its module", lambda: self._plugins.register(module, name=name))
             try:
-                self._plugins.register(module, name=f"{family}: {origin}")
                 self._plugins.check_pending()
             except pluggy.PluginValidationError as error:
                 raise CatalogError(f"{origin}: {message_line(error)}") from error
         self._adapters = None
-        stages = {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
+        stages = self._called(
+            origin, "its stages", lambda: {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
+        )
         if family == ADAPTERS and stages:
             raise CatalogError(f"{origin}: the family '{ADAPTERS}' is reserved", "give its stages another family")
         for name in stages:
@@ -190,33 +199,39 @@ class Catalog:
 
     def _stages_of(self, module: ModuleType, origin: str) -> list[type[Stage]]:
         others: list[Any] = [plugin for plugin in self._plugins.get_plugins() if plugin is not module]
-        try:
-            found = self._plugins.subset_hook_caller("graphnav_stages", others)()
-        except Exception as error:
-            raise CatalogError(
-                f"{origin}: graphnav_stages() failed: {type(error).__name__}: {error}", "fix the plugin"
-            ) from error
+        call = self._plugins.subset_hook_caller("graphnav_stages", others)
+        found = self._called(origin, "graphnav_stages()", call)
         if not all(isinstance(classes, list | tuple) for classes in found):
             raise CatalogError(f"{origin}: graphnav_stages() does not return a list", "return [MyStage]")
         stages = [cls for classes in found for cls in classes]
         for cls in stages:
             if not (isinstance(cls, type) and issubclass(cls, Stage)):
-                raise CatalogError(f"{origin}: graphnav_stages() returns {cls!r}, which is not a Stage class")
+                raise CatalogError(
+                    f"{origin}: graphnav_stages() returns {shown_value(cls)}, which is not a Stage class"
+                )
         return stages
 
     def _given_adapters(self) -> Iterator[tuple[str, Any]]:
         """Yield each object returned by an adapter hook, with the origin of the hook."""
         for hook in self._plugins.hook.graphnav_adapters.get_hookimpls():
             origin = hook.plugin_name.partition(": ")[2]
-            try:
-                given = hook.function()
-            except Exception as error:
-                raise CatalogError(
-                    f"{origin}: graphnav_adapters() failed: {one_line(error)}", "fix the plugin"
-                ) from error
+            given = self._called(origin, "graphnav_adapters()", hook.function)
             if not isinstance(given, list | tuple):
                 raise CatalogError(f"{origin}: graphnav_adapters() does not return a list", "return [MyAdapter()]")
             yield from ((origin, adapter) for adapter in given)
+
+    @staticmethod
+    def _called(origin: str, name: str, call: Callable[[], Any]) -> Any:
+        """Return what a plugin's code returns; raises CatalogError for whatever it raises."""
+        try:
+            with third_party_code():
+                return call()
+        except (CatalogError, *USER_ENDS):
+            raise
+        except pluggy.PluginValidationError as error:
+            raise CatalogError(f"{origin}: {message_line(error)}") from error
+        except BaseException as error:
+            raise CatalogError(f"{origin}: {name} failed: {one_line(error)}", "fix the plugin") from error
 
     def _hint_without_family(self, word: str) -> str:
         if word in self.families():
@@ -293,11 +308,14 @@ def _import_file(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        with third_party_code():
+            spec.loader.exec_module(module)
     except SyntaxError as error:
         raise CatalogError(f"plugin {path}:{error.lineno}: {error.msg}") from error
-    except (Exception, SystemExit) as error:
+    except USER_ENDS:
+        raise
+    except BaseException as error:
         lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
         where = f"{path}:{lines[-1]}" if lines else str(path)
-        raise CatalogError(f"plugin {where}: {type(error).__name__}: {error}") from error
+        raise CatalogError(f"plugin {where}: {one_line(error)}") from error
     return module

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
+
+from graphnav.interrupts import USER_ENDS
+
+_MAX_LINE = 1000
+"""The longest line that is made of what a plugin raised or returned, characters."""
 
 ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate"]
 """A name that is not known, several candidates for one wire, something given twice; ``wrong``: anything else."""
@@ -167,14 +172,39 @@ def did_you_mean(word: str, known: Iterable[str], renamed: Mapping[str, str] = M
 
 
 def one_line(error: BaseException) -> str:
-    """Return an exception's type and message in one line."""
+    """Return an exception's type and message in one line, even if its ``__str__`` raises."""
     message = message_line(error)
     return f"{type(error).__name__}: {message}" if message else type(error).__name__
 
 
 def message_line(error: BaseException) -> str:
-    """Return an exception's message in one line."""
-    return " ".join(f"{error}".split())
+    """Return an exception's message in one line of bounded length, even if its ``__str__`` raises."""
+    return _bounded(" ".join(_converted(str, error).split()))
+
+
+def failure_line(error: BaseException) -> str:
+    """Return what a plugin raised in one line: the message alone where the type adds nothing to it."""
+    is_telling = isinstance(error, ValueError | RuntimeError)
+    return (message_line(error) if is_telling else "") or one_line(error)
+
+
+def shown_value(value: object) -> str:
+    """Return the ``repr`` of a plugin's value in one line of bounded length, even if it raises."""
+    return _bounded(" ".join(_converted(repr, value).split()))
+
+
+def _converted(convert: Callable[[object], str], value: object) -> str:
+    """Return ``convert(value)``, which may be a plugin's code; a remark if it raises."""
+    try:
+        return str.__str__(convert(value))
+    except USER_ENDS:
+        raise
+    except BaseException as error:  # noqa: BLE001 - a plugin's code
+        return f"(its __{convert.__name__}__ raises {type(error).__name__})"
+
+
+def _bounded(line: str) -> str:
+    return line if len(line) <= _MAX_LINE else f"{line[:_MAX_LINE]} (and {len(line) - _MAX_LINE:,} more characters)"
 
 
 def printable(text: str) -> str:

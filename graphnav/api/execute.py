@@ -10,6 +10,7 @@ from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph
 from graphnav.live import run_live
 from graphnav.runner.recording.run_recorded import LiveSink, run_recorded
+from graphnav.runner.recording.stall import StallLimit
 from graphnav.runner.recording.summary import Summary
 from graphnav.stage import Stage
 
@@ -50,6 +51,7 @@ def execute(
     on_time: Callable[[float], None],
     on_failure: Callable[[GraphnavError], None],
     notice: Callable[[str], None],
+    stall: StallLimit | None = None,
 ) -> Summary:
     """Run a graph into an existing, empty folder; see `run_recorded` and `run_live`.
 
@@ -66,6 +68,7 @@ def execute(
             on_time=on_time,
             on_failure=on_failure,
             notice=notice,
+            stall=stall,
         )
     return run_recorded(
         graph,
@@ -77,4 +80,5 @@ def execute(
         on_tick=lambda utime: on_time(utime / 1e6),
         on_failure=on_failure,
         notice=notice,
+        stall=stall,
     )

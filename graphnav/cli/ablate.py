@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_former_option, add_plugin_option, catalog_of, count
+from graphnav.cli.quantities import wall_limit
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 
@@ -165,6 +166,14 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="stop at the first run in which a stage fails or whose process dies, with exit status 1",
     )
+    parser.add_argument(
+        "--stall-s",
+        type=wall_limit,
+        default=300.0,
+        metavar="S",
+        help="end a run, which then counts as failed, if one call into a stage takes longer than S seconds of wall "
+        "time (default: 300)",
+    )
     parser.add_argument("--yes", action="store_true", help="do not ask for confirmation before more than 1000 runs")
 
 
@@ -249,7 +258,9 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
 
     plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
-    options = ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs, fail_fast=args.fail_fast)
+    options = ExecutionOptions(
+        args.jobs, args.cluster, args.gallery, args.keep_logs, fail_fast=args.fail_fast, stall_s=args.stall_s
+    )
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
             with interrupted_by_sigterm():

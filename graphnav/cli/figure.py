@@ -9,7 +9,7 @@ from pathlib import Path
 from graphnav.cli.quantities import log_time
 from graphnav.cli.spans import add_span_options, period
 from graphnav.cli.status import OK
-from graphnav.errors import UserError
+from graphnav.errors import UserError, shown_name
 from graphnav.notices import print_notice
 
 PICTURE_FORMATS = ("png", "svg", "pdf")
@@ -43,6 +43,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and list the files."""
     from graphnav.catalog import Catalog
     from graphnav.cli.damaged_log import damage_told
+    from graphnav.loginfo import unfinished
     from graphnav.record import Recording, find_log
     from graphnav.report.pictures import draw_all, draw_frames, draw_rows, draw_sheet
 
@@ -51,6 +52,8 @@ def main(args: argparse.Namespace) -> int:
     if args.rows and not args.times_s:
         raise UserError.of("--rows is for frames of given times", "add --at 2s --at 4s, or leave it out")
     log = find_log(args.run)
+    if notice := unfinished(log):
+        print_notice(f"{log}: {shown_name(notice)}; the pictures show the log up to there")
     folder = args.folder or log.parent
     suffix = f".{args.format}"
     catalog = Catalog()

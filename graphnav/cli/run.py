@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_graph_options, add_run_options, load
+from graphnav.cli.quantities import wall_limit
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import DrawingError, GraphnavError
 from graphnav.notices import print_notice
@@ -53,6 +54,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="copies for viewers on this machine: messages thinned to one packet, full messages, or none",
     )
     parser.add_argument("--no-tap", dest="tap", action="store_const", const="none", help="the same as --tap none")
+    parser.add_argument(
+        "--stall-s",
+        type=wall_limit,
+        metavar="S",
+        help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
+    )
     parser.add_argument("--video", action="store_true", help="also draw video.mp4")
     parser.add_argument(
         "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
@@ -148,12 +155,21 @@ def _run(
 
     from graphnav.api.execute import execute
     from graphnav.cli.progress import progress_bar
+    from graphnav.runner.recording.stall import StallLimit
+
+    bar = Console(stderr=True)
+
+    def tell_stalled(summary: Summary) -> None:
+        bar.show_cursor()
+        if args.json:
+            print(json.dumps(summary.as_json() | {"folder": str(folder)}))
+        print(f"{summary.failure}\n  the log up to there and summary.json are in {folder}", file=sys.stderr)
 
     def show_cause(error: GraphnavError) -> None:
         if args.verbose:
             traceback.print_exception(error)
 
-    with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
+    with progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
         return execute(
             graph,
             stages,
@@ -166,4 +182,5 @@ def _run(
             on_time=lambda run_s: on_tick(round(run_s * 1e6)),
             on_failure=show_cause,
             notice=print_notice,
+            stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
         )

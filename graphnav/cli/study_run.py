@@ -14,6 +14,7 @@ from graphnav.ablation.plan import Job
 from graphnav.api.studies.study_run import StudyRun
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
+from graphnav.interrupts import raise_ctrl_c
 
 FEW_RUNS = 100
 """So many runs and fewer begin without an estimate of their time."""
@@ -24,7 +25,7 @@ MANY_RUNS = 1000
 @contextmanager
 def interrupted_by_sigterm() -> Iterator[None]:
     """Let SIGTERM stop a study like Ctrl-C."""
-    old = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    old = signal.signal(signal.SIGTERM, raise_ctrl_c)
     try:
         yield
     finally:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from graphnav.bus import Bus
 from graphnav.graph import Graph, InputChannel
+from graphnav.interrupts import third_party_code
 from graphnav.record import Recording
 from graphnav.runner import Runner
 
@@ -67,8 +68,9 @@ def _measured(graph: Graph) -> dict[str, int]:
     runner = Runner(graph, graph.make_stages(), bus, [largest])
     end_s = time.monotonic() + _MAX_S
     try:
-        runner.reset(graph.run.seed)
-        runner.run(before_tick=lambda _: runner.ticks < _TICKS and time.monotonic() < end_s)
+        with third_party_code():
+            runner.reset(graph.run.seed)
+            runner.run(before_tick=lambda _: runner.ticks < _TICKS and time.monotonic() < end_s)
     finally:
         runner.close()
         bus.close()

@@ -9,6 +9,7 @@ from graphnav.adapter import Adapter
 from graphnav.catalog import Catalog
 from graphnav.codec import lcm_name, message_class_of
 from graphnav.errors import CatalogError
+from graphnav.interrupts import USER_ENDS
 from graphnav.messages import Message
 
 
@@ -33,5 +34,7 @@ class MessageTypes:
             if adapter is not None:
                 return adapter.from_lcm(fields)
             return wrapper.from_lcm_fields(fields) if wrapper is not None else None
-        except Exception:  # noqa: BLE001 - an adapter of a plugin, and bytes of any program
+        except USER_ENDS:
+            raise
+        except BaseException:  # noqa: BLE001 - an adapter of a plugin, and bytes of any program
             return None

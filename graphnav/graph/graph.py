@@ -9,6 +9,7 @@ from typing import Any
 
 from graphnav.errors import ParamError, Problem, UserError, one_line
 from graphnav.graph.node import Channel, InputChannel, Node, OutputChannel
+from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.spec import RunOptions
 from graphnav.stage import Metric, Stage, metrics_of, tell_readers
 
@@ -82,14 +83,17 @@ class Graph:
         read = self.read.union(also_read)
         for node in self.nodes:
             try:
-                stages[node.name] = stage = node.stage_class(**node.params)
-                tell_readers(stage, (port for port, channel in node.outputs.items() if channel.ref in read))
-                stage.check()
+                with third_party_code():
+                    stages[node.name] = stage = node.stage_class(**node.params)
+                    tell_readers(stage, (port for port, channel in node.outputs.items() if channel.ref in read))
+                    stage.check()
+            except USER_ENDS:
+                raise
             except ParamError as error:
                 problems.append(node.problem(error))
             except UserError as error:
                 problems.extend(error.problems)
-            except Exception as error:  # noqa: BLE001 - a plugin's constructor may raise anything
+            except BaseException as error:  # noqa: BLE001 - a plugin's constructor may raise anything
                 problems.append(Problem(node.place, f"{node.use} cannot be made: {one_line(error)}", "fix the plugin"))
         if problems:
             raise UserError(problems)

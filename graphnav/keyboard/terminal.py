@@ -10,6 +10,8 @@ from contextlib import suppress
 from types import FrameType, TracebackType
 from typing import Any, NoReturn, Self
 
+from graphnav.interrupts import Terminated
+
 _LFLAG, _IFLAG, _CC = 3, 0, 6
 _CHUNK = 4096
 """Maximum size of a terminal's input buffer."""
@@ -64,4 +66,4 @@ class Terminal:
 
 
 def _end(number: int, _frame: FrameType | None) -> NoReturn:
-    raise SystemExit(128 + number)
+    raise Terminated(128 + number)

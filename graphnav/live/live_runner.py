@@ -21,7 +21,7 @@ from graphnav.messages import Message
 from graphnav.runner.lifecycle import close_stages, reset_stages
 from graphnav.runner.lockstep import Outcome
 from graphnav.runner.owned_stages import Sink
-from graphnav.stage import Source, Stage
+from graphnav.stage import Stage
 
 _MAX_UNLOGGED = 32
 """Maximum number of firings pending for the log if the run is never idle."""
@@ -120,9 +120,7 @@ class LiveRunner:
             (Timer(every(unit.node.every_ms / 1e3), now_s), unit) for unit in self._units.values() if unit.node.every_ms
         ]
         self._sources = [
-            (Timer(_after_s(stage), now_s), self._units[node.name])
-            for node in self.graph.sources
-            if isinstance(stage := self._units[node.name].stage, Source)
+            (Timer(_after_s(self._units[node.name]), now_s), self._units[node.name]) for node in self.graph.sources
         ]
         self.is_ready = True
 
@@ -254,7 +252,7 @@ class LiveRunner:
         number = self._numbers[name]
         self._numbers[name] = number + 1
         for unit, port in self._readers[name]:
-            unit.deliver(port, received.utime, received.message, received.birth_s, now_s, number)
+            unit.deliver(port, received.utime, received.message.twin(), received.birth_s, now_s, number)
         if self.sinks:
             data = received.raw or encode(received.message, received.utime, self.next_seq(name))
             self.record(name, data)
@@ -292,7 +290,7 @@ class LiveRunner:
             raise DecodeError(f"stage '{channel.stage}': output '{channel.port}' is {error}") from error
         now_s = self.clock.now_s()
         for unit, port in self._readers[name]:
-            unit.deliver(port, utime, message, self._firing.birth_s, now_s, seq)
+            unit.deliver(port, utime, message.twin(), self._firing.birth_s, now_s, seq)
 
     def _note_firing(self, unit: LiveUnit, utime: int, age_s: float, used: Sequence[Used]) -> None:
         """Keep a firing for the log until the run is idle: no command waits for the log."""
@@ -323,6 +321,6 @@ class LiveRunner:
         return seq
 
 
-def _after_s(source: Source) -> Callable[[int], float]:
+def _after_s(unit: LiveUnit) -> Callable[[int], float]:
     """Return when each firing of a source is due, in seconds after the first one."""
-    return lambda firing: source.due_us(firing) * 1e-6
+    return lambda firing: unit.due_us(firing) * 1e-6

@@ -83,7 +83,7 @@ class LiveUnit(Unit):
     def waits_until_s(self, matched: MatchedSet) -> float:
         """Return the time until which a complete set waits for `Since` inputs, minus infinity if it does not wait."""
         behind = [p for p in self._since if p in self._channel_of and self._reached.get(p, 0) < matched.utime]
-        return matched.ready_s + self.stage.patience_s() if behind else -math.inf
+        return matched.ready_s + self.patience_s() if behind else -math.inf
 
     def wakes_at_s(self) -> float:
         """Return the time at which the first waiting set has waited long enough, infinity if none waits."""

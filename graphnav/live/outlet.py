@@ -10,6 +10,7 @@ from graphnav.bus import Bus
 from graphnav.codec import codec_of
 from graphnav.errors import BusError, one_line
 from graphnav.graph import OutputChannel, stop_fields
+from graphnav.interrupts import USER_ENDS
 from graphnav.live.clock import LiveClock
 from graphnav.messages import Message
 from graphnav.motors.channel import MotorChannel
@@ -61,7 +62,9 @@ def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
     assert target.adapter is not None
     try:
         return codec_of(target.lcm_class).encode(target.adapter.to_lcm(message, utime))
-    except Exception as error:
+    except USER_ENDS:
+        raise
+    except BaseException as error:
         raise ValueError(f"{type(target.adapter).__name__}: {one_line(error)}") from error
 
 

@@ -11,6 +11,7 @@ from graphnav.bus import same_group
 from graphnav.codec import encode
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
+from graphnav.interrupts import working_folder_restored
 from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened, send_stops
@@ -30,9 +31,12 @@ from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import ChannelsExcept, kept
+from graphnav.runner.recording.progress_file import ProgressFile
 from graphnav.runner.recording.run_recorded import LiveSink, write_summary
 from graphnav.runner.recording.saved_graph import save_graph
+from graphnav.runner.recording.stall import StallLimit, StallWatch, stall_error
 from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
+from graphnav.runner.stage_calls import Call, StageCalls
 from graphnav.stage import Stage
 
 
@@ -49,25 +53,30 @@ def run_live(
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
     notice: Callable[[str], None] = print_notice,
     should_stop: Callable[[], bool] = lambda: False,
+    stall: StallLimit | None = None,
 ) -> Summary:
     """Run ``graph`` live into ``folder``, which must exist, and return the content of its ``summary.json``.
 
     Whatever ends the run, motor channels get a stop first. A failing stage and Ctrl-C end the run, a full disk only the
     recording. ``url``: see `live_url`. ``keep``: the channels to log, None for the graph's ``record`` option.
     ``on_time`` gets the seconds since the start now and then, ``notice`` gets warnings of late and lost messages;
-    ``should_stop`` ends the run as Ctrl-C does, for runs outside the main thread.
+    ``should_stop`` ends the run as Ctrl-C does, for runs outside the main thread. ``stall``: when a call into a stage
+    that does not return ends the process, None for never; motor channels get a stop then, as whenever the run dies.
 
     Raises
     ------
     UserError
         The folder cannot be written, or a log to play does not contain the channels of the graph.
     """
+    folder = folder.absolute()
     run = _LiveRun(graph, folder, live_url(graph, url), Failures(on_failure), tap)
-    with ExitStack() as cleanup, Interrupt() as interrupt:
-        run.begin(stages, keep, run_id, notice, cleanup)
-        run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
-    summary = run.summary(run_id)
-    write_summary(summary, folder)
+    with ProgressFile(folder, {}) as progress:
+        with working_folder_restored(), ExitStack() as cleanup, Interrupt() as interrupt:
+            run.watch(stall, run_id, progress, cleanup)
+            run.begin(stages, keep, run_id, notice, cleanup)
+            run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
+        summary = run.summary(run_id)
+        write_summary(summary, folder)
     return summary
 
 
@@ -77,8 +86,28 @@ class _LiveRun:
     def __init__(self, graph: Graph, folder: Path, url: str, failures: Failures, tap: LiveSink | None) -> None:
         self._graph, self._folder, self._url, self._failures, self._tap = graph, folder, url, failures, tap
         self._wake = threading.Event()
+        self._calls = StageCalls()
         self._outcome: str = Outcome.FAILED
         self._scores: dict[str, dict[str, float]] = {}
+
+    def watch(self, stall: StallLimit | None, run_id: str, progress: ProgressFile, cleanup: ExitStack) -> None:
+        """End the process if a call into a stage does not return."""
+        if stall is None:
+            return
+        limit = stall
+
+        def finish(call: Call) -> None:
+            """Write what the thread of the run cannot write any more."""
+            with self._failures.noted():
+                raise stall_error(self._graph, call, limit.seconds, self._clock.start_utime)
+            self._observer.finish()
+            self._writer.close()
+            summary = self.summary(run_id)
+            self._failures.close(lambda: write_summary(summary, self._folder))
+            progress.remove()
+            limit.on_stall(summary)
+
+        cleanup.enter_context(StallWatch(self._calls, limit.seconds, finish))
 
     def begin(
         self,
@@ -99,6 +128,8 @@ class _LiveRun:
         self._writer = writer = ThreadedLogWriter(self._folder / LOG, notice=notice)
         cleanup.callback(writer.close)
         self._runner = LiveRunner(graph, stages, self._clock, intakes, self._wake)
+        for unit in self._runner.units.values():
+            unit.calls = self._calls
         cleanup.callback(self._failures.close, self._runner.close)
         sinks = [kept(graph, writer, keep, is_live=True), *_watched(graph, tap, self._url)]
         self._runner.log_to(sinks, writer if keep is None else None)
@@ -118,8 +149,7 @@ class _LiveRun:
         except KeyboardInterrupt:
             self._outcome = Outcome.STOPPED
             self._observer.tell_broken_off()
-        with self._failures.noted():
-            self._scores = scores_of(self._runner.units) if self._runner.is_ready else {}
+        self._scores = scores_of(self._runner.units, self._failures.noted) if self._runner.is_ready else {}
 
     def _fire(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
         """Open what comes in and leaves, and fire the stages until the run ends."""

@@ -19,6 +19,7 @@ def as_json(info: LogInfo) -> dict[str, Any]:
         "duration_s": info.duration_us / 1e6,
         "stamp_jumps": info.n_jumps,
         "made_by": asdict(info.origin) if info.origin is not None else None,
+        "unfinished": info.unfinished,
         "completion_hint": info.completion_hint,
         "channels": {channel.name: _channel(channel) for channel in info.channels},
         "damaged": [{"at": damaged.at, "bytes": damaged.n_bytes} for damaged in info.damaged],

@@ -28,6 +28,8 @@ def as_text(info: LogInfo) -> list[str]:
     lines.append(_begin(info) if info.n_messages else "the log holds no messages")
     if info.origin is not None:
         lines += _origin_lines(info.origin)
+    if info.unfinished:
+        lines.append(shown_name(info.unfinished))
     if info.completion_hint:
         lines.append(f"it leaves out large messages that a replay makes again; {info.completion_hint}")
     return lines

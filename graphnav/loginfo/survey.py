@@ -7,6 +7,7 @@ from pathlib import Path
 
 from graphnav.codec import Codec, DecodeError, codec_of, lcm_name, type_of
 from graphnav.loginfo.log_origin import LogOrigin, origin_of
+from graphnav.loginfo.unfinished import unfinished
 from graphnav.record import Damaged, Recording, SequenceGaps, TruncatedEvent
 from graphnav.record.sequence_gaps import numbered_fingerprints, seq_of
 
@@ -62,6 +63,8 @@ class LogInfo:
     """How to make again what the log leaves out, see `Recording`."""
     damaged: list[Damaged]
     truncated: TruncatedEvent | None
+    unfinished: str = ""
+    """That the run did not finish, empty if it did or that is not known."""
 
     @property
     def is_wall_time(self) -> bool:
@@ -100,6 +103,7 @@ def survey(path: Path) -> LogInfo:
             completion_hint=recording.completion_hint,
             damaged=recording.damaged,
             truncated=recording.truncated,
+            unfinished=unfinished(path),
         )
 
 

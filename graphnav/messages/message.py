@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar, Self, dataclass_transform
 
@@ -82,6 +83,14 @@ class Message:
         """Return the message with every ``step``-th row and column of its grids, with ``step_px`` adjusted."""
         grids = {name: getattr(self, name)[::step, ::step] for name in self.grid}
         return replace(self, step_px=getattr(self, "step_px") * step, **grids)  # noqa: B009
+
+    def twin(self) -> Self:
+        """Return another message with the same values; arrays, which are read-only when received, are shared."""
+        if not self.is_plain:
+            return copy(self)
+        twin = object.__new__(type(self))
+        twin.__dict__.update(self.__dict__)
+        return twin
 
     def not_finite(self) -> str | None:
         """Return the name of the first field with a NaN or infinity that is not allowed, None without one."""

@@ -11,6 +11,7 @@ import numpy as np
 from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
 from graphnav.errors import DrawingError, GraphnavError, one_line
+from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.messages import Message
 from graphnav.pictures.context import PictureContext
 
@@ -51,10 +52,11 @@ class Pictures:
 def drawing() -> Iterator[None]:
     """Convert the exceptions of a drawing plugin to DrawingError, except disk errors and LogError."""
     try:
-        yield
-    except GraphnavError:
+        with third_party_code():
+            yield
+    except (GraphnavError, *USER_ENDS):
         raise
-    except Exception as error:
+    except BaseException as error:
         if isinstance(error, OSError) and error.errno in _REFUSED:
             raise
         raise DrawingError(one_line(error)) from error

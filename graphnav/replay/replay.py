@@ -13,6 +13,7 @@ from graphnav.codec import DecodeError, encode
 from graphnav.errors import GraphnavError, StageError, UserError
 from graphnav.graph import Graph
 from graphnav.graph.wiring.channels import RESERVED
+from graphnav.interrupts import third_party_code
 from graphnav.live.about import live_about
 from graphnav.record import ABOUT, LogWriter, Recording
 from graphnav.replay.comparison.comparison import Comparison, Scope
@@ -25,6 +26,7 @@ from graphnav.replay.log.reproduction import Reproduction, reproduction_of
 from graphnav.replay.plan import make_plan
 from graphnav.replay.session import live_session, lockstep_session
 from graphnav.replay.stepping.message_counts import MessageCounts
+from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.run_recorded import about_of
 from graphnav.runner.recording.summary import scores_of
 from graphnav.runner.unit import Unit
@@ -89,7 +91,7 @@ def replay(
     """
     wall_begin_s = time.monotonic()
     work = _Replay(recording, made, options, is_logged=out is not None)
-    with ExitStack() as cleanup:
+    with third_party_code(), ExitStack() as cleanup:
         log = None if out is None else cleanup.enter_context(_log_writer(out, work.logged_graph, made, work.begin_us))
         replayer = work.begin(log)
         cleanup.callback(replayer.close)
@@ -201,11 +203,7 @@ class _Replay:
 
 
 def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> dict[str, dict[str, float]]:
-    try:
-        return scores_of(replayer.units) if replayer.is_ready else {}
-    except StageError as error:
-        on_failure(error)
-        return {}
+    return scores_of(replayer.units, Failures(on_failure).noted) if replayer.is_ready else {}
 
 
 def _reproduced(reproduction: Reproduction) -> Iterator[Reproduced]:

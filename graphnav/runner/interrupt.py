@@ -7,13 +7,15 @@ import threading
 from types import FrameType, TracebackType
 from typing import Any, Self
 
+from graphnav.interrupts import CtrlC
+
 _PATIENCE_S = 0.5
 
 
 class Interrupt:
     """A context in which SIGINT, SIGTERM and SIGHUP ask the run to stop.
 
-    A tick that does not end within half a second is interrupted by `KeyboardInterrupt`, as it is by a second Ctrl-C.
+    A tick that does not end within half a second is interrupted by `CtrlC`, as it is by a second Ctrl-C.
     Outside the main thread, where Python delivers no signals, it does nothing.
     """
 
@@ -56,4 +58,4 @@ class Interrupt:
         signal.setitimer(signal.ITIMER_REAL, _PATIENCE_S)
 
     def _break_off(self, _number: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
+        raise CtrlC

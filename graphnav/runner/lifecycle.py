@@ -18,11 +18,8 @@ def reset_stages(units: Mapping[str, Unit], seed: int) -> None:
         A stage cannot be reset.
     """
     for name, unit in units.items():
-        try:
+        with unit.calling("reset", 0.0, _said):
             unit.stage.reset(seed_of(seed, name))
-        except (Exception, SystemExit) as error:
-            what = message_line(error) or one_line(error)
-            raise StageError(name, unit.node.use, 0.0, what) from error
 
 
 def close_stages(units: Mapping[str, Unit], at_s: float) -> None:
@@ -34,10 +31,16 @@ def close_stages(units: Mapping[str, Unit], at_s: float) -> None:
         The first failure, after every stage was closed.
     """
     failed = None
-    for name, unit in units.items():
+    for unit in units.values():
         try:
-            unit.stage.close()
-        except Exception as error:  # noqa: BLE001 - plugin code; the others must still be closed
-            failed = failed or StageError(name, unit.node.use, at_s, f"close: {error}")
+            with unit.calling("close", at_s, lambda error: f"close: {_said(error)}"):
+                unit.stage.close()
+        except StageError as error:  # the others must still be closed
+            failed = failed or error
     if failed:
         raise failed
+
+
+def _said(error: BaseException) -> str:
+    """Return an exception in one line: the message, with the type where it would not tell enough."""
+    return (message_line(error) if isinstance(error, Exception) else "") or one_line(error)

@@ -10,7 +10,7 @@ from graphnav.bus import Bus
 from graphnav.graph import Graph
 from graphnav.runner.owned_stages import Sink
 from graphnav.runner.wired_stages import WiredStages
-from graphnav.stage import Source, Stage
+from graphnav.stage import Stage
 
 
 class Outcome(StrEnum):
@@ -76,9 +76,7 @@ class Runner(WiredStages):
         return outcome
 
     def _due_us(self, place: int, firing: int) -> int:
-        source = self._sources[place].stage
-        assert isinstance(source, Source)
-        return source.due_us(firing)
+        return self._sources[place].due_us(firing)
 
     def run(self, until_s: float | None = None, before_tick: Callable[[int], bool] = lambda _: True) -> str:
         """Tick until a source ends the run, ``until_s`` has passed, or ``before_tick`` returns False.

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from time import perf_counter
 from typing import Any
 
 from graphnav.codec import not_finite
-from graphnav.errors import StageError, message_line, one_line
+from graphnav.errors import GraphnavError, StageError, failure_line, one_line, shown_value
 from graphnav.graph import Channel, Node
+from graphnav.interrupts import USER_ENDS
 from graphnav.messages import Message
 from graphnav.runner.durations import Durations
-from graphnav.stage import Finished, Stage, Stamped, ports_of
+from graphnav.runner.stage_calls import StageCalls
+from graphnav.stage import Finished, Source, Stage, Stamped, ports_of
 
 Publish = Callable[[Channel, int, Message], None]
 
@@ -24,9 +27,13 @@ class Unit:
         self.durations = Durations()
         self.missed = 0
         """Number of steps that ended after the stage's deadline."""
+        self.calls = StageCalls()
+        """Notes every call into the stage; a run replaces it by one for all of its stages."""
         self.last_utime = 0
         self.start_utime = 0
         """Start of the run, by the clock of its stamps."""
+        self._due_us: dict[int, int] = {}
+        """When the last firing asked for is due, by its number."""
         self._publish = publish
         self._step: Callable[..., Any] = getattr(stage, "step")  # noqa: B009 - a Stage has no step of its own
         ports = ports_of(node.stage_class)
@@ -70,17 +77,72 @@ class Unit:
         for name in self._ages:
             inputs[name] = age_s
         outcome = None
+        self.calls.begin(self.node.name, "step", utime, inputs)
         begin = perf_counter()
         try:
             result = self._step(**inputs)
+        except USER_ENDS:
+            raise
         except Finished as finished:
-            outcome, result = finished.outcome, finished.outputs
-        except (Exception, SystemExit) as error:
-            raise self._failure(utime, _said(error)) from error
-        self.durations.add(perf_counter() - begin)
+            outcome, result = self._ending(utime, finished)
+        except BaseException as error:
+            raise self._failure(utime, failure_line(error)) from error
+        finally:
+            end = perf_counter()
+            self.calls.end()
+        self.durations.add(end - begin)
         if result is not None:
             self._publish_all(utime, result)
         return outcome
+
+    @contextmanager
+    def calling(self, method: str, at_s: float, said: Callable[[BaseException], str] | None = None) -> Iterator[None]:
+        """Call another method of the stage than ``step``; whatever it raises becomes a StageError.
+
+        ``at_s``: seconds since the start. ``said``: returns what the error says of an exception; by default the
+        method's name and the exception in one line.
+        """
+        self.calls.begin(self.node.name, method, self.last_utime, {})
+        try:
+            yield
+        except USER_ENDS:
+            raise
+        except BaseException as error:
+            what = f"{method}: {one_line(error)}" if said is None else said(error)
+            raise StageError(self.node.name, self.node.use, at_s, what) from error
+        finally:
+            self.calls.end()
+
+    def due_us(self, firing: int) -> int:
+        """Return when a firing of a source is due, microseconds after the first one.
+
+        Raises
+        ------
+        StageError
+            The stage raised, or returned a time that is not after that of the firing before.
+        """
+        source = self.stage
+        assert isinstance(source, Source)
+        with self.calling("due_us", (self.last_utime - self.start_utime) / 1e6):
+            due_us = source.due_us(firing)
+            if not due_us > self._due_us.get(firing - 1, min(firing, 1) - 1):
+                raise ValueError(f"firing {firing} is due at {shown_value(due_us)} us, not after the one before")
+            self._due_us = {firing: due_us}
+            return due_us
+
+    def patience_s(self) -> float:
+        """Return how long a live firing waits for `Since` inputs; raises StageError if the stage raises."""
+        with self.calling("patience_s", (self.last_utime - self.start_utime) / 1e6):
+            return float(self.stage.patience_s())
+
+    def _ending(self, utime: int, finished: Finished) -> tuple[str, Any]:
+        """Return the outcome and the outputs with which a source ends the run; a subclass may hold anything."""
+        try:
+            return Finished(finished.outcome, finished.outputs).outcome, finished.outputs
+        except USER_ENDS:
+            raise
+        except BaseException as error:
+            raise self._failure(utime, failure_line(error)) from error
 
     def _publish_all(self, utime: int, result: Any) -> None:
         if self._result is None:
@@ -103,20 +165,14 @@ class Unit:
                 )
             try:
                 wrong = not_finite(message)
-            except (TypeError, ValueError, AttributeError) as error:
-                raise self._failure(utime, f"output '{port.name}': {_said(error)}") from error
+                if not wrong:
+                    self._publish(channel, stamp, message)
+            except (GraphnavError, OSError, *USER_ENDS):  # of the log and the network
+                raise
+            except BaseException as error:
+                raise self._failure(utime, f"output '{port.name}': {failure_line(error)}") from error
             if wrong:
                 raise self._failure(utime, f"output '{port.name}' holds a NaN or an infinity in '{wrong}'")
-            try:
-                self._publish(channel, stamp, message)
-            except (TypeError, ValueError, AttributeError) as error:
-                raise self._failure(utime, f"output '{port.name}': {_said(error)}") from error
 
     def _failure(self, utime: int, what: str) -> StageError:
         return StageError(self.node.name, self.node.use, (utime - self.start_utime) / 1e6, what)
-
-
-def _said(error: BaseException) -> str:
-    """Return an exception in one line."""
-    is_telling = isinstance(error, ValueError | RuntimeError)
-    return (message_line(error) if is_telling else "") or one_line(error)

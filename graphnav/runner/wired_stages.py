@@ -77,5 +77,7 @@ class WiredStages(OwnedStages[LockstepUnit]):
         self, channel: Channel, deliver_all: list[Callable[[int, Any], None]], _name: str, data: bytes
     ) -> None:
         utime, message = self._decode(channel, data)
-        for deliver in deliver_all:
-            deliver(utime, message)
+        first, *others = deliver_all
+        first(utime, message)
+        for deliver in others:  # a stage that changes what it was given changes nothing for others
+            deliver(utime, message.twin())

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, SupportsFloat
 
-from graphnav.errors import DeclarationError
+from graphnav.errors import DeclarationError, shown_value
 from graphnav.stage.metric import MEASURED, UNDEFINED, metrics_of
 from graphnav.stage.stage import Stage
 
@@ -22,11 +22,7 @@ def reported_metrics(stage: Stage) -> dict[str, float]:
         The summary is not a mapping, or holds a metric that the stage does not declare or that is not a number.
     """
     declared = metrics_of(type(stage))
-    values = _values(stage)
-    undeclared = [name for name in values if name not in declared]
-    if undeclared:
-        what = f"summary() of {type(stage).__qualname__} returns '{undeclared[0]}', which it does not declare"
-        raise DeclarationError(f"{what}: add Metric({undeclared[0]!r}, ...) to its metrics")
+    values = _values(stage, declared)
     has_arrived = all(value != 0.0 for name, value in values.items() if declared[name].is_outcome)
     if has_arrived:
         return values
@@ -38,13 +34,22 @@ def reported_metrics(stage: Stage) -> dict[str, float]:
     }
 
 
-def _values(stage: Stage) -> dict[str, float]:
-    """Return what a stage's summary holds, as floats."""
+def _values(stage: Stage, declared: Collection[str]) -> dict[str, float]:
+    """Return what a stage's summary holds, as floats; no more is read than is declared."""
     summary: Any = stage.summary()
     what = f"summary() of {type(stage).__qualname__}"
     if not isinstance(summary, Mapping):
         raise DeclarationError(f"{what} returns {type(summary).__name__}: return a mapping of metrics by name")
+    values: dict[str, float] = {}
     for name, value in summary.items():
+        if type(name) is not str:
+            raise DeclarationError(f"{what} has the key {shown_value(name)}: name each metric by a string")
+        if name not in declared:
+            shown = shown_value(name)
+            raise DeclarationError(f"{what} returns {shown}, which it does not declare: add Metric({shown}, ...)")
+        if name in values:
+            raise DeclarationError(f"{what} gives {shown_value(name)} twice: return a dict")
         if not isinstance(value, SupportsFloat):
-            raise DeclarationError(f"{what} gives '{name}' as {value!r}: give a number, or leave it out")
-    return {name: float(value) for name, value in summary.items()}
+            raise DeclarationError(f"{what} gives '{name}' as {shown_value(value)}: give a number, or leave it out")
+        values[name] = float(value)
+    return values

@@ -12,6 +12,7 @@ from pathlib import Path
 from graphnav.codec import codec_of, fingerprint, type_named
 from graphnav.codec.layout import PRIMITIVES, hide_prefix
 from graphnav.errors import Place, Problem, UserError, one_line
+from graphnav.interrupts import USER_ENDS
 from graphnav.typeinfo.definition_source import DefinitionSource, read_definition
 from graphnav.typeinfo.definitions import definition_files
 from graphnav.typeinfo.generated_module import GeneratedModule, read_generated
@@ -96,7 +97,9 @@ def _import_all(modules: Mapping[str, GeneratedModule], folder: Path, prefix: st
             found[name] = lcm_class = getattr(module, name.rpartition(".")[2])
             codec_of(lcm_class)
             fingerprint(lcm_class)
-    except Exception as error:  # names of fields may clash with members of the class
+    except USER_ENDS:
+        raise
+    except BaseException as error:  # names of fields may clash with members of the class
         what = f"Python cannot hold the type {name}: {one_line(error)}"
         raise UserError.of(what, "rename the field, the type or the package", Place("--types")) from error
     return found

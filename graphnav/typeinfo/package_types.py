@@ -11,6 +11,7 @@ from types import ModuleType
 
 from graphnav.codec import lcm_name
 from graphnav.errors import Place, UserError, one_line
+from graphnav.interrupts import USER_ENDS, third_party_code
 
 _HEADERS = (b'"""LCM type definitions', b'"""LCM package __init__.py')
 """The beginnings of files written by lcm-gen; other modules of a package are not imported."""
@@ -37,14 +38,17 @@ def types_of_package(name: str) -> dict[str, type]:
 
 def _import(name: str) -> ModuleType:
     try:
-        return importlib.import_module(name)
+        with third_party_code():
+            return importlib.import_module(name)
     except ModuleNotFoundError as error:
         if error.name is not None and (name == error.name or name.startswith(f"{error.name}.")):
             what = f"there is no folder, file or installed package '{name}'"
             hint = "name a folder of .lcm files, or a package written by lcm-gen -p; set PYTHONPATH to find others"
             raise UserError.of(what, hint, Place("--types")) from error
         raise _broken(name, error) from error
-    except (Exception, SystemExit) as error:
+    except USER_ENDS:
+        raise
+    except BaseException as error:
         raise _broken(name, error) from error
 
 

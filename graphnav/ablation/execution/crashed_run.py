@@ -6,20 +6,28 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from graphnav.ablation.worker import Task
+from graphnav.ablation.worker import Result, Task
 from graphnav.run_folder import GRAPH
 from graphnav.runner import Outcome
+from graphnav.runner.recording.progress_file import last_call
 from graphnav.runner.recording.run_recorded import SUMMARY
 from graphnav.runner.recording.summary import Summary, versions
 
 DIED = "its process died, twice: it takes more memory than there is, or a stage crashes it"
 
 
-def crashed_run_files(task: Task) -> Mapping[str, bytes]:
+def died_result(task: Task, scratch: Path) -> Result:
+    """Return the result of a run whose process died; ``scratch`` is the folder in which it was made."""
+    call = last_call(scratch)
+    return Result(task, {}, died=True, last_call=str(call) if call is not None else "")
+
+
+def crashed_run_files(result: Result) -> Mapping[str, bytes]:
     """Return the files of a run that crashed its process: the graph, and a summary with that failure."""
+    task = result.task
     summary = Summary(
         outcome=Outcome.FAILED,
-        failure=DIED,
+        failure=DIED + (f"; the last call was {result.last_call}" if result.last_call else ""),
         cause=DIED,
         graph=Path(task.graph_path).stem,
         seed=task.seed,

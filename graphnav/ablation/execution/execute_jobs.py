@@ -45,7 +45,7 @@ def execute(
     made = {job.folder: job for job in jobs}
     for result in perform_all(map(tasks.task, made.values()), workers, lambda task: on_died(made[task.folder])):
         if result.died:
-            folder.keep(result.task.folder, crashed_run_files(result.task))
+            folder.keep(result.task.folder, crashed_run_files(result))
         else:
             folder.keep(result.task.folder, result.files)
         outcome = Outcome.FAILED if result.died else result.outcome

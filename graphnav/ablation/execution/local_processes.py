@@ -10,6 +10,7 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from tempfile import mkdtemp
 
+from graphnav.ablation.execution.crashed_run import died_result
 from graphnav.ablation.execution.task_queue import TaskQueue
 from graphnav.ablation.execution.worker_process import WorkerProcess
 from graphnav.ablation.worker import Result, Task
@@ -77,15 +78,16 @@ class LocalWorkers:
         """Return the result that a process has; give it more to do, or its tasks to a new one if it has died."""
         result = process.receive()
         task, folder = begun[process].popleft()
-        if result is None:
+        if result is None or result.ends_process:
             queue.put_back(later for later, _ in begun.pop(process))
             self._end(process)
             process = WorkerProcess()
             self._processes.append(process)
             begun[process] = deque()
         self._feed(process, queue, begun)
+        result = result or died_result(task, Path(folder))
         shutil.rmtree(folder, ignore_errors=True)
-        return result or Result(task, {}, died=True)
+        return result
 
     def _end(self, process: WorkerProcess) -> None:
         self._processes.remove(process)

@@ -44,7 +44,7 @@ class ProcessPool:
         result = child.perform(task, scratch)
         with self._lock:
             self._busy.discard(child)
-            if result.died:
+            if result.died or result.ends_process:
                 child.kill()
             else:
                 self._idle.append(child)

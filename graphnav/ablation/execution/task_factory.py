@@ -6,14 +6,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from graphnav.ablation.plan import Case, CheckedStudy, Job
-from graphnav.ablation.worker import Task
+from graphnav.ablation.worker import STALL_S, Task
 from graphnav.graph import Graph, resolved_yaml
 
 
 class TaskFactory:
     """Turns the jobs of a checked study into tasks; each graph is written once."""
 
-    def __init__(self, study: CheckedStudy) -> None:
+    def __init__(self, study: CheckedStudy, *, stall_s: float = STALL_S) -> None:
+        self._stall_s = stall_s
         self._plan, self._graphs = study.plan, study.graphs
         self._texts: dict[str, str] = {}
 
@@ -28,6 +29,7 @@ class TaskFactory:
             seed=job.seed,
             plugins=self._plan.plugins,
             versions=self._plan.versions,
+            stall_s=self._stall_s,
         )
 
     def until_s(self, job: Job) -> float | None:

@@ -9,8 +9,10 @@ import subprocess
 import sys
 import time
 from multiprocessing.connection import Pipe
+from pathlib import Path
 
 from graphnav.ablation import worker
+from graphnav.ablation.execution.crashed_run import died_result
 from graphnav.ablation.worker import IDLE_S, Result, Task
 from graphnav.machine.single_thread import ONE_THREAD
 
@@ -53,7 +55,7 @@ class WorkerProcess:
     def perform(self, task: Task, scratch: str) -> Result:
         """Let it make a run; ``died`` is set if the process did not survive."""
         self.send(task, scratch)
-        return self.receive() or Result(task, {}, died=True)
+        return self.receive() or died_result(task, Path(scratch))
 
     def kill(self) -> None:
         """End it at once."""

@@ -2,12 +2,13 @@
 
 from graphnav.ablation.worker.perform_task import ENDING, NOT_DRAWN
 from graphnav.ablation.worker.serve_tasks import IDLE_S
-from graphnav.ablation.worker.task import Result, Task
+from graphnav.ablation.worker.task import STALL_S, Result, Task
 
 __all__ = [
     "ENDING",
     "IDLE_S",
     "NOT_DRAWN",
+    "STALL_S",
     "Result",
     "Task",
 ]

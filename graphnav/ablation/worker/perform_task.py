@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -17,6 +18,8 @@ from graphnav.record import LOG, Recording
 from graphnav.report.pictures import draw_pictures
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.runner.recording.stall import StallLimit
+from graphnav.runner.recording.summary import Summary
 
 ENDING = "end.png"
 """The picture of how a run ended: the map, and the panels of the last frame."""
@@ -24,10 +27,13 @@ NOT_DRAWN = "not_drawn.txt"
 """Why pictures are missing, in one line; only where some are."""
 
 
-def perform(task: Task, scratch: Path) -> Result:
-    """Make a run in the empty folder ``scratch`` and return its files; a failing stage is a result like any other."""
+def perform(task: Task, scratch: Path, send: Callable[[Result], None] = lambda _: None) -> Result:
+    """Make a run in the empty folder ``scratch`` and return its files; a failing stage is a result like any other.
+
+    ``send`` gets the result of a run with a stage that does not return, before the process ends.
+    """
     try:
-        return _perform(task, scratch)
+        return _perform(task, scratch, send)
     except LogError as error:
         cause = error.__cause__
         said = f"cannot write into {scratch.parent}: {cause.strerror}" if isinstance(cause, OSError) else str(error)
@@ -36,11 +42,16 @@ def perform(task: Task, scratch: Path) -> Result:
         return Result(task, {}, error=str(error))
 
 
-def _perform(task: Task, scratch: Path) -> Result:
+def _perform(task: Task, scratch: Path, send: Callable[[Result], None]) -> Result:
     study = _study(task.plugins, tuple(task.versions.items()))
     catalog, graph = study.catalog, study.graph(task)
     errors: list[GraphnavError] = []
-    summary = run_recorded(graph, graph.make_stages(), scratch, on_failure=errors.append)
+
+    def on_stall(summary: Summary) -> None:
+        send(replace(_result(task, scratch, summary.outcome), ends_process=True))
+
+    stall = StallLimit(task.stall_s, on_stall)
+    summary = run_recorded(graph, graph.make_stages(), scratch, on_failure=errors.append, stall=stall)
     for error in errors:
         if not isinstance(error, StageError):
             raise error
@@ -48,11 +59,16 @@ def _perform(task: Task, scratch: Path) -> Result:
         return Result(task, {}, error=f"a process on {platform.node()} was told to stop")
     if task.draws and summary.frames:
         _draw(catalog, scratch)
+    return _result(task, scratch, summary.outcome)
+
+
+def _result(task: Task, scratch: Path, outcome: str) -> Result:
+    """Return the files of a finished run."""
     if not task.keeps_log:
         (scratch / LOG).unlink()
     made = [path for path in sorted(scratch.rglob("*")) if path.is_file()]
     files = {path.relative_to(scratch).as_posix(): path.read_bytes() for path in made}
-    return Result(task, files, outcome=summary.outcome)
+    return Result(task, files, outcome=outcome)
 
 
 def _draw(catalog: Catalog, scratch: Path) -> None:

@@ -6,12 +6,14 @@ import contextlib
 import os
 import threading
 import traceback
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from graphnav.ablation.worker.perform_task import perform
 from graphnav.ablation.worker.task import Result, Task
+from graphnav.errors import one_line
 
 IDLE_S = 60.0
 """A process that is idle for this long exits: on a cluster it is not notified of the end of the study."""
@@ -25,15 +27,15 @@ def serve(fd: int) -> None:
     with contextlib.suppress(Empty, OSError):
         while True:
             task, scratch = tasks.get(timeout=IDLE_S)
-            connection.send(_perform(task, Path(scratch)))
+            connection.send(_perform(task, Path(scratch), connection.send))
 
 
-def _perform(task: Task, scratch: Path) -> Result:
+def _perform(task: Task, scratch: Path, send: Callable[[Result], None]) -> Result:
     try:
-        return perform(task, scratch)
-    except Exception as error:  # noqa: BLE001 - the parent must hear of it, and its user see where
+        return perform(task, scratch, send)
+    except BaseException as error:  # noqa: BLE001 - the parent must hear of it, and its user see where
         traceback.print_exc()
-        return Result(task, {}, error=f"{type(error).__name__}: {error}")
+        return Result(task, {}, error=one_line(error))
 
 
 def _receive(connection: Connection, tasks: SimpleQueue[tuple[Task, str]]) -> None:

@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+STALL_S = 300.0
+"""So long may one call into a stage take in a study: longer than any that ends, so that no study waits for ever."""
+
 
 @dataclass(frozen=True)
 class Task:
@@ -26,6 +29,8 @@ class Task:
     draws: bool = False
     """Whether its pictures are drawn."""
     keeps_log: bool = True
+    stall_s: float = STALL_S
+    """The longest time that one call into a stage may take, seconds of wall time."""
 
 
 @dataclass(frozen=True)
@@ -40,3 +45,7 @@ class Result:
     """An error that is not of the stages and ends the study: a full disk, another version."""
     died: bool = False
     """Whether the process that made it died."""
+    last_call: str = ""
+    """If it died: the last call into a stage, empty if that is not known."""
+    ends_process: bool = False
+    """Whether the process that made it ends now: a stage does not return, so that it can make no other run."""

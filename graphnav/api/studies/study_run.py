@@ -24,6 +24,7 @@ from graphnav.ablation.execution import (
 from graphnav.ablation.plan import CheckedStudy, Job
 from graphnav.ablation.results import Record, failed_run_text, read_records, worst_failures
 from graphnav.ablation.stopping import jobs_of_next_round
+from graphnav.ablation.worker import STALL_S
 from graphnav.api.studies.study_files import StudyFiles, write_study_files
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError
@@ -43,6 +44,8 @@ class ExecutionOptions:
     keep_logs: bool
     fail_fast: bool = False
     """Whether the first run in which a stage fails or whose process dies ends the study."""
+    stall_s: float = STALL_S
+    """The longest time that one call into a stage may take, seconds of wall time."""
 
 
 class FailFastError(GraphnavError):
@@ -52,9 +55,9 @@ class FailFastError(GraphnavError):
 class StudyRun:
     """A study while its runs are made."""
 
-    def __init__(self, study: CheckedStudy, folder: StudyFolder, workers: Workers) -> None:
+    def __init__(self, study: CheckedStudy, folder: StudyFolder, workers: Workers, *, stall_s: float = STALL_S) -> None:
         self.plan, self.workers = study.plan, workers
-        self._folder, self._tasks = folder, TaskFactory(study)
+        self._folder, self._tasks = folder, TaskFactory(study, stall_s=stall_s)
 
     def pending(self) -> list[Job]:
         """Return the runs that do not exist yet."""
@@ -155,7 +158,7 @@ def run_study(
     plan = study.plan
     folder.begin(plan)
     with workers_of(options.jobs, options.cluster, folder.scratch) as workers:
-        run = StudyRun(study, folder, workers)
+        run = StudyRun(study, folder, workers, stall_s=options.stall_s)
         jobs = observer.accept(run)
         if jobs is None:
             return None

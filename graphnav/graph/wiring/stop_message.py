@@ -10,6 +10,7 @@ from graphnav.codec import EncodeError, codec_of
 from graphnav.errors import message_line, one_line
 from graphnav.graph.node import OutputChannel
 from graphnav.graph.wiring.wire_type import WireType
+from graphnav.interrupts import USER_ENDS
 from graphnav.messages import Twist
 
 
@@ -44,7 +45,9 @@ def why_no_stop(wire: WireType, stop: Mapping[str, Any] | None) -> str:
         codec_of(wire.lcm_class).encode(stop_fields(wire, stop))
     except EncodeError as error:
         return f"its stop is not a {wire.name}: {message_line(error)}"
-    except Exception as error:  # noqa: BLE001 - a plugin's adapter may raise anything
+    except USER_ENDS:
+        raise
+    except BaseException as error:  # noqa: BLE001 - a plugin's adapter may raise anything
         return f"its adapter does not turn Twist(0, 0) into a {wire.name}: {one_line(error)}"
     return ""
 

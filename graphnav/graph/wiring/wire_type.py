@@ -8,6 +8,7 @@ from graphnav.adapter import Adapter, Adapters
 from graphnav.catalog import Catalog
 from graphnav.codec import codec_of, lcm_name, message_class_of, message_types, type_named
 from graphnav.errors import CatalogError, did_you_mean, one_line
+from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.messages import Message
 
 
@@ -96,8 +97,11 @@ def _adapted(name: str, adapter: Adapter) -> WireType:
 def _installed(name: str, adapters: Adapters) -> type:
     """Return an LCM type that is installed; importing a third party's package may raise anything."""
     try:
-        lcm_class = type_named(name)
-    except (Exception, SystemExit) as error:
+        with third_party_code():
+            lcm_class = type_named(name)
+    except USER_ENDS:
+        raise
+    except BaseException as error:
         raise CatalogError(
             f"the package of '{name}' cannot be imported: {one_line(error)}", "fix the package"
         ) from error
@@ -114,5 +118,7 @@ def _installed(name: str, adapters: Adapters) -> type:
 def _compile(name: str, lcm_class: type) -> None:
     try:
         codec_of(lcm_class)
-    except Exception as error:
+    except USER_ENDS:
+        raise
+    except BaseException as error:
         raise CatalogError(f"'{name}' is not what lcm-gen makes: {one_line(error)}", "run lcm-gen again") from error

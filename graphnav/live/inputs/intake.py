@@ -8,9 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from graphnav.adapter import Adapter
 from graphnav.codec import DecodeError, codec_of, fingerprint
 from graphnav.errors import one_line
 from graphnav.graph import InputChannel
+from graphnav.interrupts import USER_ENDS
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.receiver import Arrival, Mailbox
 from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
@@ -103,7 +105,7 @@ class Intake:
             self.monitor.reject("undecodable")
             return None
         adapter = self.source.adapter
-        utime = adapter.utime(fields) if adapter is not None else fields.get("utime")
+        utime = self._adapted_utime(adapter, fields) if adapter is not None else fields.get("utime")
         seq = fields.get("seq")
         if self._overflowed_before is None:
             self._overflowed_before = self.mailbox.overflowed
@@ -117,6 +119,16 @@ class Intake:
         )
         return (fields, verdict) if verdict.accepted else None
 
+    def _adapted_utime(self, adapter: Adapter, fields: Mapping[str, Any]) -> int | None:
+        """Return the sender's timestamp, None if there is none or the adapter cannot read it."""
+        try:
+            return adapter.utime(fields)
+        except USER_ENDS:
+            raise
+        except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
+            self.last_error = one_line(error)
+            return None
+
     def _message(self, fields: Mapping[str, Any]) -> Message | None:
         """Return the message of decoded fields, None if it is not valid."""
         source = self.source
@@ -126,7 +138,9 @@ class Intake:
             else:
                 message = source.channel.message.from_lcm_fields(fields)
             not_finite = message.not_finite()
-        except Exception as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
+        except USER_ENDS:
+            raise
+        except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
             self.last_error = one_line(error)
             self.monitor.reject("unreadable")
             return None

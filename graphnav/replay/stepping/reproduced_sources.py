@@ -13,7 +13,7 @@ from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.reproduction import Reproduction
 from graphnav.runner.lockstep_unit import LockstepUnit
 from graphnav.runner.owned_stages import OwnedStages
-from graphnav.stage import Source, Stage
+from graphnav.stage import Stage
 
 
 class Made(NamedTuple):
@@ -77,8 +77,7 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
         self._hear(unit, utime)
         self.utime, self._made = utime, []
         unit.fire(utime)
-        assert isinstance(unit.stage, Source)
-        self._due[name] = unit.stage.due_us(k + 1), k + 1
+        self._due[name] = unit.due_us(k + 1), k + 1
         return self._made
 
     def _hear(self, unit: LockstepUnit, utime: int) -> None:

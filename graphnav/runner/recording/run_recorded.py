@@ -13,6 +13,7 @@ from graphnav.bus import Bus
 from graphnav.codec import encode, lcm_name, lcm_text_of
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph, resolved_yaml
+from graphnav.interrupts import working_folder_restored
 from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, LogWriter
 from graphnav.runner.interrupt import Interrupt
@@ -22,9 +23,12 @@ from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import kept, record_option
 from graphnav.runner.recording.log_forecast import LogForecast
+from graphnav.runner.recording.progress_file import ProgressFile
 from graphnav.runner.recording.saved_graph import save_graph
+from graphnav.runner.recording.stall import StallLimit, StallWatch, stall_error
 from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
 from graphnav.runner.simulated_clock import SimulatedClock
+from graphnav.runner.stage_calls import Call, StageCalls
 from graphnav.stage import Stage
 
 SUMMARY = "summary.json"
@@ -78,6 +82,7 @@ def run_recorded(
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
     notice: Callable[[str], None] = lambda _: None,
     make_runner: MakeRunner = Runner,
+    stall: StallLimit | None = None,
 ) -> Summary:
     """Run ``graph`` once into ``folder``, which must exist, and return the content of its ``summary.json``.
 
@@ -86,19 +91,23 @@ def run_recorded(
     option. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows. ``on_tick`` gets
     the stamp of the next tick, ``on_failure`` every error in ``failure``, ``notice`` warnings of lateness and of a
     large log. ``make_runner``: a runner that measures, in place of the plain one; its sinks are the log and the tap.
+    ``stall``: when a call into a stage that does not return ends the process, None for never.
 
     Raises
     ------
     UserError
         The folder cannot be written.
     """
+    folder = folder.absolute()
     run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
-    with ExitStack() as cleanup, Interrupt() as interrupt:
-        run.begin(stages, keep, cleanup, make_runner)
-        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
-        run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, lambda: interrupt.asked)
-    summary = run.summary(clock.behind_s)
-    write_summary(summary, folder)
+    with ProgressFile(folder, {node.name: node.use for node in graph.nodes}) as progress:
+        with working_folder_restored(), ExitStack() as cleanup, Interrupt() as interrupt:
+            run.watch(progress, stall, cleanup)
+            run.begin(stages, keep, cleanup, make_runner)
+            clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
+            run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, lambda: interrupt.asked)
+        summary = run.summary(clock.behind_s)
+        write_summary(summary, folder)
     return summary
 
 
@@ -110,6 +119,7 @@ class _LockstepRun:
         self._outcome: str = Outcome.FAILED
         self._scores: dict[str, dict[str, float]] = {}
         self._wall_s = 0.0
+        self._started_s = time.monotonic()
 
     def begin(
         self, stages: dict[str, Stage], keep: Collection[str] | None, cleanup: ExitStack, make_runner: MakeRunner
@@ -125,7 +135,29 @@ class _LockstepRun:
         bus = Bus("memq://")
         cleanup.callback(bus.close)
         self._runner = make_runner(self._graph, stages, bus, sinks)
+        for unit in self._runner.units.values():
+            unit.calls = self._calls
         cleanup.callback(self._failures.close, self._runner.close)
+
+    def watch(self, progress: ProgressFile, stall: StallLimit | None, cleanup: ExitStack) -> None:
+        """Mark every call into a stage, and end the process if one does not return."""
+        self._calls = StageCalls(progress.mark)
+        if stall is None:
+            return
+        limit = stall
+
+        def finish(call: Call) -> None:
+            """Write what the thread of the run cannot write any more."""
+            with self._failures.noted():
+                raise stall_error(self._graph, call, limit.seconds)
+            self._failures.close(self.writer.close)
+            self._wall_s = time.monotonic() - self._started_s
+            summary = self.summary(0.0)
+            self._failures.close(lambda: write_summary(summary, self._folder))
+            progress.remove()
+            limit.on_stall(summary)
+
+        cleanup.enter_context(StallWatch(self._calls, limit.seconds, finish))
 
     def perform(
         self,
@@ -135,7 +167,7 @@ class _LockstepRun:
         should_stop: Callable[[], bool],
     ) -> None:
         """Run the stages to the end and read their scores."""
-        runner, tap, started_s = self._runner, self._tap, time.monotonic()
+        runner, tap = self._runner, self._tap
         status = None if tap is None else LockstepStatus(runner, tap, self._run_id, lambda: tap.dropped)
 
         def before_tick(utime: int) -> bool:
@@ -151,13 +183,12 @@ class _LockstepRun:
             with self._failures.noted():
                 self.writer.write(ABOUT, 0, encode(about_of(self._graph), 0, 0))
                 runner.reset(self._graph.run.seed)
-                started_s = time.monotonic()
+                self._started_s = time.monotonic()
                 self._outcome = runner.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
             self._outcome = Outcome.STOPPED
-        with self._failures.noted():
-            self._scores = scores_of(runner.units) if runner.is_ready else {}
-        self._wall_s = time.monotonic() - started_s
+        self._scores = scores_of(runner.units, self._failures.noted) if runner.is_ready else {}
+        self._wall_s = time.monotonic() - self._started_s
 
     def summary(self, behind_s: float) -> Summary:
         """Return the summary of a run that has ended."""

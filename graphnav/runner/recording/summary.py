@@ -6,13 +6,13 @@ import importlib.metadata
 import json
 import math
 import platform
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from graphnav.errors import StageError
 from graphnav.runner.unit import Unit
 from graphnav.stage import Stage, reported_metrics
 
@@ -83,22 +83,19 @@ def steps_of(units: Mapping[str, Unit]) -> dict[str, StageSteps]:
     }
 
 
-def scores_of(units: Mapping[str, Unit]) -> dict[str, dict[str, float]]:
+def scores_of(
+    units: Mapping[str, Unit], noted: Callable[[], AbstractContextManager[None]]
+) -> dict[str, dict[str, float]]:
     """Return the metrics of every stage that declares some.
 
-    Raises
-    ------
-    StageError
-        The summary of a stage fails, or holds what the stage does not declare.
+    ``noted``: returns a context that keeps the StageError of a stage whose summary fails, or holds what the stage does
+    not declare; the metrics of the other stages are returned.
     """
     scores = {}
     for name, unit in units.items():
         if type(unit.stage).summary is not Stage.summary:
-            try:
+            with noted(), unit.calling("summary", (unit.last_utime - unit.start_utime) / 1e6):
                 scores[name] = reported_metrics(unit.stage)
-            except Exception as error:
-                what = f"summary: {type(error).__name__}: {error}"
-                raise StageError(name, unit.node.use, unit.last_utime / 1e6, what) from error
     return scores
 
 

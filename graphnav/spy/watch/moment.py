@@ -11,7 +11,8 @@ from graphnav.adapter import Adapter
 from graphnav.arrays import Doubles
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, codec_of, message_class_of, type_of
-from graphnav.errors import CatalogError
+from graphnav.errors import CatalogError, one_line
+from graphnav.interrupts import USER_ENDS
 from graphnav.messages import Message, State
 from graphnav.pictures import PictureContext
 from graphnav.spy.watch.watch import Watch
@@ -51,7 +52,7 @@ class Moment:
     def message(self, data: bytes) -> Message | None:
         """Return a decoded message, also through an adapter; None if its type has no message class or it is damaged.
 
-        Raises the exceptions of the message class or adapter for unusable fields, usually ValueError.
+        Raises ValueError where an adapter cannot use the fields, else the exceptions of the message class.
         """
         lcm_class, values = type_of(data), self.values(data)
         if lcm_class is None or values is None:
@@ -59,7 +60,14 @@ class Moment:
         wrapper = message_class_of(lcm_class)
         if wrapper is not None:
             return wrapper.from_lcm_fields(values)
-        return self._readers[lcm_class].from_lcm(values) if lcm_class in self._readers else None
+        if lcm_class not in self._readers:
+            return None
+        try:
+            return self._readers[lcm_class].from_lcm(values)
+        except USER_ENDS:
+            raise
+        except BaseException as error:
+            raise ValueError(one_line(error)) from error
 
     def context(self, rows: int, cols: int, *, with_legend: bool) -> PictureContext:
         """Return the context for pictures."""

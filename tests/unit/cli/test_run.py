@@ -123,7 +123,11 @@ def graphnav_draw(recording, folder, video):
     ("error", "status", "said"),
     [
         ("OSError(28, 'No space left on device')", 1, "cannot draw into {out}: No space left on device"),
-        ("KeyboardInterrupt", 130, "some pictures were not drawn; to draw them, run: graphnav figure {out}"),
+        (
+            "__import__('signal').raise_signal(2)",
+            130,
+            "some pictures were not drawn; to draw them, run: graphnav figure {out}",
+        ),
     ],
 )
 def test_why_a_run_failed_is_said_even_if_it_cannot_be_drawn(

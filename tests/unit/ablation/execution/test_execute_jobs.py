@@ -54,10 +54,18 @@ def test_a_stage_that_fails_is_a_row_with_its_reason(study: Any, vary: str, caps
 def test_a_stage_that_kills_its_process_is_a_row_and_takes_nothing_else_with_it(study: Any, grief: str) -> None:
     assert study.run(vary=f"robot.odd=fine,{grief}") == 0
     assert [row["outcome"] for row in study.rows] == ["goal"] * 4 + ["failed", "failed", "goal", "failed"]
-    assert {row["failure"] for row in study.rows} == {"", DIED}
+    last_call = "the last call was step of stage 'robot' (toy.walker) at 0.10 s"
+    assert {row["failure"] for row in study.rows} == {"", f"{DIED}; {last_call}"}
     before = study.runs
     assert study.run(vary=f"robot.odd=fine,{grief}") == 0
     assert study.runs == before
+
+
+def test_a_stage_that_hangs_is_a_row_and_takes_nothing_else_with_it(study: Any) -> None:
+    assert study.run("--stall-s", "2", vary="robot.odd=fine,hang") == 0
+    assert [row["outcome"] for row in study.rows] == ["goal"] * 4 + ["failed", "failed", "goal", "failed"]
+    said = "stage 'robot' (toy.walker) failed at 0.10 s: step did not return within 2 s of wall time"
+    assert {row["failure"] for row in study.rows} == {"", said}
 
 
 def test_a_run_whose_process_died_once_is_made_again(study: Any, tmp_path: Path) -> None:

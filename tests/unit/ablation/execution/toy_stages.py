@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar, Literal
@@ -16,7 +17,7 @@ FAMILY = "toy"
 class Walker(Source):
     """Walks for as many ticks as its seed says; with odd seeds something may happen at the second tick."""
 
-    odd: Literal["fine", "contact", "raise", "exit", "kill"] = param("fine", doc="what happens with odd seeds")
+    odd: Literal["fine", "contact", "raise", "exit", "kill", "hang"] = param("fine", doc="what happens with odd seeds")
     times: int = param(1, ge=1, doc="how much longer it walks")
     once: Path | None = param(None, doc="where it notes that it happened, so that it does not happen again")
 
@@ -46,6 +47,8 @@ class Walker(Source):
             os._exit(3)
         if self.odd == "kill":
             os.kill(os.getpid(), signal.SIGKILL)
+        if self.odd == "hang":
+            threading.Event().wait()
 
 
 class Unready(Stage):

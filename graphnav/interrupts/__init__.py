@@ -1,0 +1,6 @@
+"""Ctrl-C and SIGTERM by the user, and code of plugins that may raise the same."""
+
+from graphnav.interrupts.third_party import third_party_code, working_folder_restored
+from graphnav.interrupts.user_ends import USER_ENDS, CtrlC, Terminated, raise_ctrl_c
+
+__all__ = ["USER_ENDS", "CtrlC", "Terminated", "raise_ctrl_c", "third_party_code", "working_folder_restored"]
