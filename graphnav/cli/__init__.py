@@ -12,6 +12,7 @@ from typing import Any
 
 from graphnav.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
+from graphnav.machine.pins import unpin
 from graphnav.machine.single_thread import ONE_THREAD
 
 COMMANDS = {
@@ -108,6 +109,7 @@ def _status_of(args: argparse.Namespace) -> int:
     from graphnav.errors import GraphnavError, ParamError, UserError, printable
 
     try:
+        _choose_instruction_set(getattr(args, "portable", None))
         status = int(args.main(args))
         if sys.stdout is not None:
             sys.stdout.flush()
@@ -134,6 +136,16 @@ def _status_of(args: argparse.Namespace) -> int:
         )
         return FAILED
     return status
+
+
+def _choose_instruction_set(portable: bool | None) -> None:  # noqa: FBT001 - an option's value
+    """Obey ``--portable`` and ``--no-portable``, before numpy and OpenCV are loaded."""
+    if portable is False:
+        unpin()
+    elif portable:
+        from graphnav.machine.instruction_set import require_portable
+
+        require_portable()
 
 
 def _complete() -> None:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_former_option, add_plugin_option, catalog_of, count
+from graphnav.cli.options import add_former_option, add_plugin_option, add_portable_option, catalog_of, count
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 
@@ -38,6 +38,7 @@ _OF_RUNS = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.epilog = _ABOUT
+    add_portable_option(parser)
     parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files or names of shipped ones")
     _add_study_options(parser)
     _add_world_options(parser)

@@ -60,6 +60,16 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds: simulated, or live")
 
 
+def add_portable_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--portable`` and ``--no-portable``."""
+    parser.add_argument(
+        "--portable",
+        action=argparse.BooleanOptionalAction,
+        help="compute with AVX2 and FMA, so that logs are the same on every machine that has them, or refuse; with "
+        "--no-portable numpy, OpenCV and BLAS choose by the CPU (default: portable where the CPU can)",
+    )
+
+
 def add_plugin_option(parser: argparse.ArgumentParser) -> None:
     """Declare ``--plugin``, for `catalog_of`."""
     parser.add_argument(

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_run_options, load
+from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import DrawingError, GraphnavError
 from graphnav.notices import print_notice
@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
     add_run_options(parser)
+    add_portable_option(parser)
     parser.add_argument(
         "--pace",
         type=float,

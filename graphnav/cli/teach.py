@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.cli.options import add_graph_options, add_run_options, load
+from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import UserError
 
@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
     add_run_options(parser)
+    add_portable_option(parser)
     parser.add_argument("-o", dest="model", type=Path, required=True, metavar="FILE", help="the model (.lcmlog)")
     parser.add_argument("--live", action="store_true", help="teach in wall time; implied by a graph with inputs")
     parser.add_argument(

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of, count
+from graphnav.cli.options import add_plugin_option, add_portable_option, add_set_option, catalog_of, count
 from graphnav.cli.quantities import counted
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import Problem, UserError
@@ -28,6 +28,7 @@ _MANY_RUNS = 1000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.epilog = _ABOUT
+    add_portable_option(parser)
     parser.add_argument(
         "names", nargs="+", metavar="GRAPH", help="graphs, or a study with one axis: files or names of shipped ones"
     )

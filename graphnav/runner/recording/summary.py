@@ -13,9 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.errors import StageError
+from graphnav.machine.instruction_set import instruction_set
 from graphnav.runner.unit import Unit
 from graphnav.stage import Stage, reported_metrics
 
+INSTRUCTION_SET = "instruction set"
 _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm", "pymunk", "pluggy", "pyyaml")
 
 
@@ -110,7 +112,12 @@ def versions() -> dict[str, str]:
 @cache
 def _versions() -> dict[str, str]:
     """Return them as they were when this process first asked: what it has loaded does not change."""
-    found = {"python": platform.python_version(), "machine": platform.machine()}
+    found = {
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+        "libc": " ".join(platform.libc_ver()),
+        INSTRUCTION_SET: instruction_set(),
+    }
     for name in _RECORDED:
         try:
             found[name] = importlib.metadata.version(name)
