@@ -1,5 +1,7 @@
 """Attack graphnav: ``python tools/attack.py [KIND ...]`` spoils files by chance and reads them with its commands.
 
+Runs are disturbed, too: by hostile messages on their group, and by signals.
+
 Wrong is: a traceback, an exception that escapes, a command that takes more than 10 s or 500 MB or does not end, an exit
 status other than 0, 1 and 2, a failure without a word, and any output that a terminal would obey.
 """
@@ -16,27 +18,37 @@ import time
 from pathlib import Path
 
 from attacks.command_process import CommandProcess
+from attacks.disturbed_runs import hostile_messages, signals
 from attacks.spoiled_files import KINDS, Case
 from attacks.verdict import MAX_S, Outcome, faults
 
 N_SHORT, N_LONG, N_COMMANDS = 60, 5000, 200
 """Spoiled files of each kind, and how many of them in a long attack are read by a command line of its own."""
+MESSAGES, SIGNALS = "messages", "signals"
+N_MESSAGES, N_SIGNALS = (20_000, 1_000_000), (5, 300)
+"""Hostile messages, and runs to which signals are sent, of a short and of a long attack."""
+_ALL = (*KINDS, MESSAGES, SIGNALS)
 _MAX_TOLD = 5
 
 
 def main() -> int:
     """Attack; return 1 if anything is wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(KINDS)} (default: all)")
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(_ALL)} (default: all)")
     parser.add_argument("--long", action="store_true", help=f"{N_LONG} files of each kind instead of {N_SHORT}")
     parser.add_argument("-n", type=int, help="so many files of each kind")
     parser.add_argument("--seed", type=int, default=0, help="of the first file; each has the next one (default 0)")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep the files that do harm here")
     args = parser.parse_args()
-    if unknown := set(args.kinds) - set(KINDS):
-        parser.error(f"no kind {', '.join(sorted(unknown))}: kinds are {', '.join(KINDS)}")
+    if unknown := set(args.kinds) - set(_ALL):
+        parser.error(f"no kind {', '.join(sorted(unknown))}: kinds are {', '.join(_ALL)}")
     count = args.n or (N_LONG if args.long else N_SHORT)
-    n_wrong = sum(attack(kind, count, args.seed, args.keep, by_command=args.long) for kind in args.kinds or KINDS)
+    n_wrong = 0
+    for kind in args.kinds or _ALL:
+        if kind in KINDS:
+            n_wrong += attack(kind, count, args.seed, args.keep, by_command=args.long)
+        else:
+            n_wrong += disturb(kind, args.n, args.seed, is_long=args.long)
     return 1 if n_wrong else 0
 
 
@@ -62,14 +74,32 @@ def attack(kind: str, count: int, seed: int, keep: Path | None, *, by_command: b
                     keep.mkdir(parents=True, exist_ok=True)
                     shutil.copy(case.file, keep / f"{kind}-{seed + number}-{case.file.name}")
         process.close()
-    mark = "MISS" if wrong else "ok  "
-    elapsed_s = time.monotonic() - begin_s
-    _say(f"{mark} {kind}: {count} tried, {n_refused} refused, {len(wrong)} did harm; {elapsed_s:.0f} s")
+    _tell(f"{kind}: {count} tried, {n_refused} refused", wrong, begin_s)
+    return len(wrong)
+
+
+def disturb(kind: str, n: int | None, seed: int, *, is_long: bool) -> int:
+    """Disturb runs from outside; print how many were tried and how many came to harm, and return the latter."""
+    begin_s = time.monotonic()
+    with tempfile.TemporaryDirectory() as folder:
+        if kind == MESSAGES:
+            count = n or N_MESSAGES[is_long]
+            found = list(hostile_messages(Path(folder), count))
+            what = f"{kind}: {count} sent beside {len(found)} runs"
+        else:
+            found = list(signals(Path(folder), n or N_SIGNALS[is_long], seed))
+            what = f"{kind}: {len(found)} tried"
+    wrong = [f"run {number}: {'; '.join(faults)}" for number, faults in enumerate(found) if faults]
+    _tell(what, wrong, begin_s)
+    return len(wrong)
+
+
+def _tell(what: str, wrong: list[str], begin_s: float) -> None:
+    _say(f"{'MISS' if wrong else 'ok  '} {what}, {len(wrong)} did harm; {time.monotonic() - begin_s:.0f} s")
     for line in wrong[:_MAX_TOLD]:
         _say(f"       {line}")
     if len(wrong) > _MAX_TOLD:
         _say(f"       and {len(wrong) - _MAX_TOLD} more")
-    return len(wrong)
 
 
 def _by_command(case: Case) -> Outcome:
