@@ -1,6 +1,7 @@
 """Attack graphnav: ``python tools/attack.py [KIND ...]`` spoils files by chance and reads them with its commands.
 
-Runs are disturbed, too: by hostile messages on their group, and by signals.
+Runs are disturbed, too: by hostile messages on their group, by signals, and by
+disks that become full.
 
 Wrong is: a traceback, an exception that escapes, a command that takes more than 10 s or 500 MB or does not end, an exit
 status other than 0, 1 and 2, a failure without a word, and any output that a terminal would obey.
@@ -19,15 +20,16 @@ from pathlib import Path
 
 from attacks.command_process import CommandProcess
 from attacks.disturbed_runs import hostile_messages, signals
+from attacks.full_disks import full_disks
 from attacks.spoiled_files import KINDS, Case
 from attacks.verdict import MAX_S, Outcome, faults
 
 N_SHORT, N_LONG, N_COMMANDS = 60, 5000, 200
 """Spoiled files of each kind, and how many of them in a long attack are read by a command line of its own."""
-MESSAGES, SIGNALS = "messages", "signals"
-N_MESSAGES, N_SIGNALS = (20_000, 1_000_000), (5, 300)
-"""Hostile messages, and runs to which signals are sent, of a short and of a long attack."""
-_ALL = (*KINDS, MESSAGES, SIGNALS)
+MESSAGES, SIGNALS, DISKS = "messages", "signals", "disks"
+COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120)}
+"""Hostile messages, runs to which signals are sent, and disks that become full, of a short and of a long attack."""
+_ALL = (*KINDS, *COUNTS)
 _MAX_TOLD = 5
 
 
@@ -81,14 +83,16 @@ def attack(kind: str, count: int, seed: int, keep: Path | None, *, by_command: b
 def disturb(kind: str, n: int | None, seed: int, *, is_long: bool) -> int:
     """Disturb runs from outside; print how many were tried and how many came to harm, and return the latter."""
     begin_s = time.monotonic()
+    count = n or COUNTS[kind][is_long]
     with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder)
         if kind == MESSAGES:
-            count = n or N_MESSAGES[is_long]
-            found = list(hostile_messages(Path(folder), count))
-            what = f"{kind}: {count} sent beside {len(found)} runs"
+            found = list(hostile_messages(scratch, count))
+        elif kind == SIGNALS:
+            found = list(signals(scratch, count, seed))
         else:
-            found = list(signals(Path(folder), n or N_SIGNALS[is_long], seed))
-            what = f"{kind}: {len(found)} tried"
+            found = list(full_disks(scratch, count, seed))
+    what = f"{kind}: {count} sent beside {len(found)} runs" if kind == MESSAGES else f"{kind}: {count} tried"
     wrong = [f"run {number}: {'; '.join(faults)}" for number, faults in enumerate(found) if faults]
     _tell(what, wrong, begin_s)
     return len(wrong)

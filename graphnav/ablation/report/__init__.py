@@ -1,6 +1,6 @@
 """The tables and the report of a study."""
 
-from graphnav.ablation.report.atomic_write import write_atomically
+from graphnav.atomic_write import write_atomically
 from graphnav.ablation.report.csv_files import METRICS, RESULTS, TIMING, write_metrics, write_results, write_timing
 from graphnav.ablation.report.decomposition_chart import PICTURE, decomposition_picture
 from graphnav.ablation.report.decomposition_text import sentences

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from graphnav.atomic_write import write_atomically
 from graphnav.errors import StageError
 from graphnav.machine.instruction_set import instruction_set
 from graphnav.runner.unit import Unit
@@ -62,8 +63,8 @@ class Summary:
     """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
     def write(self, path: Path) -> None:
-        """Write it as JSON."""
-        path.write_text(json.dumps(self.as_json(), indent=1) + "\n", encoding="utf-8")
+        """Write it as JSON; raises GraphnavError, and leaves no part of it, if the disk refuses."""
+        write_atomically(path, json.dumps(self.as_json(), indent=1) + "\n")
 
     def as_json(self) -> dict[str, Any]:
         """Return it as JSON can hold it; a number that is not finite becomes null."""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from markupsafe import Markup
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.report.atomic_write import write_atomically
+from graphnav.atomic_write import write_atomically
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections import (
     decomposition,

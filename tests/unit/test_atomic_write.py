@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.report.atomic_write import write_atomically
+from graphnav.atomic_write import write_atomically
 from graphnav.errors import GraphnavError
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
@@ -19,7 +19,7 @@ DiskOf = Callable[[int], AbstractContextManager[None]]
 KILLED = """
 import resource, signal, sys
 from pathlib import Path
-from graphnav.ablation.report.atomic_write import write_atomically
+from graphnav.atomic_write import write_atomically
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
 signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
