@@ -1,6 +1,5 @@
 """The tables and the report of a study."""
 
-from graphnav.atomic_write import write_atomically
 from graphnav.ablation.report.csv_files import METRICS, RESULTS, TIMING, write_metrics, write_results, write_timing
 from graphnav.ablation.report.decomposition_chart import PICTURE, decomposition_picture
 from graphnav.ablation.report.decomposition_text import sentences
@@ -9,6 +8,7 @@ from graphnav.ablation.report.markdown import TABLE, bullets, code, escaped, tab
 from graphnav.ablation.report.number_format import difference_text
 from graphnav.ablation.report.paired_markdown import paired_studies_markdown
 from graphnav.ablation.report.terminal import print_comparison, print_contrasts, print_paired_studies
+from graphnav.machine.atomic_write import write_atomically
 
 __all__ = [
     "METRICS",

@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from graphnav.atomic_write import write_atomically
 from graphnav.errors import StageError
+from graphnav.machine.atomic_write import write_atomically
 from graphnav.machine.instruction_set import instruction_set
 from graphnav.runner.unit import Unit
 from graphnav.stage import Stage, reported_metrics
