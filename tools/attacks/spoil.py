@@ -75,7 +75,7 @@ def spoiled_json(text: str, drawn: random.Random) -> bytes:
 
 
 def spoiled_text(text: str, drawn: random.Random) -> bytes:
-    """Return a text with tokens inserted, lines moved, parts removed or repeated, or nested deeply."""
+    """Return a string with tokens inserted, lines moved, parts removed or repeated, or nested deeply."""
     for _ in range(drawn.randint(1, 4)):
         at, end = sorted((drawn.randint(0, len(text)), drawn.randint(0, len(text))))
         ways: tuple[Callable[[], str], ...] = (

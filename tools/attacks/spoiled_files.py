@@ -83,7 +83,7 @@ def _study(scratch: Path, drawn: random.Random) -> Case:
     text = drawn.choice(sorted((GRAPHS / "studies").glob("*.yaml"))).read_text()
     file = scratch / "study.yaml"
     file.write_bytes(spoiled_yaml(text, drawn))
-    # So many runs that they would have to be confirmed, which nobody can.
+    # So many runs that they would have to be confirmed, which cannot be done here.
     return Case(["ablate", str(file), "--seeds", "0:2000", "-o", str(scratch / "study")], file)
 
 
@@ -105,7 +105,7 @@ def _plan(scratch: Path, drawn: random.Random) -> Case:
 
 
 def _prepare_pictures(scratch: Path) -> None:
-    import cv2  # noqa: PLC0415 - not needed by those who only read texts
+    import cv2  # noqa: PLC0415 - not needed by those who only read files
     import numpy as np  # noqa: PLC0415
 
     (scratch / "good").mkdir()

@@ -9,7 +9,7 @@ STATUSES = (0, 1, 2)
 MAX_S = 10.0
 MAX_MB = 500.0
 _OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]")
-"""What a terminal obeys or shows as nothing; tabs and line breaks are layout."""
+"""Characters that a terminal obeys or does not show; tabs and line breaks are layout."""
 _TRACEBACK = "Traceback (most recent call last)"
 
 
