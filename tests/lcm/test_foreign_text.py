@@ -162,14 +162,14 @@ def graphnav_stages() -> list[type[Stage]]:
     [
         ["check", "GRAPH"],
         ["check", "GRAPH", "--resolved"],
-        *(["draw", "GRAPH", *kind] for kind in ([], ["--svg"], ["--mermaid"], ["--dot"])),
+        *(["draw", "GRAPH", "--format", kind] for kind in ("text", "svg", "mermaid", "dot")),
         ["run", "GRAPH", "--no-tap", "-v", "-o", "OUT"],
         ["profile", "GRAPH"],
         ["stages", "evil.loud"],
         ["stages"],
         ["check", "GRAPH", "--set", "a.\x1b]0;title\x07=1"],
     ],
-    ids=lambda words: " ".join(words[:3]).replace("\x1b", "").replace("\x07", ""),
+    ids=lambda words: " ".join([words[0], *words[2:]]).replace("\x1b", "").replace("\x07", ""),
 )
 def test_what_stages_and_graphs_say_is_only_text(
     words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, is_terminal: bool
