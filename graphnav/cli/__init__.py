@@ -12,6 +12,7 @@ from typing import Any
 
 from graphnav.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
+from graphnav.machine.escaped_output import escaped_output
 from graphnav.machine.pins import unpin
 from graphnav.machine.single_thread import ONE_THREAD
 
@@ -98,7 +99,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complete()
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
-    with lasting_output(for_a_reader=chosen in FOR_A_READER):
+    with lasting_output(for_a_reader=chosen in FOR_A_READER), escaped_output():
         args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
         args.words = words
         return _status_of(args)
@@ -106,7 +107,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _status_of(args: argparse.Namespace) -> int:
     """Run a command; print the error that ends it."""
-    from graphnav.errors import GraphnavError, ParamError, UserError, printable
+    from graphnav.errors import GraphnavError, ParamError, UserError
 
     try:
         _choose_instruction_set(getattr(args, "portable", None))
@@ -114,15 +115,15 @@ def _status_of(args: argparse.Namespace) -> int:
         if sys.stdout is not None:
             sys.stdout.flush()
     except UserError as error:
-        print(printable(str(error)), file=sys.stderr)
+        print(error, file=sys.stderr)
         if len(error.problems) > 1:
             print(f"{len(error.problems)} errors", file=sys.stderr)
         return USER_ERROR
     except ParamError as error:
-        print(printable(str(error)), file=sys.stderr)
+        print(error, file=sys.stderr)
         return USER_ERROR
     except GraphnavError as error:
-        print(printable(str(error)), file=sys.stderr)
+        print(error, file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)

@@ -14,11 +14,10 @@ from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from graphnav.ablation.plan import CheckedStudy, Plan
     from graphnav.api.studies.study_request import StudyRequest
     from graphnav.catalog import Catalog
+    from graphnav.machine.console import Console
 
 _ABOUT = """\
 A study is a YAML file, the name of a shipped one, or graphs and --vary. Its folder keeps every run: the same command
@@ -171,13 +170,12 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
     from graphnav.ablation.execution import read_plan
     from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.mlflow_export import export_to_mlflow
     from graphnav.api.studies.study_files import write_study_files
     from graphnav.cli.study_output import print_outputs, write_pairing
+    from graphnav.machine.console import Console
 
     _refuse_mixtures(args)
     console = Console(highlight=False, soft_wrap=True)

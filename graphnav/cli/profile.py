@@ -59,8 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.profiling import NothingMeasuredError, functions_missing, print_profile, refuse_live
 
     _, graph = load(args)
@@ -92,10 +91,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _measure(args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], folder: Path) -> Profile:
-    from rich.console import Console
-
     from graphnav.api.open_tap import open_tap
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
     from graphnav.profiling import functions_missing, measure
     from graphnav.runner.recording.run_recorded import new_run_id
 

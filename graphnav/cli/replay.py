@@ -60,10 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if anything differs."""
-    from rich.console import Console
-
     from graphnav.cli.damaged_log import damage_told
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
     from graphnav.record import find_log
     from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay
 

@@ -64,11 +64,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
     from graphnav.api.execute import runs_live
     from graphnav.api.open_tap import open_tap
     from graphnav.lcm_url import tap_url
+    from graphnav.machine.console import Console
     from graphnav.report.folder import make_run_folder, removed_if_empty
     from graphnav.report.table import print_summary
     from graphnav.runner.recording.run_recorded import new_run_id
@@ -145,10 +144,9 @@ def _run(
     *,
     is_live: bool,
 ) -> Summary:
-    from rich.console import Console
-
     from graphnav.api.execute import execute
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
 
     def show_cause(error: GraphnavError) -> None:
         if args.verbose:

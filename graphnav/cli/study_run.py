@@ -7,13 +7,12 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 
-from rich.console import Console
-
 from graphnav.ablation.execution import TimeEstimate
 from graphnav.ablation.plan import Job
 from graphnav.api.studies.study_run import StudyRun
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
+from graphnav.machine.console import Console
 
 FEW_RUNS = 100
 """So many runs and fewer begin without an estimate of their time."""

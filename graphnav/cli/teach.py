@@ -83,9 +83,8 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
-    from rich.console import Console
-
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
     from graphnav.runner import Outcome
     from graphnav.runner.recording.run_recorded import run_recorded
     from graphnav.teaching import Taught
@@ -103,10 +102,9 @@ def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -
 
 
 def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
-    from rich.console import Console
-
     from graphnav.cli.teaching_progress import teaching_progress
     from graphnav.live import live_url, run_live
+    from graphnav.machine.console import Console
     from graphnav.teaching import Taught
 
     taught, wanted = Taught(graph, channel), args.until_taught
@@ -138,9 +136,8 @@ def _save(
 
     ``inputs``: status of the inputs of a live run.
     """
-    from rich.console import Console
-
     from graphnav.codec import encode
+    from graphnav.machine.console import Console
     from graphnav.messages import PlanarModel
     from graphnav.notices import print_notice
     from graphnav.record import LOG, LogWriter, Recording

@@ -14,8 +14,7 @@ from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import Problem, UserError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.tuning import Tuning, TuningRequest, TuningRun
 
 _ABOUT = """\
@@ -73,11 +72,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
     from graphnav.api.studies.tune import tune_into
     from graphnav.cli.study_progress import study_bar
     from graphnav.cli.study_run import interrupted_by_sigterm
+    from graphnav.machine.console import Console
     from graphnav.tuning import check_tuning, named_after
 
     console = Console(highlight=False, soft_wrap=True)
