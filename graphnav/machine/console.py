@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Console(rich.console.Console):
-    """Prints strings unchanged but for what `printable` escapes; colours come from styles only.
+    """Prints strings unchanged, except what `printable` escapes; colours come from styles only.
 
     ``options``: those of rich's console.
     """

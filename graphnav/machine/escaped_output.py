@@ -11,7 +11,7 @@ from graphnav.errors import printable
 
 
 class EscapedStream:
-    """A text stream that writes what `printable` returns; ``unescaped``: the stream below it."""
+    """A stream of strings that writes what `printable` returns; ``unescaped``: the stream below it."""
 
     def __init__(self, unescaped: TextIO) -> None:
         self.unescaped = unescaped

@@ -1,4 +1,4 @@
-"""What acts on a terminal, reorders text or is invisible is shown as an escape; ordinary text stays."""
+"""Characters that act on a terminal, reorder a string or are invisible are shown as escapes; ordinary ones stay."""
 
 from __future__ import annotations
 
