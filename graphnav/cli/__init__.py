@@ -15,6 +15,7 @@ from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
 from graphnav.machine.escaped_output import escaped_output
 from graphnav.machine.pins import unpin
 from graphnav.machine.single_thread import ONE_THREAD
+from graphnav.machine.start_up import end_at_interrupt, raise_at_interrupt
 
 COMMANDS = {
     "run": "run a graph into a run folder: log, summary, pictures",
@@ -101,7 +102,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     chosen = next((word for word in words if not word.startswith("-")), None)
     with lasting_output(for_a_reader=chosen in FOR_A_READER), escaped_output():
         args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
-        args.words = words
+        args.words, args.owns_process = words, argv is None
         return _status_of(args)
 
 
@@ -110,10 +111,15 @@ def _status_of(args: argparse.Namespace) -> int:
     from graphnav.errors import GraphnavError, ParamError, UserError
 
     try:
-        _choose_instruction_set(getattr(args, "portable", None))
-        status = int(args.main(args))
-        if sys.stdout is not None:
-            sys.stdout.flush()
+        raise_at_interrupt()
+        try:
+            _choose_instruction_set(getattr(args, "portable", None))
+            status = int(args.main(args))
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        finally:
+            if args.owns_process:
+                end_at_interrupt()
     except UserError as error:
         print(error, file=sys.stderr)
         if len(error.problems) > 1:

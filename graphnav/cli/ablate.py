@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from graphnav.cli.options import add_former_option, add_plugin_option, add_portable_option, catalog_of, count
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
+from graphnav.machine.start_up import ended_by_interrupt
 
 if TYPE_CHECKING:
     from graphnav.ablation.plan import CheckedStudy, Plan
@@ -192,8 +193,9 @@ def main(args: argparse.Namespace) -> int:
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
-    catalog = catalog_of(args)
-    study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
+    with ended_by_interrupt(owns_process=args.owns_process):
+        catalog = catalog_of(args)
+        study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
     return _run(study, catalog, args, console)
 
 
@@ -245,13 +247,13 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_run import ExecutionOptions, FailFastError, run_study
     from graphnav.cli.study_output import all_failed, print_outputs
-    from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
+    from graphnav.cli.study_run import StudyConsole, interrupted_by_signals
 
     plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
     options = ExecutionOptions(args.jobs, args.cluster, args.gallery, args.keep_logs, fail_fast=args.fail_fast)
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
-            with interrupted_by_sigterm():
+            with interrupted_by_signals():
                 files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
                 print_outputs(plan, folder.path, files, console, pairs)

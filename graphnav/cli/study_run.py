@@ -21,13 +21,15 @@ MANY_RUNS = 1000
 
 
 @contextmanager
-def interrupted_by_sigterm() -> Iterator[None]:
-    """Let SIGTERM stop a study like Ctrl-C."""
-    old = signal.signal(signal.SIGTERM, signal.default_int_handler)
+def interrupted_by_signals() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP stop a study like Ctrl-C; what ``nohup`` ignores stays ignored."""
+    taken = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
+    old = {number: signal.signal(number, signal.default_int_handler) for number in taken}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, old)
+        for number, handler in old.items():
+            signal.signal(number, handler)
 
 
 class StudyConsole:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load
+from graphnav.cli.options import MAX_FACTOR, add_graph_options, add_portable_option, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import UserError
 
@@ -49,7 +49,7 @@ def coverage(text: str) -> Coverage:
         speed, turn = (float(word) for word in text.split(","))
     except ValueError:
         speed = turn = math.nan
-    if not (0 < speed < math.inf and 0 < turn < math.inf):
+    if not (0 < speed <= MAX_FACTOR and 0 < turn <= MAX_FACTOR):
         raise argparse.ArgumentTypeError(f"'{text}' is not a speed and a turning rate above 0, such as 0.3,1.2")
     return Coverage(speed, turn)
 
