@@ -41,4 +41,3 @@ outputs: {flow.flow: {channel: "[/]FLOW"}}
         assert printable(text) == text
     assert "[red]CAMERA" in drawing.text
     assert "u202eright" in drawing.svg
-    assert len({len(line) for line in drawing.text.splitlines() if line[0] in "┌└"}) == 1
