@@ -46,7 +46,7 @@ HOSTILE = [
     "two\nlines",
 ]
 OWN = re.compile(r"\x1b\[(?:\d*(?:;\d+)*m|\d*[ABK]|\?25[hl])|\r")
-"""What rich itself sends: styles, moves to the begin of a display, the cursor; only to terminals."""
+"""Escape sequences that rich sends: styles, moves to the begin of a display, the cursor; only to terminals."""
 
 
 class Screen(io.StringIO):

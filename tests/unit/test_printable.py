@@ -1,4 +1,4 @@
-"""What acts on a terminal, reorders text or is invisible is shown as an escape; ordinary text stays."""
+"""Text that acts on a terminal, reorders or is invisible is shown as escapes; ordinary text stays."""
 
 from __future__ import annotations
 
