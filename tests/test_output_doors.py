@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 FILES = [path for folder in ("graphnav", "plugins") for path in sorted((ROOT / folder).rglob("*.py"))]
 COMMANDS = "graphnav/cli/"
-"""The output of commands goes to standard output and error, which ``graphnav.cli.main`` replaced by escaping ones."""
+"""Commands print to standard output and error, which ``graphnav.cli.main`` has replaced by streams that escape."""
 DOORS = {
     "graphnav/machine/console.py": "the console that escapes",
     "graphnav/machine/escaped_output.py": "the streams that escape",

@@ -1,4 +1,4 @@
-"""Names and messages of other programs cannot act: no command passes on what a terminal obeys or what hides."""
+"""Names and texts of other programs are only text: no command passes on what acts on a terminal or hides in a text."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ HOSTILE = [
     "two\nlines",
 ]
 OWN = re.compile(r"\x1b\[(?:\d*(?:;\d+)*m|\d*[ABK]|\?25[hl])|\r")
-"""Sequences that rich itself sends: styles, moves to the begin of a display, the cursor; only to terminals."""
+"""Escape sequences that rich sends: styles, moves to the begin of a display, the cursor; only to terminals."""
 
 
 class Screen(io.StringIO):

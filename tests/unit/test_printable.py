@@ -1,4 +1,4 @@
-"""Characters that act on a terminal, reorder a string or are invisible are shown as escapes; ordinary ones stay."""
+"""Text that acts on a terminal, reorders or is invisible is shown as escapes; ordinary text stays."""
 
 from __future__ import annotations
 
