@@ -32,10 +32,14 @@ class Gap(Stage):
         "obstacle", doc="what cells that were never judged count as; free drives where nothing was seen"
     )
     max_way_m: float = param(1.0, gt=0.0, le=100.0, doc="a longer free way counts as this long")
-    min_way_m: float = param(0.1, ge=0.0, doc="with no heading free for this long the robot turns on the spot")
-    turn_cost_m: float = param(0.25, ge=0.0, doc="cost of turning by half a circle")
-    change_cost_m: float = param(0.3, ge=0.0, doc="cost of a heading at half a circle from the last choice")
-    goal_cost_m: float = param(1.5, ge=0.0, doc="cost of a heading at half a circle from the goal")
+    min_way_m: float = param(
+        0.1, ge=0.0, le=100_000.0, doc="with no heading free for this long the robot turns on the spot"
+    )
+    turn_cost_m: float = param(0.25, ge=0.0, le=100_000.0, doc="cost of turning by half a circle")
+    change_cost_m: float = param(
+        0.3, ge=0.0, le=100_000.0, doc="cost of a heading at half a circle from the last choice"
+    )
+    goal_cost_m: float = param(1.5, ge=0.0, le=100_000.0, doc="cost of a heading at half a circle from the goal")
     headings: int = param(72, ge=8, le=720, doc="number of headings around the robot")
 
     def check(self) -> None:

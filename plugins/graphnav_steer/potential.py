@@ -41,7 +41,7 @@ class Potential(Forces):
 
     sigma_ratio: float = param(
         0.5,
-        gt=0.0,
+        ge=0.01,
         le=4.0,
         doc="standard deviation of the Gaussian, in picture widths; less sees only what is close by",
     )
@@ -49,8 +49,8 @@ class Potential(Forces):
         "zero", doc="assumption beyond the picture: no obstacle, or the outermost cell repeated"
     )
     strength: Strength = param("share", doc=STRENGTH_DOC)
-    gain: float = param(4.0, gt=0.0, doc=GAIN_DOC)
-    bell_ratio: float | None = param(None, gt=0.0, doc=BELL_DOC)
+    gain: float = param(4.0, gt=0.0, le=1e6, doc=GAIN_DOC)
+    bell_ratio: float | None = param(None, gt=0.0, le=1e6, doc=BELL_DOC)
     near_weight: float = param(1.0, ge=0.0, le=1.0, doc=NEAR_DOC)
     backward: bool = param(True, doc=BACKWARD_DOC)
     unjudged: Unjudged = param(
