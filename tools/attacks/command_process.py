@@ -8,12 +8,12 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-import resource
 import sys
 import time
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
+from attacks.memory import peak_mb
 from attacks.verdict import MAX_S, Outcome
 
 RENEWED_AFTER = 200
@@ -84,5 +84,4 @@ def _serve(connection: Connection) -> None:
                 status = ended.code if isinstance(ended.code, int) else 1
             except BaseException as error:  # noqa: BLE001 - whatever escapes is a fault
                 escaped = f"{type(error).__name__}: {str(error)[:200]}"
-        peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        connection.send(Outcome(status, printed.getvalue(), time.monotonic() - begin_s, peak_mb, escaped))
+        connection.send(Outcome(status, printed.getvalue(), time.monotonic() - begin_s, peak_mb(os.getpid()), escaped))

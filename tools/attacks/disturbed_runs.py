@@ -7,10 +7,12 @@ import random
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from attacks.memory import peak_mb
 from attacks.verdict import MAX_S, Outcome, faults
 
 _FLOOD = Path(__file__).resolve().parents[1] / "flood_spy.py"
@@ -18,6 +20,7 @@ _COMMAND = (sys.executable, "-m", "graphnav")
 _UNTIL_S = "3"
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _LATEST_S = 3.0
+_LOOK_S = 0.02
 _ENDED = {0, 1, 130}
 """Of a run that was told to stop: finished before, failed, stopped."""
 
@@ -91,12 +94,14 @@ def _words(folder: Path, until_s: str = _UNTIL_S) -> list[str]:
 def _run(words: list[str], environment: Mapping[str, str]) -> Outcome:
     """Return the outcome of a command with its peak of memory."""
     begin_s = time.monotonic()
-    process = subprocess.Popen(
-        words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=dict(environment)
-    )
-    assert process.stdout is not None, "it is a pipe"
-    output = process.stdout.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    elapsed_s = time.monotonic() - begin_s
-    return Outcome(process.returncode, output.decode("utf-8", "replace"), elapsed_s, usage.ru_maxrss / 1024)
+    peak = 0.0
+    with tempfile.TemporaryFile() as printed:
+        process = subprocess.Popen(
+            words, stdin=subprocess.DEVNULL, stdout=printed, stderr=subprocess.STDOUT, env=dict(environment)
+        )
+        while process.poll() is None:
+            peak = max(peak, peak_mb(process.pid))
+            time.sleep(_LOOK_S)
+        printed.seek(0)
+        output = printed.read().decode("utf-8", "replace")
+    return Outcome(process.returncode, output, time.monotonic() - begin_s, peak)
