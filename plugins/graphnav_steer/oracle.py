@@ -56,7 +56,7 @@ class Oracle(Stage):
         Raises
         ------
         ValueError
-            There is no map, or it has neither a goal nor a corridor to go around.
+            The map is missing, or has neither a goal nor a corridor to go around.
         """
         if self._way is None:
             if map.value is None:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import cv2
 import numpy as np
 
 from graphnav import Goal, Latest, ParamError, Plane, Stage, Steering, param
-from graphnav.arrays import Bools, Doubles
+from graphnav.arrays import Bytes, Doubles
 from graphnav_steer.headings import headed
 from graphnav_steer.longest_way import Costs, LongestWay
+from graphnav_steer.unjudged import RIM_DOC, UNJUDGED_DOC, Unjudged, with_unjudged
 
 
 class PictureGap(Stage):
@@ -39,12 +39,8 @@ class PictureGap(Stage):
         le=1.0,
         doc="width on the floor that the robot needs, with a margin, as a share of the picture's width",
     )
-    unjudged: Literal["obstacle", "free"] = param(
-        "obstacle", doc="meaning of cells inside the rim that could not be judged, such as a wall without texture"
-    )
-    rim_ratio: float = param(
-        Plane.RIM_RATIO, ge=0.0, le=0.4, doc="width of the picture's rim that is never judged, in its shorter sides"
-    )
+    unjudged: Unjudged = param("obstacle", doc=UNJUDGED_DOC)
+    rim_ratio: float = param(Plane.RIM_RATIO, ge=0.0, le=0.4, doc=RIM_DOC)
     min_way_ratio: float = param(
         0.35, ge=0.0, le=1.0, doc="with no direction free for this share of the picture's height the robot turns"
     )
@@ -71,16 +67,14 @@ class PictureGap(Stage):
 
     def step(self, plane: Plane, goal: Latest[Goal]) -> Steering:
         """Return the steering towards the chosen direction: no repulsive force, a guiding force of length 1."""
-        obstacle = plane.obstacle != 0
-        if self.unjudged == "obstacle":
-            obstacle |= plane.unknown(self.rim_ratio)
+        obstacle, _ = with_unjudged(plane, self.unjudged, self.rim_ratio)
         goal_rad = None if goal.value is None else goal.value.bearing_rad
         return headed(self._longest.theta_rad(self._ways(obstacle), goal_rad))
 
-    def _ways(self, obstacle: Bools) -> Doubles:
+    def _ways(self, obstacle: Bytes) -> Doubles:
         """Return the free way of each direction as shares of the picture's height, at most that ahead, (headings,)."""
         rows, cols = obstacle.shape
-        clearance = cv2.distanceTransform((~obstacle).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        clearance = cv2.distanceTransform((obstacle == 0).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         steps = np.arange(0.5, rows, 0.5)
         row = np.floor(self.foot_ratio * rows - np.outer(np.cos(self._headings_rad), steps)).astype(np.intp)
         col = np.floor(cols / 2 - np.outer(np.sin(self._headings_rad), steps)).astype(np.intp)
