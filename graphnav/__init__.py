@@ -1,11 +1,15 @@
 """Visual navigation as a dataflow graph: plugin stages, LCM channels, a simulated robot to close the loop.
 
-The public names are in ``__init__.pyi``. Each is imported on first use, so that ``graphnav --help`` loads no numpy.
+The public names are in ``__init__.pyi``. Each is imported on first use, so that ``graphnav --help`` loads no numpy;
+and so that what numpy computes with can be pinned before it is loaded.
 """
 
 import lazy_loader
 
-__version__ = "0.6.0"
+from graphnav.machine.pins import pin
 
+__version__ = "0.7.0"
+
+pin()
 __getattr__, __dir__, _names = lazy_loader.attach_stub(__name__, __file__)
 __all__ = ["__version__", *_names]  # noqa: PLE0604 - strings, as lazy_loader read them

@@ -70,6 +70,7 @@ from .grid import (
     coarsen as coarsen,
 )
 from .hooks import hookimpl as hookimpl
+from .machine.regular_file import read_regular as read_regular
 from .messages import (
     About as About,
 )

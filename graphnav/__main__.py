@@ -1,8 +1,17 @@
-"""``python -m graphnav``: the same as the command ``graphnav``."""
+"""The command ``graphnav``, and ``python -m graphnav``."""
 
 import sys
 
-from graphnav.cli import main
+from graphnav.machine.start_up import end_at_interrupt
+
+
+def main() -> int:
+    """Run the command line; Ctrl-C before a command begins, or after its end, ends the process without a traceback."""
+    end_at_interrupt()
+    from graphnav import cli  # noqa: PLC0415 - it takes time, in which Ctrl-C may come
+
+    return cli.main()
+
 
 if __name__ == "__main__":
     sys.exit(main())

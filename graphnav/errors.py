@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import re
+import unicodedata
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -207,9 +209,31 @@ def _bounded(line: str) -> str:
     return line if len(line) <= _MAX_LINE else f"{line[:_MAX_LINE]} (and {len(line) - _MAX_LINE:,} more characters)"
 
 
+_EMOJI = "\u2190-\u2bff\ufe0e\ufe0f\U0001f000-\U0001faff"
+_EMOJI_JOINER = re.compile(f"(?<=[{_EMOJI}])\u200d(?=[{_EMOJI}])")
+_INVISIBLE = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0d\uffa0\U000e0000-\U000e0fff]")
+"""Characters without a glyph that `str.isprintable` lets through: fillers and selectors, but not those of emoji."""
+
+
 def printable(text: str) -> str:
-    """Return a string with the control characters that a terminal would obey escaped; line breaks stay."""
-    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+    r"""Return a string in which nothing acts on a terminal, changes the order of the text, or is invisible.
+
+    Control characters, directional overrides and characters without width become escapes such as ``\x1b`` and
+    ``\u202e``. Line breaks, tabs, spaces of all widths and the joiners inside emoji stay.
+    """
+    if text.isascii() and text.isprintable():
+        return text
+    return "\u200d".join("".join(map(_shown, part)) for part in _EMOJI_JOINER.split(text))
+
+
+def _shown(char: str) -> str:
+    """Return a character, or its escape."""
+    is_shown = char.isprintable() or char in "\n\t" or unicodedata.category(char) == "Zs"
+    return char if is_shown and not _INVISIBLE.match(char) else _escape(char)
+
+
+def _escape(char: str) -> str:
+    return char.encode("unicode_escape").decode()
 
 
 def shown_path(path: Path) -> str:
@@ -222,4 +246,4 @@ def shown_path(path: Path) -> str:
 
 def shown_name(name: str) -> str:
     """Return a name from a log or the network as a terminal may print it: nothing in it that it would obey."""
-    return printable(name).replace("\n", r"\n")
+    return "".join(char if char.isprintable() else _escape(char) for char in printable(name))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 
+from graphnav.errors import printable
+
 
 def print_notice(notice: str) -> None:
-    """Print a notice to standard error, unbuffered."""
-    print(notice, file=sys.stderr, flush=True)
+    """Print a notice to standard error, unbuffered; it may quote what other programs sent."""
+    print(printable(notice), file=sys.stderr, flush=True)

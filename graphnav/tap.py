@@ -12,7 +12,7 @@ from typing import Literal
 
 from graphnav.bus import Bus, require_route, with_defaults
 from graphnav.codec import decode, encode, message_class_of, type_named
-from graphnav.errors import GraphnavError
+from graphnav.errors import GraphnavError, shown_name
 from graphnav.messages import About, Message
 from graphnav.notices import print_notice
 from graphnav.record import ABOUT
@@ -30,6 +30,10 @@ _PAUSE_S = 0.002
 """The pause after a burst: default receive buffers hold three packets, default queues 30 messages."""
 _ABOUT_S = 1.0
 _CLOSE_TIMEOUT_S = 0.3
+_MAX_TOLD = 8
+"""Further runs are not reported: any program can announce runs under names of its choice."""
+_MAX_ID = 60
+"""Longer names of runs are cut in notices."""
 
 
 class Tap:
@@ -41,7 +45,8 @@ class Tap:
     and column; "full" sends all bytes, which
     rarely arrive completely with default kernel settings.
 
-    ``notice`` is called once for each other run on the same group that publishes the same channels. Raises BusError if
+    ``notice`` is called once for each other run on the same group that publishes the same channels, for at most 8 runs,
+    and once for all further ones. Raises BusError if
     there is no multicast route.
     """
 
@@ -60,7 +65,7 @@ class Tap:
         self._shareable: frozenset[str] = frozenset()
         self._classes: dict[str, type[Message] | None] = {}
         self._steps: dict[tuple[str, int], int] = {}
-        self._others: set[str] = set()
+        self._told: set[str] = set()
         self._spoken: set[str] = set()
         self._lone: dict[str, tuple[float, bytes]] = {}
         self._waiting: deque[tuple[str, int, bytes]] = deque()
@@ -168,20 +173,31 @@ class Tap:
 
     def _receive(self, _channel: str, data: bytes) -> None:
         """Report other runs on this group that publish on the same channels."""
+        if self._about is None or len(self._told) > _MAX_TOLD:
+            return
         try:
             other = decode(About, data)[2]
         except GraphnavError:
             return
-        if other.run_id in self._others | {self._run_id} or self._about is None:
-            return
-        self._others.add(other.run_id)
         shared = sorted(set(other.channels) & set(self._about.channels) - self._shareable)
-        if shared:
+        if not shared or other.run_id in self._told | {self._run_id}:
+            return
+        self._told.add(other.run_id)
+        if len(self._told) > _MAX_TOLD:
             self._notice(
-                f"run {self._run_id} and run {other.run_id} both publish {', '.join(shared[:3])} on {self.url}: "
-                "a viewer sees both mixed\n  give one of them --no-tap"
+                f"more than {_MAX_TOLD} other runs publish the channels of run {self._run_id} on {self.url}: "
+                "further ones are not reported"
             )
+            return
+        self._notice(
+            f"run {self._run_id} and run {_cut(shown_name(other.run_id))} both publish {', '.join(shared[:3])} "
+            f"on {self.url}: a viewer sees both mixed\n  give one of them --no-tap"
+        )
 
     def _drop(self) -> None:
         with self._dropping:
             self.dropped += 1
+
+
+def _cut(name: str) -> str:
+    return name if len(name) <= _MAX_ID else f"{name[:_MAX_ID]}…"

@@ -24,6 +24,7 @@ from acceptance.machine import bench_item, fresh_item, heard_item, interrupt_ite
 from acceptance.navigating import navigate_item
 from acceptance.no_odometry import no_odometry_item
 from acceptance.notebook import notebook_item
+from acceptance.portable import portable_item
 from acceptance.replayable import replayable_item
 from acceptance.replaying import replay_item
 from acceptance.same_results import results_item
@@ -50,6 +51,7 @@ ITEMS = {
     "heard": heard_item,
     "memory": memory_item,
     "interrupt": interrupt_item,
+    "portable": portable_item,
     "bench": bench_item,
     "fresh": fresh_item,
     "guard": guard_item,

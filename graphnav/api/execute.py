@@ -14,6 +14,9 @@ from graphnav.runner.recording.stall import StallLimit
 from graphnav.runner.recording.summary import Summary
 from graphnav.stage import Stage
 
+MAX_PACE = 1e6
+"""The maximum of the pace, which no machine could keep; the inverse is the minimum, at which a tick takes a day."""
+
 
 def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, option: str = "") -> bool:
     """Return whether a run is live.
@@ -23,11 +26,11 @@ def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, 
     Raises
     ------
     UserError
-        An option has no effect on such a run, or the pace is not above 0.
+        An option has no effect on such a run, or the pace is out of bounds.
     """
-    if pace is not None and not 0 < pace < math.inf:
-        hint = "remove it to run as fast as possible"
-        raise UserError.of(f"{option}pace is {pace:g}, but must be above 0", hint)
+    if pace is not None and not 1 / MAX_PACE <= pace <= MAX_PACE:
+        wanted = f"from {1 / MAX_PACE:g} to {MAX_PACE:g}" if 0 < pace < math.inf else "above 0"
+        raise UserError.of(f"{option}pace is {pace:g}, but must be {wanted}", "remove it to run as fast as possible")
     is_live = live or graph.is_live
     if is_live and pace is not None:
         what = f"{option}pace has no effect on a live run, which runs in wall time"

@@ -82,8 +82,7 @@ class Run:
         return f"<graphnav.Run {self.summary.graph}: {self.outcome} after {self.summary.sim_s:.1f} s, {self.folder}>"
 
     def __str__(self) -> str:
-        from rich.console import Console
-
+        from graphnav.machine.console import Console
         from graphnav.report.table import print_summary
 
         text = io.StringIO()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 
+from graphnav.errors import printable
+
 
 def tell(notice: str) -> None:
-    """Log a notice as a warning."""
-    logging.getLogger("graphnav").warning("%s", notice)
+    """Log a notice as a warning; it may quote what other programs sent."""
+    logging.getLogger("graphnav").warning("%s", printable(notice))

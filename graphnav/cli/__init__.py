@@ -12,7 +12,10 @@ from typing import Any
 
 from graphnav.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
+from graphnav.machine.escaped_output import escaped_output
+from graphnav.machine.pins import unpin
 from graphnav.machine.single_thread import ONE_THREAD
+from graphnav.machine.start_up import end_at_interrupt, raise_at_interrupt
 
 COMMANDS = {
     "run": "run a graph into a run folder: log, summary, pictures",
@@ -97,30 +100,36 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complete()
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
-    with lasting_output(for_a_reader=chosen in FOR_A_READER):
+    with lasting_output(for_a_reader=chosen in FOR_A_READER), escaped_output():
         args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
-        args.words = words
+        args.words, args.owns_process = words, argv is None
         return _status_of(args)
 
 
 def _status_of(args: argparse.Namespace) -> int:
     """Run a command; print the error that ends it."""
-    from graphnav.errors import GraphnavError, ParamError, UserError, printable
+    from graphnav.errors import GraphnavError, ParamError, UserError
 
     try:
-        status = int(args.main(args))
-        if sys.stdout is not None:
-            sys.stdout.flush()
+        raise_at_interrupt()
+        try:
+            _choose_instruction_set(getattr(args, "portable", None))
+            status = int(args.main(args))
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        finally:
+            if args.owns_process:
+                end_at_interrupt()
     except UserError as error:
-        print(printable(str(error)), file=sys.stderr)
+        print(error, file=sys.stderr)
         if len(error.problems) > 1:
             print(f"{len(error.problems)} errors", file=sys.stderr)
         return USER_ERROR
     except ParamError as error:
-        print(printable(str(error)), file=sys.stderr)
+        print(error, file=sys.stderr)
         return USER_ERROR
     except GraphnavError as error:
-        print(printable(str(error)), file=sys.stderr)
+        print(error, file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
@@ -134,6 +143,16 @@ def _status_of(args: argparse.Namespace) -> int:
         )
         return FAILED
     return status
+
+
+def _choose_instruction_set(portable: bool | None) -> None:  # noqa: FBT001 - an option's value
+    """Obey ``--portable`` and ``--no-portable``, before numpy and OpenCV are loaded."""
+    if portable is False:
+        unpin()
+    elif portable:
+        from graphnav.machine.instruction_set import require_portable
+
+        require_portable()
 
 
 def _complete() -> None:

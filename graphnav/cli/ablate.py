@@ -9,17 +9,17 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_former_option, add_plugin_option, catalog_of, count
+from graphnav.cli.options import add_former_option, add_plugin_option, add_portable_option, catalog_of, count
 from graphnav.cli.quantities import wall_limit
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
+from graphnav.machine.start_up import ended_by_interrupt
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from graphnav.ablation.plan import CheckedStudy, Plan
     from graphnav.api.studies.study_request import StudyRequest
     from graphnav.catalog import Catalog
+    from graphnav.machine.console import Console
 
 _ABOUT = """\
 A study is a YAML file, the name of a shipped one, or graphs and --vary. Its folder keeps every run: the same command
@@ -39,6 +39,7 @@ _OF_RUNS = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.epilog = _ABOUT
+    add_portable_option(parser)
     parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files or names of shipped ones")
     _add_study_options(parser)
     _add_world_options(parser)
@@ -179,13 +180,12 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
     from graphnav.ablation.execution import read_plan
     from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.mlflow_export import export_to_mlflow
     from graphnav.api.studies.study_files import write_study_files
     from graphnav.cli.study_output import print_outputs, write_pairing
+    from graphnav.machine.console import Console
 
     _refuse_mixtures(args)
     console = Console(highlight=False, soft_wrap=True)
@@ -202,8 +202,9 @@ def main(args: argparse.Namespace) -> int:
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
-    catalog = catalog_of(args)
-    study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
+    with ended_by_interrupt(owns_process=args.owns_process):
+        catalog = catalog_of(args)
+        study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
     return _run(study, catalog, args, console)
 
 
@@ -255,7 +256,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_run import ExecutionOptions, FailFastError, run_study
     from graphnav.cli.study_output import all_failed, print_outputs
-    from graphnav.cli.study_run import StudyConsole, interrupted_by_sigterm
+    from graphnav.cli.study_run import StudyConsole, interrupted_by_signals
 
     plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
     options = ExecutionOptions(
@@ -263,7 +264,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     )
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
-            with interrupted_by_sigterm():
+            with interrupted_by_signals():
                 files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
                 print_outputs(plan, folder.path, files, console, pairs)

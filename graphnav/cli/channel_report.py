@@ -45,17 +45,20 @@ def report(
     Raises GraphnavError where nothing was received, UserError where a run is received that has no such channel.
     """
     from graphnav.cli.tables import print_table
-    from graphnav.spy import Feed, Traffic
+    from graphnav.notices import print_notice
+    from graphnav.spy import MAX_CHANNELS, Feed, Traffic
 
     load_types_of(args)
     name, source = channel_and_feed(args)
     feed = Feed(source)
-    traffic = Traffic(feed.clock)
+    traffic = Traffic(feed.clock, name)
     for_s = _JSON_S if args.json and args.for_s is None else args.for_s
     times = ReportTimes(for_s)
     for received in feed.listen(for_s):
         if received is not None:
             traffic.receive(received)
+            if name is None and traffic.overflow == 1:
+                print_notice(f"only the first {MAX_CHANNELS} channels are measured")
             continue
         if name is not None:
             traffic.check(name, feed)

@@ -34,7 +34,7 @@ def main(args: argparse.Namespace) -> int:
 
         sys.stdout.write(resolved_yaml(graph, portable_paths=False))
         return OK
-    from rich.console import Console
+    from graphnav.machine.console import Console
 
     console = Console(highlight=False, soft_wrap=True)
     for notice in graph.notices:

@@ -36,10 +36,10 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _print(finding: Finding) -> None:
-    from rich.console import Console
     from rich.text import Text
 
     from graphnav.errors import printable
+    from graphnav.machine.console import Console
 
     mark, style = ("ok ", "green") if finding.fine else ("FIX", "red") if finding.needed else ("opt", "yellow")
     console = Console(highlight=False, soft_wrap=True)

@@ -30,7 +30,7 @@ def main(args: argparse.Namespace) -> int:
     _, graph = load(args)
     drawing = Drawing(graph)
     if args.format == "text" and args.file is None:
-        from rich.console import Console
+        from graphnav.machine.console import Console
 
         Console(highlight=False, soft_wrap=True).print(drawing)
         return OK

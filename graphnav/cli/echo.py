@@ -52,7 +52,7 @@ def main(args: argparse.Namespace) -> int:
     paths = [parse_field(text) for text in args.fields]
     load_types_of(args)
     feed = Feed(args.feed)
-    traffic = Traffic(feed.clock)
+    traffic = Traffic(feed.clock, args.channel)
     form = Lines if not args.jsonl else JsonLines
     printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)
     n_printed = 0

@@ -61,11 +61,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: export, list the files and the losses."""
-    from rich.console import Console
-
     from graphnav.cli.damaged_log import damage_told
     from graphnav.cli.progress import progress_bar
     from graphnav.export import Selection, duration_s, export_log
+    from graphnav.machine.console import Console
     from graphnav.record import Recording, find_log
     from graphnav.runner.recording.log_forecast import size_text
 

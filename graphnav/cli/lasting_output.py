@@ -1,9 +1,11 @@
-"""Survive standard output or error being closed during a command, as by ``| head -1``."""
+"""Survive standard output or error being closed during a command, as by ``| head -1`` or with the terminal."""
 
 from __future__ import annotations
 
+import errno
 import io
 import os
+import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -59,10 +61,11 @@ class _LastingFile(io.FileIO):
         try:
             return super().write(data)
         except OSError as error:
+            is_closed_terminal = error.errno == errno.EIO and stat.S_ISCHR(os.fstat(self.fileno()).st_mode)
             nowhere = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nowhere, self.fileno())  # for buffered output, and for child processes
             os.close(nowhere)
-            if not isinstance(error, BrokenPipeError):
+            if not (isinstance(error, BrokenPipeError) or is_closed_terminal):
                 raise
             if self._for_a_reader:
                 raise ReaderLeftError from error

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.errors import Place, Problem, UserError
+from graphnav.machine.start_up import ended_by_interrupt
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
     from graphnav.graph import Graph, Override
     from graphnav.record import ChannelFilter
+
+MAX_S = 1e9
+"""The longest duration that an option takes."""
+MAX_FACTOR = 1e6
+"""The maximum of rates, speeds and factors that options take; the inverse is the minimum."""
+MAX_SEED = 2**32 - 1
+_MAX_DIGITS = 12
 
 
 def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
@@ -60,6 +67,16 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds: simulated, or live")
 
 
+def add_portable_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--portable`` and ``--no-portable``."""
+    parser.add_argument(
+        "--portable",
+        action=argparse.BooleanOptionalAction,
+        help="compute with AVX2 and FMA, so that logs are the same on every machine that has them, or refuse; with "
+        "--no-portable numpy, OpenCV and BLAS choose by the CPU (default: portable where the CPU can)",
+    )
+
+
 def add_plugin_option(parser: argparse.ArgumentParser) -> None:
     """Declare ``--plugin``, for `catalog_of`."""
     parser.add_argument(
@@ -80,21 +97,28 @@ def add_former_option(parser: argparse.ArgumentParser, former: str, now: str) ->
 def seconds(text: str) -> float:
     """Parse a duration above 0."""
     try:
-        if 0 < (value := float(text)) < math.inf:
+        if 0 < (value := float(text)) <= MAX_S:
             return value
     except ValueError:
         pass
-    raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds above 0")
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds above 0, at most {MAX_S:g}")
 
 
 def positive(text: str) -> float:
-    """Parse a number above 0."""
+    """Parse a rate or a factor: a number above 0, within `MAX_FACTOR` and its inverse."""
     try:
-        if 0 < (value := float(text)) < math.inf:
+        if 1 / MAX_FACTOR <= (value := float(text)) <= MAX_FACTOR:
             return value
     except ValueError:
         pass
-    raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0")
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0, from {1 / MAX_FACTOR:g} to {MAX_FACTOR:g}")
+
+
+def seed(text: str) -> int:
+    """Parse the seed of a random generator."""
+    if text.isascii() and text.isdecimal() and len(text) <= _MAX_DIGITS and int(text) <= MAX_SEED:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is not a seed: write an integer from 0 to {MAX_SEED}")
 
 
 def channel_name(text: str) -> str:
@@ -114,9 +138,9 @@ def channel_name(text: str) -> str:
 
 def count(text: str) -> int:
     """Parse an integer above 0."""
-    if text.isdecimal() and int(text):
+    if text.isascii() and text.isdecimal() and len(text) <= _MAX_DIGITS and int(text):
         return int(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is not an integer above 0")
+    raise argparse.ArgumentTypeError(f"'{text}' is not an integer above 0, of at most {_MAX_DIGITS} digits")
 
 
 def add_feed_argument(parser: argparse.ArgumentParser) -> None:
@@ -250,12 +274,13 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
     UserError
         Everything that is wrong with the graph or the options.
     """
-    from graphnav.api.load import load_with, with_run_options
-    from graphnav.graph import parse_overrides
+    with ended_by_interrupt(owns_process=args.owns_process):
+        from graphnav.api.load import load_with, with_run_options
+        from graphnav.graph import parse_overrides
 
-    catalog = catalog_of(args)
-    problems: list[Problem] = []
-    overrides = parse_overrides(args.sets, problems)
-    graph = load_with(catalog, args.graph, overrides, args.plugins, problems)
-    given = {"seed": getattr(args, "seed", None), "until_s": getattr(args, "until", None)}
-    return catalog, with_run_options(graph, given, {"seed": "--seed", "until_s": "--until"})
+        catalog = catalog_of(args)
+        problems: list[Problem] = []
+        overrides = parse_overrides(args.sets, problems)
+        graph = load_with(catalog, args.graph, overrides, args.plugins, problems)
+        given = {"seed": getattr(args, "seed", None), "until_s": getattr(args, "until", None)}
+        return catalog, with_run_options(graph, given, {"seed": "--seed", "until_s": "--until"})

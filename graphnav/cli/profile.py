@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_run_options, load
+from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import GraphnavError, UserError
 from graphnav.notices import print_notice
@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
     add_run_options(parser)
+    add_portable_option(parser)
     parser.add_argument(
         "--tap",
         choices=("thin", "full", "none"),
@@ -58,8 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.profiling import NothingMeasuredError, functions_missing, print_profile, refuse_live
 
     _, graph = load(args)
@@ -91,10 +91,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _measure(args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], folder: Path) -> Profile:
-    from rich.console import Console
-
     from graphnav.api.open_tap import open_tap
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
     from graphnav.profiling import functions_missing, measure
     from graphnav.runner.recording.run_recorded import new_run_id
 

@@ -5,14 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from graphnav.machine.console import Console
 
 
 @contextmanager
 def progress_bar(console: Console, title: str, until_s: float | None) -> Iterator[Callable[[int], None]]:
     """Show simulated time; call the yielded function with each tick's stamp. Shows nothing without a terminal."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[sim]}"), TimeElapsedColumn())
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.fields[sim]}", markup=False),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task(title, total=until_s, sim="")
         of = f" of {until_s:g} s" if until_s is not None else " s"

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from graphnav.record.log_files import Split
 
+MAX_S = 1e9
+"""The longest time that is parsed: 30 years."""
+MAX_BYTES = 1e18
 _PREFIXES = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
 _SIZE = re.compile(r"([0-9.]+) *([kmgt]?)(i?)b", re.IGNORECASE)
 _TIME = re.compile(r"([0-9.]+) *(s|min|h)?")
@@ -24,8 +27,8 @@ def size(text: str) -> int:
     if found is None or number is None:
         raise argparse.ArgumentTypeError(f"'{text}' is not a size: write 100MB or 2GiB")
     n_bytes = number * (1024 if found[3] else 1000) ** _PREFIXES[found[2].lower()]
-    if not 1 <= n_bytes < math.inf:
-        raise argparse.ArgumentTypeError(f"'{text}' is less than a byte")
+    if not 1 <= n_bytes <= MAX_BYTES:
+        raise argparse.ArgumentTypeError(f"'{text}' is less than a byte, or more than {MAX_BYTES:g} bytes")
     return int(n_bytes)
 
 
@@ -35,6 +38,8 @@ def log_time(text: str) -> float:
     number = _number(found[1]) if found else None
     if found is None or number is None:
         raise argparse.ArgumentTypeError(f"'{text}' is not a time: write 12.3s or 2min")
+    if number * _SECONDS[found[2]] > MAX_S:
+        raise argparse.ArgumentTypeError(f"'{text}' is longer than {MAX_S:g} s")
     return number * _SECONDS[found[2]]
 
 
@@ -59,7 +64,7 @@ def split(text: str) -> Split:
         pass
     found = _TIME.fullmatch(text.strip())
     number = _number(found[1]) if found and found[2] else None
-    if found is None or not number:
+    if found is None or not number or number * _SECONDS[found[2]] > MAX_S:
         raise argparse.ArgumentTypeError(f"'{text}' is not a size or time: write 100MB or 60s")
     return Split(us=round(number * _SECONDS[found[2]] * 1e6))
 

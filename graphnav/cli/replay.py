@@ -10,7 +10,7 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of, overrides_of
+from graphnav.cli.options import add_plugin_option, add_portable_option, add_set_option, catalog_of, overrides_of
 from graphnav.cli.status import FAILED, OK
 from graphnav.errors import LogError, UserError
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("log", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
+    add_portable_option(parser)
     parser.add_argument(
         "--graph", metavar="FILE", help="step this graph, with the seed of the log (default: the graph of the log)"
     )
@@ -59,10 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if anything differs."""
-    from rich.console import Console
-
     from graphnav.cli.damaged_log import damage_told
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
     from graphnav.record import find_log
     from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay
 

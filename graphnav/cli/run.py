@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_run_options, load
+from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load
 from graphnav.cli.quantities import wall_limit
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import DrawingError, GraphnavError
@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
     add_run_options(parser)
+    add_portable_option(parser)
     parser.add_argument(
         "--pace",
         type=float,
@@ -70,11 +71,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
     from graphnav.api.execute import runs_live
     from graphnav.api.open_tap import open_tap
     from graphnav.lcm_url import tap_url
+    from graphnav.machine.console import Console
     from graphnav.report.folder import make_run_folder, removed_if_empty
     from graphnav.report.table import print_summary
     from graphnav.runner.recording.run_recorded import new_run_id
@@ -151,10 +151,9 @@ def _run(
     *,
     is_live: bool,
 ) -> Summary:
-    from rich.console import Console
-
     from graphnav.api.execute import execute
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
     from graphnav.runner.recording.stall import StallLimit
 
     bar = Console(stderr=True)

@@ -10,7 +10,7 @@ from graphnav.cli.quantities import log_time
 
 def period(text: str) -> float:
     """Parse a period above 0, ``0.5s``, into seconds."""
-    if value := log_time(text):
+    if (value := log_time(text)) >= 1e-6:
         return value
     raise argparse.ArgumentTypeError(f"'{text}' is not a time above 0: write 0.5s")
 

@@ -15,8 +15,7 @@ from graphnav.cli.options import add_feed_argument, add_types_option, load_types
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.spy import Feed, Traffic
 
 _REFRESH_S = 0.5
@@ -48,8 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.notices import print_notice
     from graphnav.spy import Feed, Traffic, as_json, as_text, drops_of
 

@@ -12,10 +12,9 @@ from graphnav.cli.options import add_plugin_option, catalog_of
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from graphnav.catalog import Catalog
     from graphnav.cli.tables import TextTable
+    from graphnav.machine.console import Console
 
 
 _MIN_COLS_OF_PORTS = 110
@@ -31,8 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.stage import describe
 
     catalog = catalog_of(args)

@@ -7,6 +7,9 @@ import sys
 from types import TracebackType
 from typing import Self
 
+from graphnav.errors import shown_name
+from graphnav.machine.escaped_output import unescaped
+
 
 class StatusLine:
     """Shows the newest line if standard output is a terminal; removed on exit."""
@@ -17,8 +20,7 @@ class StatusLine:
     def show(self, line: str) -> None:
         """Replace the line; it is truncated to the terminal's width."""
         if self._is_shown:
-            columns = shutil.get_terminal_size().columns
-            print(f"\r\x1b[K{line[: columns - 1]}", end="", flush=True)
+            rewrite_line(line)
 
     def clear(self) -> None:
         """Remove the line."""
@@ -31,3 +33,11 @@ class StatusLine:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.clear()
+
+
+def rewrite_line(line: str) -> None:
+    """Replace the current line of standard output, a terminal; truncated to its width."""
+    terminal = unescaped(sys.stdout)
+    columns = shutil.get_terminal_size().columns
+    terminal.write(f"\r\x1b[K{shown_name(line)[: columns - 1]}")
+    terminal.flush()

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
-
 from graphnav.ablation.execution import read_plan
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import (
@@ -35,6 +33,7 @@ from graphnav.ablation.results import (
 from graphnav.api.studies.study_files import StudyFiles
 from graphnav.cli.status import FAILED, OK
 from graphnav.errors import UserError
+from graphnav.machine.console import Console
 from graphnav.runner import Outcome
 
 

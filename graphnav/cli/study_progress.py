@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import timedelta
 
-from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
+
+from graphnav.machine.console import Console
 
 
 class _TimeLeft(ProgressColumn):
@@ -30,9 +31,9 @@ def study_bar(console: Console, title: str, done: int, total: int) -> Iterator[C
     Shows nothing without a terminal.
     """
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
-        TextColumn("{task.completed} of {task.total} runs{task.fields[ended]}"),
+        TextColumn("{task.completed} of {task.total} runs{task.fields[ended]}", markup=False),
         _TimeLeft(),
     )
     ended = Counter[str]()

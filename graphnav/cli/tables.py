@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from graphnav.machine.console import Console
 
 
 class TextTable(Table):

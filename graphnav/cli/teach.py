@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.cli.options import add_graph_options, add_run_options, load
+from graphnav.cli.options import MAX_FACTOR, add_graph_options, add_portable_option, add_run_options, load
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import UserError
 
@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     add_graph_options(parser)
     add_run_options(parser)
+    add_portable_option(parser)
     parser.add_argument("-o", dest="model", type=Path, required=True, metavar="FILE", help="the model (.lcmlog)")
     parser.add_argument("--live", action="store_true", help="teach in wall time; implied by a graph with inputs")
     parser.add_argument(
@@ -48,7 +49,7 @@ def coverage(text: str) -> Coverage:
         speed, turn = (float(word) for word in text.split(","))
     except ValueError:
         speed = turn = math.nan
-    if not (0 < speed < math.inf and 0 < turn < math.inf):
+    if not (0 < speed <= MAX_FACTOR and 0 < turn <= MAX_FACTOR):
         raise argparse.ArgumentTypeError(f"'{text}' is not a speed and a turning rate above 0, such as 0.3,1.2")
     return Coverage(speed, turn)
 
@@ -82,9 +83,8 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
-    from rich.console import Console
-
     from graphnav.cli.progress import progress_bar
+    from graphnav.machine.console import Console
     from graphnav.runner import Outcome
     from graphnav.runner.recording.run_recorded import run_recorded
     from graphnav.teaching import Taught
@@ -102,10 +102,9 @@ def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -
 
 
 def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
-    from rich.console import Console
-
     from graphnav.cli.teaching_progress import teaching_progress
     from graphnav.live import live_url, run_live
+    from graphnav.machine.console import Console
     from graphnav.teaching import Taught
 
     taught, wanted = Taught(graph, channel), args.until_taught
@@ -137,9 +136,8 @@ def _save(
 
     ``inputs``: status of the inputs of a live run.
     """
-    from rich.console import Console
-
     from graphnav.codec import encode
+    from graphnav.machine.console import Console
     from graphnav.messages import PlanarModel
     from graphnav.notices import print_notice
     from graphnav.record import LOG, LogWriter, Recording

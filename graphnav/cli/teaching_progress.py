@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
+from rich.text import Text
 
+from graphnav.machine.console import Console
 from graphnav.teaching import Taught, gaps
 
 LINE_S = 10.0
@@ -18,7 +19,7 @@ def teaching_progress(console: Console, taught: Taught) -> Iterator[Callable[[fl
     """Yield a function that shows the progress at a time of the run in seconds."""
     if console.is_terminal:
         with console.status("") as status:
-            yield lambda run_s: status.update(progress_line(taught, run_s))
+            yield lambda run_s: status.update(Text(progress_line(taught, run_s)))
         return
     shown_s = 0.0
 

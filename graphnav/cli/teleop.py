@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import shutil
 import sys
 
 from graphnav.cli.options import add_url_option, channel_name, positive, seconds, url_of
 from graphnav.cli.status import OK
+from graphnav.cli.status_line import rewrite_line
 
 _EXAMPLES = """\
 keys: w s a d, i k j l or the arrows drive; space halts; x stops the robot until r re-arms it; + and - change the
@@ -68,5 +68,4 @@ def _show(line: str) -> None:
     if not sys.stdout.isatty():
         print(line, flush=True)
         return
-    columns = shutil.get_terminal_size().columns
-    print(f"\r\x1b[K{line[: columns - 1]}", end="", flush=True)
+    rewrite_line(line)

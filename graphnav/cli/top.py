@@ -11,9 +11,8 @@ from graphnav.cli.options import add_feed_argument, add_types_option, load_types
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from graphnav.errors import GraphnavError
+    from graphnav.machine.console import Console
     from graphnav.spy import Feed, Health
 
 _REFRESH_S = 0.5
@@ -40,8 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.spy import Feed, Health, health_as_json, health_as_text
 
     load_types_of(args)

@@ -8,14 +8,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_plugin_option, add_set_option, catalog_of, count
+from graphnav.cli.options import add_plugin_option, add_portable_option, add_set_option, catalog_of, count, seed
 from graphnav.cli.quantities import counted
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import Problem, UserError
+from graphnav.machine.start_up import ended_by_interrupt
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from graphnav.machine.console import Console
     from graphnav.tuning import Tuning, TuningRequest, TuningRun
 
 _ABOUT = """\
@@ -28,6 +28,7 @@ _MANY_RUNS = 1000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.epilog = _ABOUT
+    add_portable_option(parser)
     parser.add_argument(
         "names", nargs="+", metavar="GRAPH", help="graphs, or a study with one axis: files or names of shipped ones"
     )
@@ -60,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_set_option(parser)
     add_plugin_option(parser)
     parser.add_argument(
-        "--sampler-seed", type=int, default=0, metavar="N", help="seed of the proposals (default 0); worlds ignore it"
+        "--sampler-seed", type=seed, default=0, metavar="N", help="seed of the proposals (default 0); worlds ignore it"
     )
     parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="the folder (default: tunings/GRAPH)")
     parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one per core)")
@@ -72,21 +73,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
+    with ended_by_interrupt(owns_process=args.owns_process):
+        from graphnav.api.studies.tune import tune_into
+        from graphnav.cli.study_progress import study_bar
+        from graphnav.cli.study_run import interrupted_by_signals
+        from graphnav.machine.console import Console
+        from graphnav.tuning import check_tuning, named_after
 
-    from graphnav.api.studies.tune import tune_into
-    from graphnav.cli.study_progress import study_bar
-    from graphnav.cli.study_run import interrupted_by_sigterm
-    from graphnav.tuning import check_tuning, named_after
-
+        tuning = check_tuning(_request(args), catalog_of(args), shlex.join(["graphnav", *args.words]))
     console = Console(highlight=False, soft_wrap=True)
-    tuning = check_tuning(_request(args), catalog_of(args), shlex.join(["graphnav", *args.words]))
     folder = args.folder or Path("tunings") / named_after(args.names)
     _print_search(tuning, console)
     if tuning.n_runs > _MANY_RUNS and not args.yes and not _confirmed(tuning.n_runs, console):
         return OK
     try:
-        with interrupted_by_sigterm(), study_bar(Console(stderr=True), "tune", 0, tuning.n_runs) as show:
+        with interrupted_by_signals(), study_bar(Console(stderr=True), "tune", 0, tuning.n_runs) as show:
 
             def on_made(n_runs: int) -> None:
                 for _ in range(n_runs):

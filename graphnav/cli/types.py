@@ -11,9 +11,8 @@ from graphnav.cli.options import add_plugin_option, add_types_option, catalog_of
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from graphnav.cli.tables import TextTable
+    from graphnav.machine.console import Console
 
 _EXAMPLES = """\
 examples:
@@ -43,9 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
     from graphnav.cli.type_names import listed_types, type_called
+    from graphnav.machine.console import Console
     from graphnav.typeinfo import definition_text, describe_type
 
     catalog, given = catalog_of(args), load_types_of(args)

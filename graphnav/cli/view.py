@@ -94,7 +94,7 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
 
 
 def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
-    """Serve Foxglove's protocol until Ctrl-C or SIGTERM."""
+    """Serve Foxglove's protocol until Ctrl-C, SIGTERM or SIGHUP."""
     import signal
     import threading
 
@@ -107,7 +107,9 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
             raise feed.silence(None)
         _print_notice_of(source.recording.completion_notice())
     server, ending = FoxgloveServer(source, Catalog()), threading.Event()
-    signal.signal(signal.SIGTERM, lambda *_: ending.set())
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:  # as it is under nohup
+            signal.signal(number, lambda *_: ending.set())
 
     def ready(url: str, app_url: str) -> None:
         print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C exits)", flush=True)

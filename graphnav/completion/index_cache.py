@@ -12,6 +12,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from graphnav.completion.index import Index, build_index
+from graphnav.machine.regular_file import read_json
 
 _OWN = ("graphnav", "graphnav_graphs", "graphnav_lcm")
 _GROUP = "graphnav"
@@ -22,7 +23,7 @@ def installed_index() -> Index:
     file = cache_file()
     stamp = _stamp()
     with suppress(OSError, ValueError, KeyError, TypeError):
-        kept = json.loads(file.read_text(encoding="utf-8"))
+        kept = read_json(file)
         if kept["stamp"] == stamp:
             return Index(**kept["index"])
     index = build_index()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -16,7 +17,7 @@ def paths(prefix: str, suffixes: Sequence[str] = ()) -> Iterator[str]:
     """Yield folders (with a slash behind) and the files with one of ``suffixes``, or all."""
     folder, slash, start = prefix.rpartition("/")
     with suppress(OSError):
-        for path in sorted(Path(folder + slash or ".").expanduser().iterdir()):
+        for path in sorted(Path(os.path.expanduser(folder + slash or ".")).iterdir()):
             if not path.name.startswith(start) or (path.name.startswith(".") and not start):
                 continue
             if path.is_dir():

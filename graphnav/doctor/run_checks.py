@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from graphnav.doctor.extras import extras
 from graphnav.doctor.finding import Finding
 from graphnav.doctor.installed_programs import java, lcm_wheel
+from graphnav.doctor.instruction_set import portable_logs
 from graphnav.doctor.network import multicast, receive_buffer
 from graphnav.doctor.plugin_families import families
 from graphnav.doctor.terminal import terminal_graphics
@@ -19,6 +20,7 @@ def run_checks(graph: Graph | None = None) -> Iterator[Finding]:
     yield from receive_buffer(graph)
     yield lcm_wheel()
     yield java()
+    yield portable_logs()
     yield terminal_graphics()
     yield from extras()
     yield from families()

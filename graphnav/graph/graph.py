@@ -10,6 +10,7 @@ from typing import Any
 from graphnav.errors import ParamError, Problem, UserError, one_line
 from graphnav.graph.node import Channel, InputChannel, Node, OutputChannel
 from graphnav.interrupts import USER_ENDS, third_party_code
+from graphnav.machine.instruction_set import require_portable
 from graphnav.spec import RunOptions
 from graphnav.stage import Metric, Stage, metrics_of, tell_readers
 
@@ -76,8 +77,11 @@ class Graph:
         Raises
         ------
         UserError
-            All parameters that cannot be used and all stages that raise, each at its place.
+            All parameters that cannot be used and all stages that raise, each at its place; or the graph is to run
+            portably, which this process cannot.
         """
+        if self.run.portable:
+            require_portable()
         stages: dict[str, Stage] = {}
         problems: list[Problem] = []
         read = self.read.union(also_read)

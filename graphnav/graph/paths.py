@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import types
 from dataclasses import dataclass
@@ -53,7 +54,7 @@ def _members(kind: Any, value: tuple[Any, ...]) -> list[tuple[Any, Any]]:
 def _resolve(path: Path, base: Path) -> Resolved:
     if _URL.match(str(path)):
         return Resolved(path, path)
-    beside = (base / path.expanduser()).absolute()
+    beside = (base / os.path.expanduser(path)).absolute()  # an unknown ~user stays as it is
     if _is_there(beside):
         return Resolved(beside, beside)
     shipped = shipped_folder() / path

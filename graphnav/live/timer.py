@@ -20,12 +20,20 @@ class Timer:
 
     def advance(self, now_s: float) -> None:
         """Schedule the next firing; skip those after which another one is due already."""
-        following = self._count + 1
-        while self._start_s + self._after_s(following + 1) <= now_s:
-            following += 1
+        following, step = self._count + 1, 1
+        while self._at_s(following + step) <= now_s:
+            following += step
+            step *= 2
+        while step > 1:
+            step //= 2
+            if self._at_s(following + step) <= now_s:
+                following += step
         self.skipped += following - self._count - 1
         self._count = following
-        self.due_s = self._start_s + self._after_s(following)
+        self.due_s = self._at_s(following)
+
+    def _at_s(self, firing: int) -> float:
+        return self._start_s + self._after_s(firing)
 
 
 def every(period_s: float) -> Callable[[int], float]:

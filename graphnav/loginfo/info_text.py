@@ -14,7 +14,7 @@ HEADINGS = ("channel", "type", "messages", "rate", "size", "total", "lost")
 """The headings of `rows`."""
 
 _MAX_SHOWN = 10
-_SHOWN_VERSIONS = ("graphnav", "lcm", "numpy")
+_SHOWN_VERSIONS = ("graphnav", "lcm", "numpy", "instruction set")
 _MAX_TIME_US = 253_402_300_799_000_000
 """End of the year 9999."""
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from graphnav.codec import DecodeError, decode
 from graphnav.errors import LogError
+from graphnav.machine.regular_file import read_json
 from graphnav.messages import Status
 from graphnav.record import LOG, Recording
 from graphnav.runner.lockstep_status import STATUS
@@ -68,8 +68,8 @@ def _summary(log: Path) -> dict[str, Any]:
     if log.name != LOG:
         return {}
     try:
-        found = json.loads((log.parent / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        found = read_json(log.parent / SUMMARY)
+    except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
 

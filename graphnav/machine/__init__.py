@@ -1,1 +1,1 @@
-"""Properties of the machine: threads, sockets, terminal, Java, installed packages."""
+"""The machine: its instruction set, threads, files, sockets, terminal, Java, installed packages."""

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rich import box
-from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
+
+from graphnav.machine.console import Console
 
 if TYPE_CHECKING:
     from graphnav.profiling.profile import ChannelTime, Clock, Profile, StageTime

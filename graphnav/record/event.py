@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.errors import LogError
+from graphnav.machine.regular_file import open_regular
 
 SYNC = 0xEDA1DA01
 HEADER = struct.Struct(">Iqqii")
@@ -60,7 +61,7 @@ class LogFile:
     def __init__(self, path: Path) -> None:
         self._fd = -1
         try:
-            self._fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+            self._fd = open_regular(path)
             self.size = os.fstat(self._fd).st_size
             self.read(0, 1)
         except OSError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from graphnav.errors import shown_name
 from graphnav.graph import Channel, Graph, InputChannel, Node, OutputChannel
 
 Kind = Literal["source", "stage", "input", "output"]
@@ -64,7 +65,7 @@ def as_fired(graph: Graph, boxes: list[Box]) -> list[Box]:
 
 
 def _input(stem: str, given: list[InputChannel]) -> Box:
-    ports = tuple(OutPort(i.channel.port, i.channel, i.log.name if i.log else i.name) for i in given)
+    ports = tuple(OutPort(i.channel.port, i.channel, shown_name(i.log.name if i.log else i.name)) for i in given)
     return Box(stem, stem, "log" if all(i.log for i in given) else "input", "input", outputs=ports)
 
 
@@ -75,10 +76,12 @@ def _stage(node: Node) -> Box:
         node.use,
         "source" if node.is_source else "stage",
         tuple(InPort(i.port.name, i.channel, not i.port.is_plain, i.port.reading) for i in node.inputs),
-        tuple(OutPort(port, c, c.name if c.name != c.ref else "") for port, c in node.outputs.items()),
+        tuple(OutPort(port, c, shown_name(c.name) if c.name != c.ref else "") for port, c in node.outputs.items()),
     )
 
 
 def _output(sent: OutputChannel) -> Box:
     use = "motor output" if sent.motor else "output"
-    return Box(f"output {sent.channel.ref}", sent.name, use, "output", (InPort(sent.channel.port, sent.channel),))
+    return Box(
+        f"output {sent.channel.ref}", shown_name(sent.name), use, "output", (InPort(sent.channel.port, sent.channel),)
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from graphnav.errors import printable
 from graphnav.graph import Graph
 from graphnav.render.boxes import Box, OutPort, boxes_of
 from graphnav.render.wires import wires_of
@@ -21,7 +22,7 @@ def dot_of(graph: Graph) -> str:
         style = " [style=dashed, constraint=false]" if wire.latest else ""
         start = f'"{wire.channel.stage}":"out_{wire.channel.port}":e'
         lines.append(f'    {start} -> "{_id(wire.reader)}":"in_{wire.port}":w{style};')
-    return "\n".join([*lines, "}"]) + "\n"
+    return printable("\n".join([*lines, "}"])) + "\n"
 
 
 def _id(key: str) -> str:

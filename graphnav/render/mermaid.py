@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from graphnav.errors import printable
 from graphnav.graph import Graph
 from graphnav.render.boxes import Box, boxes_of
 from graphnav.render.wires import wires_of
@@ -22,7 +23,7 @@ def mermaid_of(graph: Graph) -> str:
         arrow = "-.->" if wire.latest else "-->"
         label = f'|"{wire.channel.port}"|'
         lines.append(f"    {_id(wire.channel.stage)} {arrow}{label} {_id(wire.reader)}")
-    return "\n".join(lines) + "\n"
+    return printable("\n".join(lines)) + "\n"
 
 
 def _label(box: Box) -> str:

@@ -7,11 +7,12 @@ from types import MappingProxyType
 from typing import Any
 
 from rich import box
-from rich.console import Console, Group
+from rich.console import Group
 from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
+from graphnav.machine.console import Console
 from graphnav.runner.recording.summary import Summary
 from graphnav.runner.simulated_clock import MAX_LATE_S
 from graphnav.stage import Better, Metric

@@ -16,7 +16,8 @@ class Interrupt:
     """A context in which SIGINT, SIGTERM and SIGHUP ask the run to stop.
 
     A tick that does not end within half a second is interrupted by `CtrlC`, as it is by a second Ctrl-C.
-    Outside the main thread, where Python delivers no signals, it does nothing.
+    SIGHUP, which a closed terminal and then its shell may send, counts once, and not at all under ``nohup``. Outside
+    the main thread, where Python delivers no signals, it does nothing.
     """
 
     def __init__(self) -> None:
@@ -39,7 +40,9 @@ class Interrupt:
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            self._old = {s: signal.signal(s, self._ask) for s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+            is_hangup_ignored = signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+            taken = (signal.SIGINT, signal.SIGTERM, *(() if is_hangup_ignored else (signal.SIGHUP,)))
+            self._old = {number: signal.signal(number, self._ask) for number in taken}
             self._old[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._break_off)
         return self
 
@@ -53,6 +56,8 @@ class Interrupt:
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
         if self.asked:
+            if number == signal.SIGHUP:
+                return
             self._break_off(number, frame)
         self._asked.set()
         signal.setitimer(signal.ITIMER_REAL, _PATIENCE_S)

@@ -1,5 +1,6 @@
 """Read YAML: every value with its place, and what files may say, declared."""
 
+from graphnav.spec.check_types import check_types
 from graphnav.spec.declared import (
     DIALECT,
     FileFormat,
@@ -41,6 +42,7 @@ __all__ = [
     "Spec",
     "StageSpec",
     "Value",
+    "check_types",
     "check_url",
     "key",
     "keys_of",

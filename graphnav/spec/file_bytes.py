@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 
 from graphnav.errors import Place, UserError
-from graphnav.spec.yaml import MAX_BYTES
+from graphnav.machine.regular_file import read_regular
+from graphnav.spec.yaml import MAX_BYTES, too_large
 
 
 def read_bytes(path: Path, place: Place, who: str = "it") -> bytes:
-    """Return what a file holds, or one byte more than it may have; ``who``: what errors call it.
+    """Return the content of a YAML file; ``who``: the file as errors call it.
 
     Raises
     ------
     UserError
-        It cannot be read; said at ``place``.
+        It cannot be read, is not a regular file, or is larger than `MAX_BYTES`; shown at ``place``.
     """
     try:
-        with path.open("rb") as file:
-            return file.read(MAX_BYTES + 1)
+        return read_regular(path, MAX_BYTES)
     except OSError as error:
+        if error.errno == errno.EFBIG:
+            raise too_large(path.stat().st_size, place, who) from error
         raise UserError.of(f"{who} cannot be read: {error.strerror}", place=place) from error

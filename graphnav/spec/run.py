@@ -40,6 +40,11 @@ class RunOptions:
         doc="what the log keeps; small: messages below 4 kB, and the first of every channel; replayable: also what "
         "inputs and sources bring, of which 'graphnav replay' makes the rest again; null: all in lockstep, small live",
     )
+    portable: bool = param(
+        False,
+        doc="refuse to run where the log would not be the same on every machine: numpy, OpenCV and BLAS must compute "
+        "with AVX2 and FMA, which the command 'graphnav' chooses wherever the CPU has them",
+    )
     url: str | None = param(
         None,
         doc="LCM URL of the channels that leave and come in, live; null: LCM_DEFAULT_URL, else this machine's group",

@@ -153,13 +153,15 @@ def parse_yaml(data: bytes, source: str) -> tuple[Value, list[Problem]]:
     return value, reader.problems
 
 
+def too_large(n_bytes: int, place: Place, who: str = "it") -> UserError:
+    """Return the error for a file, called ``who``, of more than `MAX_BYTES`."""
+    what = f"{who} has {n_bytes} bytes, but a YAML file that graphnav reads has at most {MAX_BYTES}"
+    return UserError.of(what, "check that this is the file that you mean", place)
+
+
 def _decoded(data: bytes, source: str) -> str:
     if len(data) > MAX_BYTES:
-        raise UserError.of(
-            f"it has more than {MAX_BYTES} bytes, the maximum of a YAML file that graphnav reads",
-            "check that this is the file that you mean",
-            Place(source),
-        )
+        raise too_large(len(data), Place(source))
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -11,7 +11,7 @@ from graphnav.spy.health.health import Health
 from graphnav.spy.health.health_json import health_as_json
 from graphnav.spy.health.health_text import health_as_text
 from graphnav.spy.message_window import Periods
-from graphnav.spy.traffic import ChannelTraffic, Traffic
+from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
 from graphnav.spy.traffic_report import (
     as_json,
     as_text,
@@ -23,6 +23,7 @@ from graphnav.spy.traffic_report import (
 )
 
 __all__ = [
+    "MAX_CHANNELS",
     "MISSING",
     "ChannelTraffic",
     "Feed",

@@ -23,7 +23,7 @@ MAX_CHANNELS = 512
 """Messages of further channels are only counted, to bound memory when a program sends random names."""
 _MAX_EARLY_S, _MAX_LATE_S = 1.0, 60.0
 """A timestamp this far from wall time belongs to another clock."""
-_MAX_RUNS = 32
+MAX_RUNS = 32
 _MAX_GAP = 1_000_000
 """A larger step of the sequence numbers is a new numbering, not a loss."""
 RUN_SILENT_S = 3.0
@@ -36,16 +36,17 @@ class Traffic:
     """All channels, by name, and the announced runs with the time of their last announcement.
 
     ``has_announcement``: whether a run was announced; ``channels`` then includes the announced ones. There are at most
-    512 channels; ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` include these messages.
+    512 channels, and ``wanted``; ``overflow`` counts the messages of all others. ``count`` and ``undecodable`` include
+    these messages. The newest 32 runs are kept; ``has_forgotten_runs``: whether there were more.
     ``clock`` returns the current time, seconds, on the arrival clock; with a clock rates are those of the last 10 s.
     Without a clock, as for a log, no channel is silent and rates are those of the newest 10,000 messages.
     """
 
-    def __init__(self, clock: Clock | None = None) -> None:
-        self._clock = clock
+    def __init__(self, clock: Clock | None = None, wanted: str | None = None) -> None:
+        self._clock, self._wanted = clock, wanted
         self.channels: dict[str, ChannelTraffic] = {}
         self.runs: dict[str, float] = {}
-        self.has_announcement = False
+        self.has_announcement = self.has_forgotten_runs = False
         self.overflow = self.count = self.undecodable = 0
         load_adapted_types()
 
@@ -98,7 +99,7 @@ class Traffic:
     def _channel(self, name: str, announced_type: str | None = None) -> ChannelTraffic | None:
         """Return the channel of a name, created if new; None beyond the maximum."""
         channel = self.channels.get(name)
-        if channel is None and len(self.channels) < MAX_CHANNELS:
+        if channel is None and (len(self.channels) < MAX_CHANNELS or name == self._wanted):
             channel = self.channels[name] = ChannelTraffic(name, announced_type, self._clock)
         return channel
 
@@ -114,7 +115,8 @@ class Traffic:
                 channel.type_name = channel.type_name or type_name
         if about.run_id:
             self.runs[about.run_id] = received.at_s
-        if len(self.runs) > _MAX_RUNS:
+        if len(self.runs) > MAX_RUNS:
+            self.has_forgotten_runs = True
             del self.runs[min(self.runs, key=self.runs.__getitem__)]
 
 

@@ -12,7 +12,7 @@ from graphnav.spy.feed import Feed
 from graphnav.spy.fields.field_summary import declared, described, summarised
 from graphnav.spy.fields.plain_values import plain
 from graphnav.spy.message_window import Periods
-from graphnav.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
+from graphnav.spy.traffic import MAX_CHANNELS, MAX_RUNS, ChannelTraffic, Traffic
 
 _APART_RATIO = 0.05
 """Arrival rates that differ by more than this from the rate of the timestamps are shown."""
@@ -84,6 +84,8 @@ def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text
         lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(summary_of(channel)), "default"))
         if with_fields:
             lines += map(Text, described(fields_of_channel(channel)))
+    if traffic.has_forgotten_runs:
+        lines.append(Text(f"only the newest {MAX_RUNS} runs are kept"))
     if traffic.overflow:
         lines.append(Text(f"{traffic.overflow} messages on channels beyond the first {MAX_CHANNELS} were not kept"))
     return Text("\n").join(lines)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-import sys
 import types
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,6 +19,9 @@ REQUIRED = dataclasses.MISSING
 _SCALARS = (bool, int, float, str, Path)
 _YES_AND_NO = {"yes": True, "on": True, "no": False, "off": False}
 _TYPE_NAMES = {bool: "true or false", int: "an integer", float: "a number", str: "a string", Path: "a path"}
+
+MIN_MAGNITUDE, MAX_MAGNITUDE = 1e-12, 1e12
+"""Of every number but 0: squares and ratios of values within these limits are still finite and not 0."""
 
 
 @dataclass(frozen=True)
@@ -202,8 +204,10 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
 def _as_float(name: str, value: float) -> float:
     if isinstance(value, float) and not math.isfinite(value):
         raise ParamError(name, f"'{name}' is {value}, but must be finite")
-    if abs(value) > sys.float_info.max:
+    if abs(value) > MAX_MAGNITUDE:
         raise ParamError(name, f"'{name}' is too large a number")
+    if 0 < abs(value) < MIN_MAGNITUDE:
+        raise ParamError(name, f"'{name}' is too near to 0", f"write 0, or a number from {MIN_MAGNITUDE:g}")
     return float(value)
 
 

@@ -135,7 +135,7 @@ def range_of(target: str, param: Param, center: Any) -> SearchRange | None:
         return SearchRange(target, "choice", choices=get_args(kind))
     if kind not in (int, float) or center is None:
         return None
-    low, high = _bounds(param, is_integer=kind is int)
+    low, high = _bounds(param, center, is_integer=kind is int)
     if center > 0:
         low, high = max(low, center / FACTOR), min(high, center * FACTOR)
     if not (math.isfinite(low) and math.isfinite(high)):
@@ -145,12 +145,15 @@ def range_of(target: str, param: Param, center: Any) -> SearchRange | None:
     return SearchRange(target, "number", low, high, is_log=low > 0)
 
 
-def _bounds(param: Param, *, is_integer: bool) -> tuple[float, float]:
-    """Return the minimum and maximum that a parameter may have; infinite where there is no bound."""
+def _bounds(param: Param, center: float, *, is_integer: bool) -> tuple[float, float]:
+    """Return the minimum and maximum that a parameter may have; infinite where there is no bound.
+
+    ``center``: its value, from which an exclusive minimum is a thousandth of the way away.
+    """
     low = max((bound for bound in (param.ge, param.gt) if bound is not None), default=-math.inf)
     high = min((bound for bound in (param.le, param.lt) if bound is not None), default=math.inf)
     if param.gt == low:
-        low = low + 1 if is_integer else _inside(low, high)
+        low = low + 1 if is_integer else _inside(low, center if center > low else high)
     if param.lt == high:
         high = high - 1 if is_integer else _inside(high, low)
     return low, high

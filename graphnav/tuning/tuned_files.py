@@ -9,6 +9,7 @@ from pathlib import Path
 
 from graphnav.ablation.report import write_atomically
 from graphnav.errors import UserError
+from graphnav.machine.regular_file import read_json
 from graphnav.spec import write_value
 from graphnav.tuning.tuned_study import STUDY, tuned_study
 from graphnav.tuning.tuned_table import table_markdown
@@ -33,7 +34,7 @@ def begin_tuning(tuning: Tuning, folder: Path) -> None:
     path, n_trials = folder / TUNING, tuning.request.trials
     settings = json.loads(json.dumps(tuning.settings()))
     try:
-        begun = json.loads(path.read_text(encoding="utf-8")) if path.exists() else settings | {_N_TRIALS: 0}
+        begun = read_json(path) if path.exists() else settings | {_N_TRIALS: 0}
         n_begun = int(begun.get(_N_TRIALS, 0))
     except OSError as error:
         raise UserError.of(f"cannot work in {folder}: {error.strerror}", _ELSEWHERE) from error

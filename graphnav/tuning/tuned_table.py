@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from graphnav.ablation.report import bullets, code, escaped, table
+from graphnav.ablation.report import bullets, code, document, escaped, table
 from graphnav.ablation.study import listed
 from graphnav.spec import write_value
 from graphnav.tuning.rivals import Rival
@@ -89,7 +89,7 @@ def table_markdown(run: TuningRun) -> str:
         "\n".join(line for rival in run.tuning.rivals for line in _searched(rival)),
         f"Repeat it: {code(run.tuning.command)}",
     ]
-    return "\n\n".join(parts) + "\n"
+    return document(parts)
 
 
 def _searched(rival: Rival) -> Iterator[str]:

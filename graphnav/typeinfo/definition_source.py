@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import Self
 
 from graphnav.errors import Place, UserError
+from graphnav.machine.regular_file import read_regular
 
+MAX_BYTES = 16 * 1024**2
+"""Of a file of definitions."""
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 
@@ -48,7 +51,7 @@ def read_definition(path: Path) -> DefinitionSource:
         It cannot be read.
     """
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_regular(path, MAX_BYTES).decode("utf-8", "replace")
     except OSError as error:
         raise UserError.of(f"cannot read {path}: {error.strerror}", place=Place("--types")) from error
     return DefinitionSource.of(path, text)

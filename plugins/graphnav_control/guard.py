@@ -86,15 +86,20 @@ class Guard(Stage):
     min_contrast_gray: float = param(
         3.0,
         ge=0.0,
+        le=1e6,
         doc="standard deviation of the image, averaged over blocks, below which it counts as blank (a covered lens, a "
         "white picture), whatever a detector judges; the shipped worlds have 14 and more; 0 sets no limit",
         renamed_from="min_contrast",
     )
     override_max_age_s: float = param(0.3, gt=0.0, le=5.0, doc="age beyond which an override ends")
-    max_speed_mps: float | None = param(None, ge=0.0, doc="maximum speed, forward and backward; null for no limit")
-    max_turn_radps: float | None = param(None, ge=0.0, doc="maximum turning rate; null for no limit")
-    max_accel_mps2: float | None = param(None, gt=0.0, doc="maximum acceleration; null for no limit")
-    max_turn_accel_radps2: float | None = param(None, gt=0.0, doc="maximum angular acceleration; null for no limit")
+    max_speed_mps: float | None = param(
+        None, ge=0.0, le=1000.0, doc="maximum speed, forward and backward; null for no limit"
+    )
+    max_turn_radps: float | None = param(None, ge=0.0, le=1000.0, doc="maximum turning rate; null for no limit")
+    max_accel_mps2: float | None = param(None, gt=0.0, le=1e6, doc="maximum acceleration; null for no limit")
+    max_turn_accel_radps2: float | None = param(
+        None, gt=0.0, le=1e6, doc="maximum angular acceleration; null for no limit"
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, armed."""

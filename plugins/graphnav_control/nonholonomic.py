@@ -28,13 +28,13 @@ class Nonholonomic(Stage):
        section 3.
     """
 
-    max_speed_mps: float = param(0.3, gt=0.0, doc="T_m, speed straight ahead")
-    max_turn_radps: float = param(1.2, gt=0.0, doc="R_m, turning rate at a right angle and beyond")
+    max_speed_mps: float = param(0.3, gt=0.0, le=1000.0, doc="T_m, speed straight ahead")
+    max_turn_radps: float = param(1.2, gt=0.0, le=1000.0, doc="R_m, turning rate at a right angle and beyond")
     floor_ratio: float = param(
         0.0, ge=0.0, le=1.0, doc="minimum speed as a share of max_speed_mps; above 0 the robot never stops to turn"
     )
     smoothing_s: float = param(
-        0.0, ge=0.0, doc="time constant of a low-pass of the command; more is smoother and later, 0 is none"
+        0.0, ge=0.0, le=1e6, doc="time constant of a low-pass of the command; more is smoother and later, 0 is none"
     )
 
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body; used with a map")

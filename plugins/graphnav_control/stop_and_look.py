@@ -30,11 +30,14 @@ class StopAndLook(Stage):
        section 3.
     """
 
-    max_speed_mps: float = param(0.3, gt=0.0, doc="speed straight ahead: the one at which the mean was taught")
-    max_turn_radps: float = param(1.2, gt=0.0, doc="maximum turning rate; less turns for longer")
+    max_speed_mps: float = param(
+        0.3, gt=0.0, le=1000.0, doc="speed straight ahead: the one at which the mean was taught"
+    )
+    max_turn_radps: float = param(1.2, gt=0.0, le=1000.0, doc="maximum turning rate; less turns for longer")
     settle_s: float = param(
         0.2,
         ge=0.0,
+        le=1e6,
         doc="time after a turn in which frames are ignored; less than the drive needs shows turns as obstacles",
     )
     look_frames: int = param(

@@ -16,10 +16,12 @@ class Wander(Stage):
     exponentially; some of the legs drive straight on. Ignores the image: it needs a world without obstacles.
     """
 
-    max_speed_mps: float = param(0.4, gt=0.0, doc="maximum forward speed; the minimum is 0")
-    max_turn_radps: float = param(1.6, gt=0.0, doc="maximum turning rate, to either side")
-    leg_s: float = param(1.0, gt=0.0, doc="mean time between two draws; more covers fewer motions in the same time")
-    response_s: float = param(0.3, ge=0.0, doc="time constant of approaching a draw; 0 jumps")
+    max_speed_mps: float = param(0.4, gt=0.0, le=1000.0, doc="maximum forward speed; the minimum is 0")
+    max_turn_radps: float = param(1.6, gt=0.0, le=1000.0, doc="maximum turning rate, to either side")
+    leg_s: float = param(
+        1.0, gt=0.0, le=1e6, doc="mean time between two draws; more covers fewer motions in the same time"
+    )
+    response_s: float = param(0.3, ge=0.0, le=1e6, doc="time constant of approaching a draw; 0 jumps")
     straight_ratio: float = param(0.25, ge=0.0, le=1.0, doc="share of the legs that drive straight on")
 
     def reset(self, seed: int) -> None:

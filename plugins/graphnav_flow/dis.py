@@ -35,8 +35,10 @@ class Dis(Stage):
     preset: Literal["ultrafast", "fast", "medium"] = param(
         "medium", doc="ultrafast and fast skip the finest layers; medium refines at half the resolution"
     )
-    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
+    margin_px: float = param(MARGIN_PX, ge=0.0, le=100_000.0, doc=MARGIN_DOC)
+    min_texture_gray2: float = param(
+        MIN_TEXTURE_GRAY2, ge=0.0, le=1e6, doc=MIN_TEXTURE_DOC, renamed_from="least_texture"
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""

@@ -36,8 +36,10 @@ class Farneback(Stage):
     iterations: int = param(3, ge=1, le=20, doc="iterations on each layer")
     expansion_px: int = param(5, ge=3, le=9, doc="side of the neighbourhood of the polynomial expansion")
     expansion_sigma_px: float = param(1.2, gt=0.0, le=3.0, doc="its Gaussian weight; 1.1 to 1.5 suit 5 to 7 px")
-    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
+    margin_px: float = param(MARGIN_PX, ge=0.0, le=100_000.0, doc=MARGIN_DOC)
+    min_texture_gray2: float = param(
+        MIN_TEXTURE_GRAY2, ge=0.0, le=1e6, doc=MIN_TEXTURE_DOC, renamed_from="least_texture"
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""

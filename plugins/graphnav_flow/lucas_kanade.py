@@ -60,6 +60,7 @@ class LucasKanade(Stage):
     regularization_gray2: float = param(
         1.0,
         gt=0.0,
+        le=1e6,
         doc="added to the diagonal of the structure tensor; where the texture is weaker, the flow stays near that of "
         "the layer above",
         renamed_from="regularization",
@@ -80,11 +81,14 @@ class LucasKanade(Stage):
     max_disagreement_px: float | None = param(
         None,
         gt=0.0,
+        le=100_000.0,
         doc="a vector is not valid if the flow of the reversed pair misses its start by more than this; null does not "
         "check, 1 is usual",
     )
-    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC, renamed_from="least_texture")
+    margin_px: float = param(MARGIN_PX, ge=0.0, le=100_000.0, doc=MARGIN_DOC)
+    min_texture_gray2: float = param(
+        MIN_TEXTURE_GRAY2, ge=0.0, le=1e6, doc=MIN_TEXTURE_DOC, renamed_from="least_texture"
+    )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""

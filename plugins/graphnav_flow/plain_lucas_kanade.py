@@ -56,8 +56,8 @@ class PlainLucasKanade(Stage):
     smooth_px: int = param(
         1, ge=1, le=31, doc="side of the box that averages the flow after each layer (odd); 1 is none, as in [OI]"
     )
-    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
-    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, doc=MIN_TEXTURE_DOC)
+    margin_px: float = param(MARGIN_PX, ge=0.0, le=100_000.0, doc=MARGIN_DOC)
+    min_texture_gray2: float = param(MIN_TEXTURE_GRAY2, ge=0.0, le=1e6, doc=MIN_TEXTURE_DOC)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the last image."""

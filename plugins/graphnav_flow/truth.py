@@ -19,7 +19,7 @@ class Truth(Stage):
 
     role: ClassVar[Role] = "oracle"
 
-    margin_px: float = param(MARGIN_PX, ge=0.0, doc=MARGIN_DOC)
+    margin_px: float = param(MARGIN_PX, ge=0.0, le=100_000.0, doc=MARGIN_DOC)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget the size of the images."""

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import ParamError
+from graphnav import ParamError, read_regular
 from graphnav.arrays import Doubles
 from graphnav_io.quiet import quiet
 
@@ -18,6 +18,8 @@ FISHEYE = ("equidistant", "fisheye")
 PINHOLE = ("plumb_bob", "rational_polynomial", "pinhole")
 NEEDED = ("image_width", "image_height", "camera_matrix", "distortion_coefficients")
 MAX_PX = 65536
+MAX_BYTES = 1024**2
+"""Of a calibration's file."""
 _COUNTS = {False: (4, 5, 8, 12, 14), True: (4,)}
 """The numbers of distortion coefficients of a pinhole and of a fisheye camera in OpenCV."""
 
@@ -78,7 +80,7 @@ def read_calibration(path: Path) -> Calibration:
 
 def _read(path: Path) -> cv2.FileStorage:
     try:
-        text = path.read_text()
+        text = read_regular(path, MAX_BYTES).decode()
     except OSError as error:
         raise ParamError("calibration", f"'{path}' cannot be read: {error.strerror}", CALIBRATE) from error
     except UnicodeDecodeError as error:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+import os
 import re
+import stat
 from pathlib import Path
+from typing import Any
 
 import cv2
 
 from graphnav import ParamError
 from graphnav.arrays import Bytes
+from graphnav_io.interruptible import interruptible
+from graphnav_io.picture_size import check_pixels
 from graphnav_io.quiet import quiet
 
 FASTEST_HZ = 1000.0
@@ -22,11 +27,23 @@ LACKING_FRAMES = 3
 LACKING_RATIO = 0.02
 """A smaller deficit of frames may come from a rounded duration; a larger one means that the file is truncated."""
 
+COMPLETE = "a complete video that OpenCV can read"
+
+OPEN_TIMEOUT_S = 30.0
+"""Of FFmpeg through OpenCV, where a graph does not set another one."""
+
+MAX_CAMERA = 9999
+
+VIDEO_DEVICES = 81
+"""Major number of the device files of cameras on Linux."""
+
 _URL = re.compile(r"^([a-z][a-z0-9+.-]*):/+")
 
 
-def open_capture(path: Path) -> CaptureFrames:
-    """Return the frames of a video file, a camera (by its number) or a stream (by its URL).
+def open_capture(path: Path, open_timeout_s: float = OPEN_TIMEOUT_S) -> CaptureFrames:
+    """Return the frames of a video file, a camera (by its number or device file) or a stream (by its URL).
+
+    Ctrl-C interrupts the wait for a camera or a stream. ``open_timeout_s``: how long a stream is waited for.
 
     Raises
     ------
@@ -35,27 +52,42 @@ def open_capture(path: Path) -> CaptureFrames:
     """
     text = _URL.sub(r"\1://", str(path))  # Path keeps one of two slashes
     if _URL.match(text):
-        return _opened(text, f"the stream '{text}'", live=True)
+        wait = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, math.ceil(open_timeout_s * 1e3)]
+        return _opened((text, cv2.CAP_FFMPEG, wait), f"the stream '{text}'", live=True)
     if text.isdecimal() and not path.exists():
-        return _opened(int(text), f"camera {text}", live=True)
+        if int(text) > MAX_CAMERA:
+            raise ParamError("path", f"there is no camera {text}", "give a camera's number, such as 0")
+        return _opened((int(text),), f"camera {text}", live=True)
     if not path.exists():
         raise ParamError(
             "path", f"there is no file '{path}'", "give a video file, a folder of pictures, a camera's number or a URL"
         )
-    if path.stat().st_size == 0:
+    found = path.stat()
+    if stat.S_ISCHR(found.st_mode) and os.major(found.st_rdev) == VIDEO_DEVICES:
+        return _opened((text,), f"camera '{path}'", live=True)
+    if not stat.S_ISREG(found.st_mode):
+        raise ParamError("path", f"'{path}' is not a regular file", "give a video file, a camera's number or a URL")
+    if found.st_size == 0:
         raise ParamError("path", f"'{path}' is empty")
-    return _opened(text, f"'{path}'", live=False)
+    return _opened((text,), f"'{path}'", live=False)
 
 
-def _opened(source: str | int, name: str, *, live: bool) -> CaptureFrames:
-    with quiet():
-        capture = cv2.VideoCapture(source)
-        is_text = capture.get(cv2.CAP_PROP_FOURCC) == ANSI_ART
-        opened = capture.isOpened() and not is_text and (live or capture.grab())
+def _opened(source: tuple[Any, ...], name: str, *, live: bool) -> CaptureFrames:
+    """Return the frames of what ``source``, the arguments of VideoCapture, names."""
+    refused = ParamError("path", f"{name} cannot be opened" if live else f"{name} is not {COMPLETE}")
+    try:
+        with quiet():
+            capture = interruptible(lambda: cv2.VideoCapture(*source)) if live else cv2.VideoCapture(*source)
+            is_text = capture.get(cv2.CAP_PROP_FOURCC) == ANSI_ART
+            check_pixels(capture.get(cv2.CAP_PROP_FRAME_HEIGHT), capture.get(cv2.CAP_PROP_FRAME_WIDTH))
+            opened = capture.isOpened() and not is_text and (live or capture.grab())
+    except (cv2.error, SystemError) as error:
+        raise refused from error
+    except ValueError as error:
+        raise ParamError("path", f"{name} has too large pictures: {error}") from error
     if not opened:
         capture.release()
-        what = f"{name} cannot be opened" if live else f"{name} is not a complete video that OpenCV can read"
-        raise ParamError("path", what)
+        raise refused
     return CaptureFrames(capture, name, live=live)
 
 
@@ -81,6 +113,7 @@ class CaptureFrames:
     def __init__(self, capture: cv2.VideoCapture, name: str, *, live: bool) -> None:
         self._capture, self._name, self.is_live = capture, name, live
         self._is_grabbed = not live
+        self._is_waited_for = False
         self._count = 0
         rate = capture.get(cv2.CAP_PROP_FPS)
         self.rate_hz = rate if math.isfinite(rate) and 0 < rate <= FASTEST_HZ else 0.0
@@ -98,15 +131,18 @@ class CaptureFrames:
         ValueError
             A frame cannot be decoded, or the file ends before the last frame that it declares.
         """
-        with quiet():
-            if self.is_live:
-                self._is_grabbed = self._capture.grab()
-            if not self._is_grabbed:
-                self._check_complete()
-                return None
-            decoded, pixels = self._capture.retrieve()
-            if not self.is_live:
-                self._is_grabbed = self._capture.grab()
+        try:
+            with quiet():
+                if self.is_live:
+                    self._is_grabbed = self._waited_for()
+                if not self._is_grabbed:
+                    self._check_complete()
+                    return None
+                decoded, pixels = self._capture.retrieve()
+                if not self.is_live:
+                    self._is_grabbed = self._capture.grab()
+        except cv2.error:
+            decoded = False
         if not decoded:
             raise ValueError(f"frame {self._count} of {self._name} cannot be decoded")
         self._count += 1
@@ -114,8 +150,16 @@ class CaptureFrames:
         return rgb
 
     def close(self) -> None:
-        """Release the file or device."""
-        self._capture.release()
+        """Release the file or device, unless another thread still waits for its next frame."""
+        if not self._is_waited_for:
+            self._capture.release()
+
+    def _waited_for(self) -> bool:
+        """Return whether there is a next frame of a live source."""
+        self._is_waited_for = True
+        found = interruptible(self._capture.grab)
+        self._is_waited_for = False
+        return found
 
     @property
     def _declared(self) -> float:

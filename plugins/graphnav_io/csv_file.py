@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 import re
 from collections.abc import Iterable
@@ -10,13 +11,15 @@ from pathlib import Path
 
 import numpy as np
 
-from graphnav import ParamError
+from graphnav import ParamError, read_regular
 from graphnav.arrays import Doubles, Longs
 
 TIME_UNITS = {"s": 1e6, "ms": 1e3, "us": 1.0, "ns": 1e-3}
 """Suffixes of columns of times, and microseconds in each."""
 TIMES = ("utime", "time", "timestamp", "stamp", "t")
 """Names of columns of times, which a suffix may follow."""
+MAX_BYTES = 256 * 1024**2
+"""Of a csv file: more than an hour of odometry at 1 kHz."""
 MAX_US = 3e18
 """A larger time, in microseconds, is none: it is later than the year 90000."""
 MAX_SECONDS = 1e11
@@ -38,10 +41,10 @@ class CsvFile:
     def __init__(self, param: str, path: Path) -> None:
         self._param, self._path = param, path
         try:
-            with path.open(newline="", encoding="utf-8-sig") as file:
-                reader = csv.reader(file)
-                self.names = [_name(name) for name in next(reader, [])]
-                self._rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+            text = read_regular(path, MAX_BYTES).decode("utf-8-sig")
+            reader = csv.reader(io.StringIO(text, newline=""))
+            self.names = [_name(name) for name in next(reader, [])]
+            self._rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
         except OSError as error:
             raise ParamError(param, f"'{path}' cannot be read: {error.strerror}", "give a csv file") from error
         except (UnicodeDecodeError, csv.Error) as error:

@@ -10,8 +10,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from graphnav import ParamError
+from graphnav import ParamError, read_regular
 from graphnav.arrays import Bytes
+from graphnav_io.picture_size import MAX_BYTES, check_header
 from graphnav_io.quiet import quiet
 
 SUFFIXES = frozenset((".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm"))
@@ -56,21 +57,34 @@ def read_picture(file: Path) -> Bytes:
     Raises
     ------
     ValueError
-        The file cannot be read or decoded, or is truncated.
+        The file cannot be read or decoded, is truncated, or has too many pixels.
     """
     try:
-        data = file.read_bytes()
+        data = read_regular(file, MAX_BYTES)
     except OSError as error:
         raise ValueError(f"'{file}' cannot be read: {error.strerror}") from error
     if not data:
         raise ValueError(f"'{file}' is empty")
     if not _is_complete(data):
         raise ValueError(f"'{file}' is truncated")
-    with quiet():
-        pixels: Bytes | None = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
+    try:
+        check_header(data)
+    except ValueError as error:
+        raise ValueError(f"'{file}' is too large a picture: {error}") from error
+    pixels = _decoded(data)
     if pixels is None:
         raise ValueError(f"'{file}' is not a picture that OpenCV can read")
     return pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
+
+
+def _decoded(data: bytes) -> Bytes | None:
+    """Return the pixels in the bytes of a file as OpenCV orders them, None if it cannot decode them."""
+    try:
+        with quiet():
+            pixels: Bytes | None = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
+    except cv2.error:
+        return None
+    return pixels
 
 
 def check_pictures(path: Path) -> Bytes:

@@ -10,6 +10,7 @@ import cv2
 from graphnav import ParamError, Stage, param
 from graphnav.arrays import Bytes
 from graphnav_io.calibration import read_calibration
+from graphnav_io.picture_size import MAX_PIXELS
 from graphnav_io.remap import Remap
 
 Rotation = Literal[0, 90, 180, 270]
@@ -46,6 +47,9 @@ class Prepared(Stage):
             raise ParamError("scale", f"'scale' is {self.scale:g}, but 'size' is given too", "remove one of them")
         if self.crop_px is not None and self.crop_ratio is not None:
             raise ParamError("crop_px", "'crop_px' and 'crop_ratio' are both given", "remove one of them")
+        if self.size is not None and self.size[0] * self.size[1] > MAX_PIXELS:
+            what = f"'size' is {list(self.size)}, which is more than {MAX_PIXELS // 10**6} million pixels"
+            raise ParamError("size", what, "give fewer columns or rows")
         for name, box in (("crop_px", self.crop_px), ("crop_ratio", self.crop_ratio)):
             if box is not None and (box[0] >= box[2] or box[1] >= box[3]):
                 raise ParamError(
@@ -64,7 +68,11 @@ class Prepared(Stage):
         ParamError
             The picture does not have the size of the calibration, or the crop leaves it.
         """
-        self._remap().apply(pixels)
+        rows, cols = self._remap().apply(pixels).shape[:2]
+        if rows * cols * self.scale**2 > MAX_PIXELS:
+            limit = f"{MAX_PIXELS // 10**6} million pixels"
+            what = f"'scale' is {self.scale:g}, which makes more than {limit} of {cols}x{rows}"
+            raise ParamError("scale", what, "give a smaller one, or a 'size'")
 
     def preparation(self) -> Preparation:
         """Return the preparation that the parameters describe."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav import Image, ParamError, Source, param
-from graphnav_io.capture import first_frame, open_capture
+from graphnav_io.capture import OPEN_TIMEOUT_S, first_frame, open_capture
 from graphnav_io.frames import Frames
 from graphnav_io.pictures import PictureFrames, check_pictures, find_pictures, is_pictures
 from graphnav_io.playback import next_image
@@ -28,6 +28,12 @@ class Video(Prepared, Source):
         le=10_000.0,
         doc="firings per second, one frame each; 0: the rate of the video, 10 for pictures",
     )
+    open_timeout_s: float = param(
+        OPEN_TIMEOUT_S,
+        ge=0.001,
+        le=3600.0,
+        doc="how long a stream is waited for when it is opened; Ctrl-C ends the wait",
+    )
 
     def check(self) -> None:
         """Check that the video opens and that its first frame can be decoded."""
@@ -35,7 +41,7 @@ class Video(Prepared, Source):
         if is_pictures(self.path):
             self.check_picture(check_pictures(self.path))
             return
-        frames = open_capture(self.path)
+        frames = open_capture(self.path, self.open_timeout_s)
         try:
             if not frames.is_live:
                 self.check_picture(first_frame(frames))
@@ -70,4 +76,4 @@ class Video(Prepared, Source):
     def _open(self) -> Frames:
         if is_pictures(self.path):
             return PictureFrames(find_pictures(self.path))
-        return open_capture(self.path)
+        return open_capture(self.path, self.open_timeout_s)

@@ -68,9 +68,11 @@ class Local(Stage):
         le=60.0,
         doc="time for which moving obstacles are expected to go on, which blocks that floor; 0: none",
     )
-    min_mover_mps: float = param(0.06, gt=0.0, doc="speed from which an obstacle counts as moving")
+    min_mover_mps: float = param(0.06, gt=0.0, le=1000.0, doc="speed from which an obstacle counts as moving")
     max_mover_mps: float = param(0.6, gt=0.0, le=5.0, doc="fastest obstacle that is followed")
-    full_motion_m: float = param(0.02, gt=0.0, doc="displacement of a frame from which its evidence counts in full")
+    full_motion_m: float = param(
+        0.02, gt=0.0, le=100_000.0, doc="displacement of a frame from which its evidence counts in full"
+    )
     blind_height_m: float = param(
         0.05,
         ge=0.0,
@@ -84,8 +86,10 @@ class Local(Stage):
         le=100.0,
         doc="depth of the floor that an obstacle marks from its foot on; floor that it hides stays unknown",
     )
-    min_unknown_m2: float = param(0.02, ge=0.0, doc="unknown floor of a smaller area counts as free")
-    presumed_m: float = param(0.15, ge=0.0, doc="distance from the start up to which ground is free until it is judged")
+    min_unknown_m2: float = param(0.02, ge=0.0, le=1e6, doc="unknown floor of a smaller area counts as free")
+    presumed_m: float = param(
+        0.15, ge=0.0, le=100_000.0, doc="distance from the start up to which ground is free until it is judged"
+    )
     unjudged: Literal["obstacle", "unknown"] = param(
         "obstacle",
         doc="meaning of cells in view that cannot be judged, such as a wall without texture; unknown waits for better "

@@ -20,17 +20,23 @@ class Motion(Stage):
     """
 
     wait_s: float = param(
-        0.1, ge=0.0, doc="maximum wait of a live flow for odometry of its stamp; more is later, less loses motions"
+        0.1,
+        ge=0.0,
+        le=1e6,
+        doc="maximum wait of a live flow for odometry of its stamp; more is later, less loses motions",
     )
     max_extrapolation_s: float = param(
         0.0,
         ge=0.0,
+        le=1e6,
         doc="maximum extrapolation beyond the last sample if no newer one has arrived; more loses fewer motions and "
         "is wrong when the robot speeds up or begins to turn",
     )
-    max_speed_mps: float = param(5.0, gt=0.0, doc="a higher speed between two samples is a reset of the odometry")
+    max_speed_mps: float = param(
+        5.0, gt=0.0, le=1000.0, doc="a higher speed between two samples is a reset of the odometry"
+    )
     max_turn_radps: float = param(
-        20.0, gt=0.0, doc="a higher turning rate between two samples is a reset of the odometry"
+        20.0, gt=0.0, le=1000.0, doc="a higher turning rate between two samples is a reset of the odometry"
     )
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random

@@ -29,7 +29,7 @@ class Gain(Mean):
 
     role: ClassVar[Role] = "baseline"
 
-    noise_px: float = param(NOISE_PX, gt=0.0, doc=NOISE_DOC)
+    noise_px: float = param(NOISE_PX, gt=0.0, le=100_000.0, doc=NOISE_DOC)
 
     def step(self, flow: Flow) -> Planar:
         """Return the mean times the gain for the grid of ``flow``.

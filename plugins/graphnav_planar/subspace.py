@@ -39,7 +39,7 @@ class Subspace(Taught):
     .. [BZ] A. Blake, A. Zisserman, Visual Reconstruction, MIT Press, 1987 (graduated non-convexity).
     """
 
-    noise_px: float = param(NOISE_PX, gt=0.0, doc=NOISE_DOC)
+    noise_px: float = param(NOISE_PX, gt=0.0, le=100_000.0, doc=NOISE_DOC)
     draws: int = param(
         16, ge=0, le=1000, doc="random subsets of vectors whose motions the fit may start from; 0 trusts the last frame"
     )

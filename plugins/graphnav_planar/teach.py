@@ -77,11 +77,16 @@ class Teach(Stage):
         "the flow itself; their factors are fitted to each frame. More explain more motions of the camera, and more of "
         "a large obstacle",
     )
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
-    every_frames: int = param(25, ge=1, doc="frames between two published models")
-    straight_turn_rad: float = param(0.01, ge=0.0, doc="a frame that turns by at most this drives straight on")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks over which the flow is averaged")
+    every_frames: int = param(25, ge=1, le=1_000_000, doc="frames between two published models")
+    straight_turn_rad: float = param(
+        0.01, ge=0.0, le=1000.0, doc="a frame that turns by at most this drives straight on"
+    )
     straight_forward_m: tuple[float, float] = param(
-        (0.02, 0.04), ge=0.0, doc="minimum and maximum displacement per frame that count for the term mean"
+        (0.02, 0.04),
+        ge=0.0,
+        le=100_000.0,
+        doc="minimum and maximum displacement per frame that count for the term mean",
     )
 
     def check(self) -> None:

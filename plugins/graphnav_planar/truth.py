@@ -23,7 +23,7 @@ class Truth(Stage):
 
     role: ClassVar[Role] = "oracle"
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks over which the flow is averaged")
     min_ground_ratio: float = param(
         0.01,
         gt=0.0,

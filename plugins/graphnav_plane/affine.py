@@ -34,10 +34,11 @@ class Affine(Detector):
     mad_ratio: float = param(
         3.5,
         gt=0.0,
+        le=1e6,
         doc="rule mad: more marks fewer cells as obstacle; lower than that of plane.ica, because perspective raises "
         "the median of the residual of an affine fit",
     )
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks over which the flow is averaged")
     draws: int = param(
         100, ge=1, le=10_000, doc="three-point draws: 35 miss the plane once in 100 frames at half obstacle"
     )

@@ -17,7 +17,7 @@ class AllGround(Stage):
 
     role: ClassVar[Role] = "baseline"
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks that become one cell")
 
     def step(self, flow: Flow) -> Plane:
         """Return ground on cells of ``cell_px`` (of the flow's own step, if that is coarser)."""

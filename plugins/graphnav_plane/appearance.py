@@ -29,10 +29,11 @@ class Appearance(Stage):
 
     role: ClassVar[Role] = "baseline"
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks that become one cell")
     threshold: float = param(
         4.0,
         gt=0.0,
+        le=1e6,
         doc="dimensionless: deviation from the floor, in standard deviations, above which a cell is obstacle",
     )
     window_ratio: float = param(

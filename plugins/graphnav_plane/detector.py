@@ -25,10 +25,11 @@ class Detector(Stage):
     rule: Rule = param(
         "mad", doc="mad: mad_ratio times the median score; otsu: split the histogram; fixed: threshold_px"
     )
-    mad_ratio: float = param(4.0, gt=0.0, doc="rule mad: more marks fewer cells as obstacle")
+    mad_ratio: float = param(4.0, gt=0.0, le=1e6, doc="rule mad: more marks fewer cells as obstacle")
     threshold_px: float = param(
         0.08,
         ge=0.0,
+        le=100_000.0,
         doc="rule fixed: the threshold. Other rules: its minimum, which should be the flow noise on a free floor, "
         "where every relative rule finds obstacles in the noise",
     )
@@ -48,10 +49,13 @@ class Detector(Stage):
     strong_ratio: float = param(
         1.0,
         ge=1.0,
+        le=1e6,
         doc="hysteresis (dimensionless): a connected region counts only if one of its cells scores more than this many "
         "times the threshold; with more than 1 the threshold can be lower; 1 keeps every cell above the threshold",
     )
-    min_cells: int = param(1, ge=1, doc="minimum number of cells of a connected region that counts; 1 keeps all")
+    min_cells: int = param(
+        1, ge=1, le=1_000_000, doc="minimum number of cells of a connected region that counts; 1 keeps all"
+    )
     memory_ratio: float = param(
         0.5,
         ge=0.0,

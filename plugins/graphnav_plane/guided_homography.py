@@ -46,7 +46,10 @@ class GuidedHomography(Detector):
     """
 
     noise_px: float = param(
-        0.1, gt=0.0, doc="flow noise: a vector that differs by this from the ground has a weight of a quarter"
+        0.1,
+        gt=0.0,
+        le=100_000.0,
+        doc="flow noise: a vector that differs by this from the ground has a weight of a quarter",
     )
     min_agreement_ratio: float = param(
         0.6,

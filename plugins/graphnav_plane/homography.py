@@ -48,10 +48,13 @@ class Homography(Detector):
        Estimator, CVPR 2020.
     """
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks over which the flow is averaged")
     method: Method = param("usac_magsac", doc="what draws the first homography, by OpenCV's name")
     reprojection_px: float = param(
-        0.1, gt=0.0, doc="what the first homography may leave of a vector that agrees with it; lmeds needs none"
+        0.1,
+        gt=0.0,
+        le=100_000.0,
+        doc="what the first homography may leave of a vector that agrees with it; lmeds needs none",
     )
     draws: int = param(200, ge=1, le=100_000, doc="four-point draws, at most")
     refits: int = param(2, ge=0, le=100, doc="least-squares fits to the inliers of the previous fit")

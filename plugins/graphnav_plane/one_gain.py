@@ -25,6 +25,7 @@ class OneGain(Residual):
     noise_px: float = param(
         0.1,
         gt=0.0,
+        le=100_000.0,
         doc="flow noise: a vector that differs by this from the ground has a weight of a quarter, one of ten times as "
         "much none",
     )

@@ -28,7 +28,7 @@ class RowLine(Detector):
 
     role: ClassVar[Role] = "baseline"
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks over which the flow is averaged")
     refits: int = param(2, ge=0, le=100, doc="least-squares fits to the inliers of the previous fit")
 
     def step(self, flow: Flow, stamp: Stamp) -> Plane:

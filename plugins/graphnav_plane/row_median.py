@@ -23,7 +23,7 @@ class RowMedian(Detector):
 
     role: ClassVar[Role] = "baseline"
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks over which the flow is averaged")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks over which the flow is averaged")
 
     def step(self, flow: Flow, stamp: Stamp) -> Plane:
         """Return the plane on cells of ``cell_px``; nothing is judged where fewer than 6 vectors are valid."""

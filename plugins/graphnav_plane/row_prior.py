@@ -18,7 +18,7 @@ class RowPrior(Stage):
 
     role: ClassVar[Role] = "baseline"
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks that become one cell")
     horizon_ratio: float = param(
         0.25, ge=0.0, le=1.0, doc="share of the picture's rows, from the top, that are obstacle"
     )

@@ -18,7 +18,7 @@ class Truth(Stage):
 
     role: ClassVar[Role] = "oracle"
 
-    cell_px: int = param(4, ge=1, doc="side of the pixel blocks that become one cell")
+    cell_px: int = param(4, ge=1, le=4096, doc="side of the pixel blocks that become one cell")
     threshold_ratio: float = param(0.5, ge=0.0, lt=1.0, doc="a cell is obstacle if more than this share of it is")
 
     def step(self, truth: graphnav.Truth) -> Plane:

@@ -49,7 +49,7 @@ class Flow(Stage):
         ),
     )
 
-    outlier_px: float = param(1.0, gt=0.0, doc="error above which a vector is an outlier")
+    outlier_px: float = param(1.0, gt=0.0, le=100_000.0, doc="error above which a vector is an outlier")
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Forget everything counted."""

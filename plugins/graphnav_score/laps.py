@@ -61,9 +61,11 @@ class Laps(Navigation):
         *(metric for metric in Navigation.metrics if metric.name not in _WITH_GOAL),
     )
 
-    duration_s: float = param(600.0, gt=0.0, doc="how long a success lasts; the run must last as long")
-    min_laps: float = param(1.0, ge=0.0, doc="dimensionless: how many laps a success has at least")
-    max_speed_mps: float = param(0.3, gt=0.0, doc="highest speed that the graph commands, for `progress_ratio`")
+    duration_s: float = param(600.0, gt=0.0, le=1e6, doc="how long a success lasts; the run must last as long")
+    min_laps: float = param(1.0, ge=0.0, le=1e6, doc="dimensionless: how many laps a success has at least")
+    max_speed_mps: float = param(
+        0.3, gt=0.0, le=1000.0, doc="highest speed that the graph commands, for `progress_ratio`"
+    )
 
     def reset(self, seed: int) -> None:
         """Forget the last drive."""

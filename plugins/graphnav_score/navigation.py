@@ -131,6 +131,7 @@ class Navigation(Stage):
     optimal_speed_mps: float | None = param(
         None,
         gt=0.0,
+        le=1000.0,
         doc="speed of the drive that `sct` calls optimal; more makes the score stricter; null: the highest speed of "
         "the robot in this drive",
     )

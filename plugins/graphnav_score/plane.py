@@ -132,6 +132,7 @@ class Plane(Stage):
     min_motion_px: float = param(
         0.1,
         ge=0.0,
+        le=100_000.0,
         doc="true flow, right or down, that somewhere in the picture makes a frame count, also where the robot stands "
         "and the camera shakes or something moves past; 0 counts all",
         renamed_from="least_motion_px",

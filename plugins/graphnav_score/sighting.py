@@ -80,10 +80,12 @@ class Sighting(Stage):
         ),
     )
 
-    min_cells: int = param(3, ge=1, doc="cells that show an obstacle, from which on it is visible")
+    min_cells: int = param(3, ge=1, le=1_000_000, doc="cells that show an obstacle, from which on it is visible")
     min_found_ratio: float = param(0.3, gt=0.0, le=1.0, doc="share of them marked from which on it is sighted")
-    near_m: float = param(1.0, gt=0.0, doc="distance from the rim within which the robot comes to obstacles that count")
-    min_turn_radps: float = param(0.1, gt=0.0, doc="change of the commanded turning rate that is a reaction")
+    near_m: float = param(
+        1.0, gt=0.0, le=100_000.0, doc="distance from the rim within which the robot comes to obstacles that count"
+    )
+    min_turn_radps: float = param(0.1, gt=0.0, le=1000.0, doc="change of the commanded turning rate that is a reaction")
     min_slowing_ratio: float = param(
         0.1, gt=0.0, le=1.0, doc="drop of the commanded speed that is a reaction, as a share of it"
     )

@@ -47,6 +47,7 @@ class Steering(Stage):
     min_side_ratio: float = param(
         2.0,
         ge=1.0,
+        le=1e6,
         doc="a frame counts if one half holds at least this many times the obstacle of the other",
         renamed_from="least_times",
     )

@@ -13,8 +13,9 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_steer.mean_gradient import MeanGradient
     from graphnav_steer.oracle import Oracle
     from graphnav_steer.pca import Pca
+    from graphnav_steer.picture_gap import PictureGap
     from graphnav_steer.random import Random
     from graphnav_steer.time_to_contact import TimeToContact
     from graphnav_steer.vfh import Vfh
 
-    return [Balance, Forward, Frontier, Gap, MeanGradient, Oracle, Pca, Random, TimeToContact, Vfh]
+    return [Balance, Forward, Frontier, Gap, MeanGradient, Oracle, Pca, PictureGap, Random, TimeToContact, Vfh]

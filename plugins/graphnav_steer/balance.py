@@ -28,7 +28,9 @@ class Balance(Forces):
        in Freely Flying Honeybees, Visual Neuroscience 6, 1991.
     """
 
-    gain: float = param(0.7, gt=0.0, doc="dimensionless: length of r where all flow is on one side; w has length 1")
+    gain: float = param(
+        0.7, gt=0.0, le=1e6, doc="dimensionless: length of r where all flow is on one side; w has length 1"
+    )
 
     def step(self, flow: Flow, goal: Latest[Goal], planar: Latest[Planar]) -> Steering:
         """Return the forces; without valid vectors on both sides r is zero.

@@ -84,7 +84,7 @@ class Frontier(Stage):
         le=1000.0,
         doc="dimensionless: cost of a metre that cannot keep `margin_m`, in addition to what nearness costs",
     )
-    min_frontier_m2: float = param(0.15, ge=0.0, doc="unknown floor of a smaller area is not worth a visit")
+    min_frontier_m2: float = param(0.15, ge=0.0, le=1e6, doc="unknown floor of a smaller area is not worth a visit")
     comfort_m: float = param(
         0.25, ge=0.001, le=10.0, doc="distance from obstacles beyond the radius from which nearness costs nothing"
     )
@@ -94,9 +94,11 @@ class Frontier(Stage):
         le=1000.0,
         doc="dimensionless: cost of a metre along an obstacle, in addition to 1; more keeps to the middle",
     )
-    look_ahead_m: float = param(0.6, gt=0.0, doc="distance of the farthest point of the path to head for")
-    turn_cost_m: float = param(0.6, ge=0.0, doc="cost of a first turn by half a circle without a goal")
-    back_cost_m: float = param(3.0, ge=0.0, doc="cost of a frontier where the robot has been, without a goal")
+    look_ahead_m: float = param(0.6, gt=0.0, le=100_000.0, doc="distance of the farthest point of the path to head for")
+    turn_cost_m: float = param(0.6, ge=0.0, le=100_000.0, doc="cost of a first turn by half a circle without a goal")
+    back_cost_m: float = param(
+        3.0, ge=0.0, le=100_000.0, doc="cost of a frontier where the robot has been, without a goal"
+    )
     trail_m: float = param(
         10.0,
         ge=_TRAIL_STEP_M,
@@ -104,8 +106,12 @@ class Frontier(Stage):
         doc="how far back along its way the robot knows where it has been, without a goal; on a loop that is shorter, "
         "going on costs as much as turning round",
     )
-    commit_m: float = param(0.4, ge=0.0, doc="by how much another frontier must be cheaper to be preferred")
-    goal_weight: float = param(2.0, ge=0.0, doc="dimensionless: cost of a metre between a frontier and the goal")
+    commit_m: float = param(
+        0.4, ge=0.0, le=100_000.0, doc="by how much another frontier must be cheaper to be preferred"
+    )
+    goal_weight: float = param(
+        2.0, ge=0.0, le=1e6, doc="dimensionless: cost of a metre between a frontier and the goal"
+    )
     give_way_m: float = param(
         1.0,
         ge=0.0,

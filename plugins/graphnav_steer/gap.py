@@ -9,7 +9,8 @@ import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, ParamError, Stage, Steering, param
 from graphnav.arrays import Doubles
-from graphnav_steer.headings import apart_rad, headed
+from graphnav_steer.headings import headed
+from graphnav_steer.longest_way import Costs, LongestWay
 
 
 class Gap(Stage):
@@ -32,10 +33,14 @@ class Gap(Stage):
         "obstacle", doc="what cells that were never judged count as; free drives where nothing was seen"
     )
     max_way_m: float = param(1.0, gt=0.0, le=100.0, doc="a longer free way counts as this long")
-    min_way_m: float = param(0.1, ge=0.0, doc="with no heading free for this long the robot turns on the spot")
-    turn_cost_m: float = param(0.25, ge=0.0, doc="cost of turning by half a circle")
-    change_cost_m: float = param(0.3, ge=0.0, doc="cost of a heading at half a circle from the last choice")
-    goal_cost_m: float = param(1.5, ge=0.0, doc="cost of a heading at half a circle from the goal")
+    min_way_m: float = param(
+        0.1, ge=0.0, le=100_000.0, doc="with no heading free for this long the robot turns on the spot"
+    )
+    turn_cost_m: float = param(0.25, ge=0.0, le=100_000.0, doc="cost of turning by half a circle")
+    change_cost_m: float = param(
+        0.3, ge=0.0, le=100_000.0, doc="cost of a heading at half a circle from the last choice"
+    )
+    goal_cost_m: float = param(1.5, ge=0.0, le=100_000.0, doc="cost of a heading at half a circle from the goal")
     headings: int = param(72, ge=8, le=720, doc="number of headings around the robot")
 
     def check(self) -> None:
@@ -48,16 +53,14 @@ class Gap(Stage):
         """Forget the last choice."""
         half = np.arange(self.headings) - self.headings // 2
         self._headings_rad = half * 2 * math.pi / self.headings
-        self._chosen_rad: float | None = None
-        self._spin = 0.0
+        costs = Costs(self.turn_cost_m, self.change_cost_m, self.goal_cost_m)
+        self._longest = LongestWay(self._headings_rad, self.min_way_m, costs)
 
     def step(self, map: LocalMap, goal: Latest[Goal]) -> Steering:  # noqa: A002  # the port's name
         """Return the steering towards the chosen heading: no repulsive force, a guiding force of length 1."""
-        way_m = self._ways_m(map)
-        cost_m = self._costs_m(map, goal.value)
-        theta_rad = self._choice(np.minimum(way_m, self.max_way_m), cost_m)
-        self._chosen_rad = theta_rad + map.yaw_rad
-        return headed(theta_rad)
+        way_m = np.minimum(self._ways_m(map), self.max_way_m)
+        goal_rad = None if goal.value is None else goal.value.bearing_rad
+        return headed(self._longest.theta_rad(way_m, goal_rad, map.yaw_rad))
 
     def _ways_m(self, map: LocalMap) -> Doubles:  # noqa: A002
         """Return the free way of each heading, (headings,)."""
@@ -69,25 +72,3 @@ class Gap(Stage):
             free &= map.unknown_m_at(ways[0], ways[1]) > 0.0
         free[:, 0] = True
         return np.asarray(map.cell_m / 2 * (np.logical_and.accumulate(free, axis=1).sum(axis=1) - 1.0))
-
-    def _costs_m(self, map: LocalMap, goal: Goal | None) -> Doubles:  # noqa: A002
-        cost_m = self.turn_cost_m * _half_circles(self._headings_rad, 0.0)
-        if self._chosen_rad is not None:
-            cost_m += self.change_cost_m * _half_circles(self._headings_rad, self._chosen_rad - map.yaw_rad)
-        if goal is not None:
-            cost_m += self.goal_cost_m * _half_circles(self._headings_rad, goal.bearing_rad)
-        return cost_m
-
-    def _choice(self, way_m: Doubles, cost_m: Doubles) -> float:
-        best = int(np.argmax(way_m - cost_m))
-        if way_m[best] >= self.min_way_m:
-            self._spin = 0.0
-            return float(self._headings_rad[best])
-        if not self._spin:
-            self._spin = math.copysign(1.0, float(self._headings_rad[best]))
-        return self._spin * math.pi / 2
-
-
-def _half_circles(headings_rad: Doubles, other_rad: float) -> Doubles:
-    """Return the angles between headings and another one, as shares of half a circle."""
-    return apart_rad(headings_rad, other_rad) / math.pi

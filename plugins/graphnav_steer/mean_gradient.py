@@ -20,8 +20,8 @@ class MeanGradient(Potential):
     """
 
     strength: Strength = param("gradient", doc=STRENGTH_DOC)
-    gain: float = param(800.0, gt=0.0, doc=GAIN_DOC)
-    bell_ratio: float | None = param(0.2, gt=0.0, doc=BELL_DOC)
+    gain: float = param(800.0, gt=0.0, le=1e6, doc=GAIN_DOC)
+    bell_ratio: float | None = param(0.2, gt=0.0, le=1e6, doc=BELL_DOC)
     near_weight: float = param(0.0, ge=0.0, le=1.0, doc=NEAR_DOC)
     backward: bool = param(False, doc=BACKWARD_DOC)
 

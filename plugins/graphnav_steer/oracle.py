@@ -33,12 +33,15 @@ class Oracle(Stage):
     role: ClassVar = "oracle"
 
     look_ahead_m: float = param(
-        0.5, gt=0.0, doc="distance of the point to head for; more cuts corners and oscillates less"
+        0.5, gt=0.0, le=100_000.0, doc="distance of the point to head for; more cuts corners and oscillates less"
     )
-    comfort_m: float = param(0.25, gt=0.0, doc="clearance from the rim above which nearness costs nothing")
+    comfort_m: float = param(
+        0.25, gt=0.0, le=100_000.0, doc="clearance from the rim above which nearness costs nothing"
+    )
     wall_cost: float = param(
         4.0,
         ge=0.0,
+        le=1e6,
         doc="dimensionless: cost of a metre in contact with a wall, in addition to 1; more takes longer ways around",
         renamed_from="dread",
     )
@@ -53,7 +56,7 @@ class Oracle(Stage):
         Raises
         ------
         ValueError
-            There is no map, or it has neither a goal nor a corridor to go around.
+            The map is missing, or has neither a goal nor a corridor to go around.
         """
         if self._way is None:
             if map.value is None:

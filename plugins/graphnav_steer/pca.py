@@ -54,7 +54,10 @@ class Pca(Potential):
         "centroid", doc="principal direction of the gradients' covariance (eq. 7), or of their second moment about zero"
     )
     isotropic_ratio: float = param(
-        1.1, ge=1.0, doc="below this ratio of the eigenvalues the direction of the mean gradient is used instead"
+        1.1,
+        ge=1.0,
+        le=1e6,
+        doc="below this ratio of the eigenvalues the direction of the mean gradient is used instead",
     )
 
     def step(self, plane: Plane, goal: Latest[Goal], planar: Latest[Planar]) -> PcaOutputs:

@@ -9,15 +9,15 @@ import numpy as np
 
 import graphnav
 from graphnav import Goal, Planar, Plane, Steering, param
-from graphnav.arrays import Bytes, Doubles
+from graphnav.arrays import Doubles
 from graphnav_steer.attention import cell_weights
 from graphnav_steer.axes import AHEAD, upright
 from graphnav_steer.field import OBSTACLE_LEVEL, Field, obstacle_field
 from graphnav_steer.forces import Forces
 from graphnav_steer.principal import Principal, mean_gradient
+from graphnav_steer.unjudged import RIM_DOC, UNJUDGED_DOC, Unjudged, with_unjudged
 
 Strength = Literal["share", "gradient", "unit"]
-Unjudged = Literal["obstacle", "free"]
 
 STRENGTH_DOC = (
     "strength of r: the obstacle's share of the picture, the length of the mean gradient, or unit: one length whenever "
@@ -41,7 +41,7 @@ class Potential(Forces):
 
     sigma_ratio: float = param(
         0.5,
-        gt=0.0,
+        ge=0.01,
         le=4.0,
         doc="standard deviation of the Gaussian, in picture widths; less sees only what is close by",
     )
@@ -49,22 +49,12 @@ class Potential(Forces):
         "zero", doc="assumption beyond the picture: no obstacle, or the outermost cell repeated"
     )
     strength: Strength = param("share", doc=STRENGTH_DOC)
-    gain: float = param(4.0, gt=0.0, doc=GAIN_DOC)
-    bell_ratio: float | None = param(None, gt=0.0, doc=BELL_DOC)
+    gain: float = param(4.0, gt=0.0, le=1e6, doc=GAIN_DOC)
+    bell_ratio: float | None = param(None, gt=0.0, le=1e6, doc=BELL_DOC)
     near_weight: float = param(1.0, ge=0.0, le=1.0, doc=NEAR_DOC)
     backward: bool = param(True, doc=BACKWARD_DOC)
-    unjudged: Unjudged = param(
-        "obstacle",
-        doc="how a cell counts that was not judged although it lies inside the rim, as on a white wall without texture "
-        "(`Plane.unknown`): as an obstacle, or as free floor; cells of the rim count as free",
-    )
-    rim_ratio: float = param(
-        Plane.RIM_RATIO,
-        ge=0.0,
-        le=0.4,
-        doc="width of the rim, a share of the picture's shorter side: there flow is not valid, so that cells that were "
-        "not judged mean nothing; the faster the robot moves and turns between two frames, the wider",
-    )
+    unjudged: Unjudged = param("obstacle", doc=UNJUDGED_DOC)
+    rim_ratio: float = param(Plane.RIM_RATIO, ge=0.0, le=0.4, doc=RIM_DOC)
 
     def _to_obstacle(self, gradient: Doubles) -> Principal:
         """Return the direction of gradients (rows, cols, 2)."""
@@ -73,7 +63,7 @@ class Potential(Forces):
     def _forces(self, plane: Plane, goal: Goal | None, planar: Planar | None) -> tuple[Steering, graphnav.Potential]:
         """Return the forces and the potential from which they derive."""
         weights = cell_weights(*plane.obstacle.shape, self.bell_ratio, self.near_weight)
-        obstacle, counted = self._counted(plane)
+        obstacle, counted = with_unjudged(plane, self.unjudged, self.rim_ratio)
         weighted = weights * obstacle
         sigma_cells = self.sigma_ratio * plane.obstacle.shape[1]
         field = obstacle_field(weighted, sigma_cells, self.border)
@@ -90,13 +80,6 @@ class Potential(Forces):
                 step_px=plane.step_px,
             ),
         )
-
-    def _counted(self, plane: Plane) -> tuple[Bytes, Bytes]:
-        """Return the map that pushes and the cells that count, both uint8 (rows, cols)."""
-        if self.unjudged == "free":
-            return plane.obstacle, plane.valid
-        unknown = plane.unknown(self.rim_ratio).view(np.uint8)
-        return plane.obstacle | unknown, plane.valid | unknown
 
     def _repulsive_force(self, obstacle: Doubles | None, share: float, field: Field, sigma_cells: float) -> Doubles:
         """Return r; ``obstacle`` is the direction to it (right, down)."""

@@ -22,7 +22,7 @@ class Random(Stage):
     widest_deg: float = param(
         90.0, gt=0.0, le=180.0, doc="headings are drawn uniformly up to this angle to either side"
     )
-    hold_s: float = param(1.0, gt=0.0, doc="mean time for which a heading is held; times are exponential")
+    hold_s: float = param(1.0, gt=0.0, le=1e6, doc="mean time for which a heading is held; times are exponential")
 
     def reset(self, seed: int) -> None:
         """Start the draws of this seed."""

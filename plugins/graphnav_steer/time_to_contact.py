@@ -41,11 +41,15 @@ class TimeToContact(Forces):
         "across", doc="full: what the flow expands along both axes; across: twice what it expands from left to right"
     )
     gain_s: float = param(
-        1.5, gt=0.0, doc="r's length to the side where the inverse times differ by 1 per second; more turns harder"
+        1.5,
+        gt=0.0,
+        le=1e6,
+        doc="r's length to the side where the inverse times differ by 1 per second; more turns harder",
     )
     brake_s: float = param(
         1.0,
         ge=0.0,
+        le=1e6,
         doc="time to contact ahead at which r cancels w and the robot stands and turns; 0 never brakes",
     )
 

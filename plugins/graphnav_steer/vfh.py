@@ -39,7 +39,10 @@ class Vfh(Stage):
     active_m: float = param(1.0, gt=0.0, le=20.0, doc="distance of the obstacles that count; more turns sooner")
     sectors: int = param(72, ge=8, le=720, doc="number of sectors around the robot")
     max_density: float = param(
-        0.3, ge=0.0, doc="dimensionless: density of a sector that is still free; an obstacle's cell at contact has 1"
+        0.3,
+        ge=0.0,
+        le=1e6,
+        doc="dimensionless: density of a sector that is still free; an obstacle's cell at contact has 1",
     )
     wide_deg: float = param(60.0, gt=0.0, le=360.0, doc="width from which a valley is wide")
 

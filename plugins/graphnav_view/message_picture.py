@@ -127,7 +127,7 @@ def _map(world: Map, context: PictureContext) -> Bytes:
 
 
 def _state(state: State, context: PictureContext) -> Bytes | None:
-    """Draw the robot on its map; None if there is no map."""
+    """Draw the robot on its map; None without a map."""
     world = context.find(Map)
     return None if world is None else _from_above(world, state, context)
 

@@ -64,15 +64,19 @@ class Robot(MobileRobot):
     """
 
     rate_hz: float = param(100.0, gt=0.0, le=10_000.0, doc="steps of the physics per second")
-    image_hz: float = param(10.0, gt=0.0, doc="images per second")
-    image_jitter_s: float = param(0.0, ge=0.0, doc="maximum time by which an image is early or late; seeded")
-    odometry_hz: float = param(50.0, gt=0.0, doc="odometry samples per second", changes=("odometry",))
+    image_hz: float = param(10.0, gt=0.0, le=10_000.0, doc="images per second")
+    image_jitter_s: float = param(0.0, ge=0.0, le=1e6, doc="maximum time by which an image is early or late; seeded")
+    odometry_hz: float = param(50.0, gt=0.0, le=10_000.0, doc="odometry samples per second", changes=("odometry",))
     odometry_jitter_s: float = param(
-        0.004, ge=0.0, doc="maximum time by which an odometry sample is early or late; seeded", changes=("odometry",)
+        0.004,
+        ge=0.0,
+        le=1e6,
+        doc="maximum time by which an odometry sample is early or late; seeded",
+        changes=("odometry",),
     )
-    state_hz: float = param(20.0, gt=0.0, doc="true states per second; equal to rate_hz for every step")
-    goal_hz: float = param(5.0, gt=0.0, doc="readings of the goal's beacon per second", changes=("goal",))
-    command_timeout_s: float = param(0.5, gt=0.0, doc="age beyond which a command counts as Twist(0, 0)")
+    state_hz: float = param(20.0, gt=0.0, le=10_000.0, doc="true states per second; equal to rate_hz for every step")
+    goal_hz: float = param(5.0, gt=0.0, le=10_000.0, doc="readings of the goal's beacon per second", changes=("goal",))
+    command_timeout_s: float = param(0.5, gt=0.0, le=1e6, doc="age beyond which a command counts as Twist(0, 0)")
     ends: bool = param(True, doc="whether the goal or a contact ends the run; else the robot stands from then on")
 
     def check(self) -> None:

@@ -35,7 +35,7 @@ class Pymunk(MobileRobot):
     """
 
     command_timeout_s: float | None = param(
-        None, gt=0.0, doc="age beyond which a command counts as Twist(0, 0); null never expires commands"
+        None, gt=0.0, le=1e6, doc="age beyond which a command counts as Twist(0, 0); null never expires commands"
     )
 
     def reset(self, seed: int) -> None:

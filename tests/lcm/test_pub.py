@@ -158,8 +158,8 @@ def test_a_command_line_that_is_wrong_is_refused(
             ["graphnav.status", "Twist"],
             "argument CHANNEL: channel names that begin with 'graphnav.' are reserved: 'graphnav.status'",
         ),
-        (["X", "Twist", "--rate", "0"], "argument --rate: '0' is not a number above 0"),
-        (["X", "Twist", "--rate", "nan"], "argument --rate: 'nan' is not a number above 0"),
+        (["X", "Twist", "--rate", "0"], "argument --rate: '0' is not a number above 0, from 1e-06 to 1e+06"),
+        (["X", "Twist", "--rate", "nan"], "argument --rate: 'nan' is not a number above 0, from 1e-06 to 1e+06"),
     ],
 )
 def test_an_argument_that_is_wrong_is_refused(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:

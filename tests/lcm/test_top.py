@@ -17,11 +17,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from graphnav.bus import Bus
 from graphnav.cli import main
 from graphnav.codec import encode
+from graphnav.machine.console import Console
 from graphnav.messages import About, GuardState, Message, Status
 from graphnav.record import ABOUT, LogWriter
 from graphnav.spy import Health, Received, health_as_text

@@ -14,6 +14,7 @@ from jinja2.nodes import Filter, ScopedEvalContextModifier
 from markupsafe import Markup
 
 import graphnav
+from graphnav.errors import printable
 from graphnav.render import html_templates
 
 CORE = Path(graphnav.__file__).parent
@@ -23,7 +24,7 @@ TEMPLATES = sorted(path for path in CORE.rglob("templates/*") if path.suffix in 
 @given(about=st.text(), table=st.text())
 def test_values_are_text(about: str, table: str) -> None:
     page = html_templates.rendered("graphnav.api", "study.html", about=about, table=table, report="there")
-    assert unescape(page).startswith(f"<p>{about}</p><pre>{table}</pre>")
+    assert unescape(page).startswith(f"<p>{printable(about)}</p><pre>{printable(table)}</pre>")
     assert page.count("<") == 6
 
 

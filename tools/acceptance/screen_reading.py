@@ -7,8 +7,8 @@ import re
 from PIL import Image
 from rich.ansi import AnsiDecoder
 from rich.cells import cell_len
-from rich.console import Console
 
+from graphnav.machine.console import Console
 from graphnav.spy.screen.screen_image import blank_screen, draw_cells
 
 _PICTURE_LETTERS = "▀.:-=+*#%@"

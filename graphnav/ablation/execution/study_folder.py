@@ -98,6 +98,6 @@ def read_plan(folder: Path) -> Plan:
         ) from error
     except OSError as error:
         raise UserError.of(f"cannot read {path}: {error.strerror}") from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, UserError) as error:
         hint = "it may be of another version of graphnav; choose another folder"
         raise UserError.of(f"{path} is not the plan of a study", hint) from error

@@ -32,8 +32,8 @@ def check_compatible(old: Plan, new: Plan, folder: Path) -> None:
             raise UserError.of(f"{what}: {change}", hint)
     if old.base != new.base:
         raise UserError.of(f"{folder} holds a study whose base is {old.base}, not {new.base}", hint)
-    if change := difference(old.versions, new.versions):
-        raise UserError.of(f"the runs in {folder} were made with {change}", hint)
+    if other := difference(old.versions, new.versions):
+        raise UserError.of(f"the runs in {folder} were made with {other}", other.hint or hint)
 
 
 def _change_of(old: Case, new: Case) -> str:

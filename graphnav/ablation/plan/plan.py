@@ -14,6 +14,8 @@ from graphnav.ablation.plan import former_plan
 from graphnav.ablation.study import Decomposition, MetricExpression
 from graphnav.errors import Place, shown_path
 from graphnav.graph import Override, Target, parse_override
+from graphnav.machine.regular_file import read_json
+from graphnav.spec import check_types
 from graphnav.stage import Better, Metric, Role
 
 RUNS = "runs"
@@ -184,14 +186,49 @@ class Plan:
 
     @classmethod
     def read(cls, path: Path) -> Plan:
-        """Read what `write` wrote, in this version or an earlier one."""
-        data: dict[str, Any] = former_plan.as_written_now(json.loads(path.read_text(encoding="utf-8")))
+        """Read what `write` wrote, in this version or an earlier one.
+
+        Raises
+        ------
+        OSError, ValueError, KeyError, TypeError, AttributeError, UserError
+            It cannot be read, or is not a plan.
+        """
+        data: dict[str, Any] = former_plan.as_written_now(read_json(path))
         data["declared"] = {name: _metric(declared) for name, declared in data["declared"].items()}
         data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
         if data.get("decomposition"):
             data["decomposition"] = Decomposition(**data["decomposition"])
         data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
-        return cls(**{key: _tuple(value) for key, value in data.items()})
+        plan = cls(**{key: _tuple(value) for key, value in data.items()})
+        check_types(plan)
+        _check_consistent(plan)
+        return plan
+
+
+def _check_consistent(plan: Plan) -> None:
+    """Raise ValueError or UserError unless the cases, metrics and seeds of a plan that was read refer to each other."""
+    known = {(case.graph, case.variant) for case in plan.cases}
+    graphs = {case.graph for case in plan.cases}
+    axes = {name: set(labels) for name, labels in plan.axes.items()}
+    is_clear = (
+        len(known) == len(plan.cases) > 0
+        and graphs == set(plan.graphs)
+        and graphs == {case.graph for case in plan.cases if case.is_base}
+        and all(case.labels.keys() == axes.keys() for case in plan.cases)
+        and all(label in axes[axis] for case in plan.cases for axis, label in case.labels.items())
+        and all(not case.same_as or (case.graph, case.same_as) in known for case in plan.cases)
+        and all(_is_below(case.folder) for case in plan.cases)
+        and all(0 <= seed < 2**32 for seed in plan.seeds)
+    )
+    if not is_clear:
+        raise ValueError("its cases do not agree with its graphs, axes or seeds")
+    for column in plan.metrics:
+        MetricExpression.parse(column)
+
+
+def _is_below(folder: str) -> bool:
+    """Return whether a relative path leads down from the folder that it begins at."""
+    return folder != "" and "\0" not in folder and not Path(folder).is_absolute() and ".." not in Path(folder).parts
 
 
 def _case_json(case: Case) -> dict[str, Any]:

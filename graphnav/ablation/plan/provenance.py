@@ -8,19 +8,43 @@ from dataclasses import replace
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
 
 from graphnav.ablation.plan.plan import Plan
 from graphnav.catalog import GROUP
-from graphnav.runner.recording.summary import versions
+from graphnav.machine.instruction_set import PORTABLE, expected_instruction_set
+from graphnav.machine.pins import OPT_OUT
+from graphnav.runner.recording.summary import INSTRUCTION_SET, versions
 
 CODE = "code of "
 _HASH_LETTERS = 12
 
 
+class Difference(NamedTuple):
+    """A property that two sets of runs depend on and that differs: its name and both values."""
+
+    name: str
+    old: str
+    new: str
+
+    def __str__(self) -> str:
+        return f"another {self.name}: {self.old}, now {self.new}"
+
+    @property
+    def hint(self) -> str:
+        """How to make both the same, empty if there is no one way."""
+        if self.name != INSTRUCTION_SET:
+            return ""
+        if self.old == PORTABLE:
+            return f"run without --no-portable, and without {OPT_OUT}=0 in the environment"
+        return "use another folder, without --no-portable: then all machines with AVX2 and FMA make the same runs"
+
+
 def with_versions(plan: Plan) -> Plan:
     """Return the plan with all that its runs depend on: versions, and the code of its stages."""
     families = {use.partition(".")[0] for case in plan.cases for use in case.uses.values()}
-    return replace(plan, versions=provenance(families, plan.plugins))
+    versions = provenance(families, plan.plugins) | {INSTRUCTION_SET: expected_instruction_set()}
+    return replace(plan, versions=versions)
 
 
 def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str]:
@@ -32,18 +56,16 @@ def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str
     return {**versions(), **code, **{plugin: _hash([Path(plugin)]) for plugin in plugins}}
 
 
-def difference_here(wanted: tuple[tuple[str, str], ...], plugins: tuple[str, ...]) -> str:
-    """Return what this process has that is not as ``wanted``, empty if nothing is."""
+def difference_here(wanted: tuple[tuple[str, str], ...], plugins: tuple[str, ...]) -> Difference | None:
+    """Return what this process has that is not as ``wanted``, None if nothing is."""
     families = [name.removeprefix(CODE) for name, _ in wanted if name.startswith(CODE)]
     return difference(dict(wanted), provenance(families, plugins))
 
 
-def difference(old: Mapping[str, str], new: Mapping[str, str]) -> str:
-    """Return the first of what both have that is not the same, empty if nothing is."""
-    for name, value in old.items():
-        if new.get(name, value) != value:
-            return f"another {name}: {value}, now {new[name]}"
-    return ""
+def difference(old: Mapping[str, str], new: Mapping[str, str]) -> Difference | None:
+    """Return the first of what both have that is not the same, None if nothing is."""
+    changed = (name for name, value in old.items() if new.get(name, value) != value)
+    return next((Difference(name, old[name], new[name]) for name in changed), None)
 
 
 def _files_of(family: str) -> list[Path]:

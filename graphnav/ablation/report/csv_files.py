@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.results import Record, in_plan_order, metric_columns
+from graphnav.machine.atomic_write import write_atomically
 
 RESULTS = "results.csv"
 METRICS = "metrics.csv"

@@ -9,6 +9,7 @@ from graphnav.ablation.report.decomposition_text import HEADER, heading, notes, 
 from graphnav.ablation.report.legend import OWN_FRAMES, legend, marks, origin, outcome_counts, same_graphs, worlds_text
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.results import Comparison, Difference, Losses, Row, shown_metrics
+from graphnav.errors import printable
 from graphnav.stage import Better
 
 TABLE = "table.md"
@@ -32,7 +33,7 @@ def table_markdown(plan: Plan, comparison: Comparison, found: Sequence[Losses] =
         parts += ["## Number of worlds", bullets(map(escaped, notes))]
     parts += ["## How to read and repeat this", bullets(map(escaped, legend(plan, comparison)))]
     parts.append(bullets(f"{name}: {code(value)}" for name, value in origin(plan)))
-    return "\n\n".join(parts) + "\n"
+    return document(parts)
 
 
 def _decomposition(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
@@ -44,6 +45,11 @@ def _decomposition(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
         yield escaped(" ".join(sentences(plan, of)))
         yield table(HEADER, ([escaped(cell) for cell in cells] for cells in rows(of)))
     yield bullets(map(escaped, notes(plan, found)))
+
+
+def document(parts: Iterable[str]) -> str:
+    """Return paragraphs as a file in which nothing is invisible or changes the order of the text."""
+    return printable("\n\n".join(parts)) + "\n"
 
 
 def table(header: Sequence[str], lines_below: Iterable[Sequence[str]]) -> str:

@@ -15,7 +15,16 @@ from graphnav.ablation.report.legend import (
     outcome_counts,
     seeds_text,
 )
-from graphnav.ablation.report.markdown import ARROWS, METRICS_PER_TABLE, bullets, code, difference_cell, escaped, table
+from graphnav.ablation.report.markdown import (
+    ARROWS,
+    METRICS_PER_TABLE,
+    bullets,
+    code,
+    difference_cell,
+    document,
+    escaped,
+    table,
+)
 from graphnav.ablation.report.number_format import estimate_text
 from graphnav.ablation.results import PairedRow, PairedStudies
 
@@ -45,7 +54,7 @@ def paired_studies_markdown(pairing: PairedStudies) -> str:
     sides = (("A", pairing.plan_a), ("B", pairing.plan_b))
     facts = [f"{side}, {name}: {code(value)}" for side, plan in sides for name, value in origin(plan)]
     parts.append(bullets([*facts, *map(escaped, different_versions(pairing))]))
-    return "\n\n".join(parts) + "\n"
+    return document(parts)
 
 
 def _legend(pairing: PairedStudies) -> tuple[str, ...]:

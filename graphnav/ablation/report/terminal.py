@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rich import box
-from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
@@ -23,6 +22,7 @@ from graphnav.ablation.report.markdown import ARROWS
 from graphnav.ablation.report.number_format import difference_text, estimate_text
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
 from graphnav.ablation.results import Comparison, Contrast, Difference, PairedRow, PairedStudies, Row, shown_metrics
+from graphnav.machine.console import Console
 from graphnav.stage import Better
 
 DECIDING = 2

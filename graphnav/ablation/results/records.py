@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ from typing import Any
 from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.results.relative_metrics import relative_metrics
 from graphnav.errors import Problem, UserError, shown_path
+from graphnav.machine.regular_file import read_json
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import SUMMARY
 from graphnav.stage import Metric, former_names
@@ -79,7 +79,7 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
                 record = read_record(case, seed, path)
             except FileNotFoundError:
                 continue
-            except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            except (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError):
                 hint = "remove it and run the study again: it makes the missing runs"
                 problems[path] = Problem(None, f"{shown_path(path)} is not a complete summary of a run", hint)
                 continue
@@ -100,10 +100,10 @@ def read_record(case: Case, seed: int, path: Path) -> Record:
     ------
     OSError
         There is none, or it cannot be read.
-    ValueError, KeyError, TypeError, AttributeError
+    ValueError, KeyError, TypeError, AttributeError, OverflowError
         It is truncated, or something else.
     """
-    summary = json.loads(path.read_text(encoding="utf-8"))
+    summary = read_json(path)
     return Record(
         graph=case.graph,
         variant=case.variant,

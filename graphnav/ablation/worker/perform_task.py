@@ -109,7 +109,7 @@ def _study(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> _St
     if other := difference_here(wanted, plugins):
         raise UserError.of(
             f"{platform.node()} does not have what the study began with, but {other}",
-            "the runs would not compare: let all machines, from beginning to end, have the same",
+            other.hint or "the runs would not compare: let all machines, from beginning to end, have the same",
         )
     catalog = Catalog()
     for plugin in plugins:

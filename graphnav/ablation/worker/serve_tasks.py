@@ -14,6 +14,7 @@ from queue import Empty, SimpleQueue
 from graphnav.ablation.worker.perform_task import perform
 from graphnav.ablation.worker.task import Result, Task
 from graphnav.errors import one_line
+from graphnav.machine.escaped_output import escaped_output
 
 IDLE_S = 60.0
 """A process that is idle for this long exits: on a cluster it is not notified of the end of the study."""
@@ -24,7 +25,7 @@ def serve(fd: int) -> None:
     connection = Connection(fd)
     tasks: SimpleQueue[tuple[Task, str]] = SimpleQueue()
     threading.Thread(target=_receive, args=(connection, tasks), daemon=True).start()
-    with contextlib.suppress(Empty, OSError):
+    with contextlib.suppress(Empty, OSError), escaped_output():
         while True:
             task, scratch = tasks.get(timeout=IDLE_S)
             connection.send(_perform(task, Path(scratch), connection.send))

@@ -8,8 +8,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.report import print_comparison
 from graphnav.ablation.results import (
@@ -26,6 +24,7 @@ from graphnav.ablation.results import (
 from graphnav.api.extras import import_pandas
 from graphnav.api.result_folder import KeptFolder
 from graphnav.api.studies.study_files import StudyFiles
+from graphnav.machine.console import Console
 from graphnav.render.html_templates import rendered
 
 if TYPE_CHECKING:

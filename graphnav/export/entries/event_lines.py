@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from graphnav.errors import UserError
 from graphnav.export.entries.entries import Level, Line
+from graphnav.machine.regular_file import read_json
 from graphnav.messages import About, GuardState, Message, State, Stop
 from graphnav.record import ABOUT, Recording
 from graphnav.spec import parse_yaml
@@ -88,7 +88,7 @@ def _guard_text(state: GuardState) -> str:
 
 def _summary_beside(log: Path) -> dict[str, Any]:
     try:
-        found = json.loads(log.with_name(SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        found = read_json(log.with_name(SUMMARY))
+    except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
+from graphnav.machine.regular_file import read_json
 from graphnav.record import LOG
 from graphnav.runner.recording.run_recorded import SUMMARY
 from graphnav.stage import former_names
@@ -15,8 +15,8 @@ def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
     if log.name != LOG:
         return {}
     try:
-        summary = json.loads((log.parent / SUMMARY).read_bytes())
-    except (OSError, ValueError, RecursionError):
+        summary = read_json(log.parent / SUMMARY)
+    except (OSError, ValueError):
         return {}
     scores = summary.get("scores") if isinstance(summary, dict) else None
     return {

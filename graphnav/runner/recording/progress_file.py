@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import fcntl
 import json
-import mmap
 import os
 import struct
 from collections.abc import Mapping
@@ -35,28 +34,27 @@ class LastCall:
 
 
 class ProgressFile:
-    """Writes each call into shared memory of the file, which survives the process; a call costs no system call.
+    """Writes each call into the file before it is made; the system keeps it when the process dies.
 
-    A folder in which it cannot be made goes without.
+    A folder in which it cannot be written goes without.
     """
 
     def __init__(self, folder: Path, uses: Mapping[str, str]) -> None:
         """Mark the calls into the stages ``uses``: what each one uses, by name."""
         self._path = folder / PROGRESS
-        self._fd = -1
-        self._memory: mmap.mmap | bytearray = bytearray(_RECORD.size)
         self._places = {name: place for place, name in enumerate(uses)}
         self._methods = {name: place for place, name in enumerate(_METHODS)}
-        head = json.dumps(dict(uses)).encode() + b"\n"
-        self._at = len(head)
+        self._head = json.dumps(dict(uses)).encode() + b"\n"
+        self._fd = -1
         with suppress(OSError):
-            self._open(head + bytes(_RECORD.size))
-        if self._fd < 0:
-            self._at = 0
+            self._open()
 
     def mark(self, stage: str, method: str, utime: int) -> None:
         """Note that a method of a stage is called."""
-        _RECORD.pack_into(self._memory, self._at, self._places[stage], self._methods[method], utime)
+        if self._fd >= 0:
+            record = _RECORD.pack(self._places[stage], self._methods[method], utime)
+            with suppress(OSError):
+                os.pwrite(self._fd, record, len(self._head))
 
     def remove(self) -> None:
         """Remove the file: the run has ended."""
@@ -72,16 +70,15 @@ class ProgressFile:
     def __exit__(self, *_: object) -> None:
         self.remove()
 
-    def _open(self, content: bytes) -> None:
+    def _open(self) -> None:
         fd = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
         try:
             fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if os.write(fd, content) == len(content):  # memory without blocks of the disk would be a SIGBUS later
-                self._memory = mmap.mmap(fd, len(content))
-                self._fd = fd
-        finally:
-            if self._fd < 0:
-                os.close(fd)
+            os.pwrite(fd, self._head + bytes(_RECORD.size), 0)
+        except OSError:
+            os.close(fd)
+            raise
+        self._fd = fd
 
 
 def is_running(folder: Path) -> bool:

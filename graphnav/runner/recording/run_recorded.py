@@ -222,10 +222,8 @@ def write_summary(summary: Summary, folder: Path) -> None:
     """
     try:
         summary.write(folder / SUMMARY)
-    except OSError as error:
-        raise GraphnavError(
-            f"cannot write {folder / SUMMARY}: {error.strerror}; the log up to here is complete"
-        ) from error
+    except GraphnavError as error:
+        raise GraphnavError(f"{error}; the log up to here is complete") from error
 
 
 def _begin(graph: Graph, folder: Path) -> LogWriter:

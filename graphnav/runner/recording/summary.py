@@ -13,9 +13,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from graphnav.machine.atomic_write import write_atomically
+from graphnav.machine.instruction_set import instruction_set
 from graphnav.runner.unit import Unit
 from graphnav.stage import Stage, reported_metrics
 
+INSTRUCTION_SET = "instruction set"
 _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm", "pymunk", "pluggy", "pyyaml")
 
 
@@ -60,8 +63,8 @@ class Summary:
     """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
     def write(self, path: Path) -> None:
-        """Write it as JSON."""
-        path.write_text(json.dumps(self.as_json(), indent=1) + "\n", encoding="utf-8")
+        """Write it as JSON; raises GraphnavError, and leaves no part of it, if the disk refuses."""
+        write_atomically(path, json.dumps(self.as_json(), indent=1) + "\n")
 
     def as_json(self) -> dict[str, Any]:
         """Return it as JSON can hold it; a number that is not finite becomes null."""
@@ -107,7 +110,12 @@ def versions() -> dict[str, str]:
 @cache
 def _versions() -> dict[str, str]:
     """Return them as they were when this process first asked: what it has loaded does not change."""
-    found = {"python": platform.python_version(), "machine": platform.machine()}
+    found = {
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+        "libc": " ".join(platform.libc_ver()),
+        INSTRUCTION_SET: instruction_set(),
+    }
     for name in _RECORDED:
         try:
             found[name] = importlib.metadata.version(name)

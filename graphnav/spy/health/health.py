@@ -55,6 +55,7 @@ class Health:
     def __init__(self, clock: Callable[[], float] | None = None) -> None:
         self.runs: dict[str, RunHealth] = {}
         self.guards: dict[str, GuardHealth] = {}
+        self.has_forgotten = False
         self._clock = clock
 
     @property
@@ -78,7 +79,7 @@ class Health:
                 utime, _, state = decode(GuardState, received.data)
                 self.guards.pop(received.channel, None)
                 self.guards[received.channel] = GuardHealth(received.channel, received.at_s, state, utime)
-                _bound(self.guards)
+                self._bound(self.guards)
             elif received.channel == ABOUT and (run_id := decode(About, received.data)[2].run_id):
                 self._keep_run(self.runs.get(run_id) or RunHealth(run_id, received.at_s))
         except DecodeError:
@@ -89,7 +90,7 @@ class Health:
         """Store a run as the newest one."""
         self.runs.pop(run.run_id, None)
         self.runs[run.run_id] = run
-        _bound(self.runs)
+        self._bound(self.runs)
 
     def silent_s(self, of: RunHealth | GuardHealth) -> float | None:
         """Return the time since the last message of a run or guard; None for a log."""
@@ -100,8 +101,8 @@ class Health:
         limit_s = STATUS_SILENT_S if isinstance(of, RunHealth) else GUARD_SILENT_S
         return (self.silent_s(of) or 0.0) > limit_s
 
-
-def _bound(newest_last: dict[str, Any]) -> None:
-    """Drop the oldest entries."""
-    while len(newest_last) > MAX_RUNS:
-        del newest_last[next(iter(newest_last))]
+    def _bound(self, newest_last: dict[str, Any]) -> None:
+        """Drop the oldest entries."""
+        while len(newest_last) > MAX_RUNS:
+            self.has_forgotten = True
+            del newest_last[next(iter(newest_last))]

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from graphnav.errors import shown_name
 from graphnav.messages import Status
-from graphnav.spy.health.health import GuardHealth, Health, RunHealth
+from graphnav.spy.health.health import MAX_RUNS, GuardHealth, Health, RunHealth
 
 _FORGET_S = 10.0
 """A run that is silent for longer is shown in one line."""
@@ -36,6 +36,8 @@ def health_as_text(health: Health, width_cols: int) -> RenderableType:
     parts: list[RenderableType] = [_guard(health, health.guards[channel]) for channel in sorted(health.guards)]
     for run in sorted(health.runs.values(), key=lambda run: (health.is_silent(run), not _has_motor(run), run.run_id)):
         parts += _run(health, run, width_cols)
+    if health.has_forgotten:
+        parts.append(Text(f"only the newest {MAX_RUNS} runs and guards are kept"))
     return Group(*parts)
 
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import ClassVar
 
 from textual.app import App
 from textual.binding import Binding, BindingType
+from textual.filter import LineFilter
 
 from graphnav.catalog import Catalog
 from graphnav.spy.screen.channel_screen import ChannelScreen
 from graphnav.spy.screen.channels_screen import ChannelsScreen
+from graphnav.spy.screen.escape_filter import EscapeFilter
 from graphnav.spy.screen.painters.block_painter import BlockPainter
 from graphnav.spy.screen.painters.painter import Painter
 from graphnav.spy.screen.picture_view import PictureView
@@ -58,6 +60,11 @@ class SpyApp(App[None]):
         self._session = Session(watch, catalog, new_painter)
         self._folder = folder
         self._played_s = 0.0
+        self._escape = EscapeFilter()
+
+    def get_line_filters(self) -> Sequence[LineFilter]:
+        """Return the filters of every line of cells."""
+        return [*super().get_line_filters(), self._escape]
 
     def on_mount(self) -> None:
         """Show the channels."""

@@ -7,6 +7,7 @@ model comes from: graph, settings, maps, seeds, samples, versions.
 
 from __future__ import annotations
 
+import io
 import json
 import struct
 import zipfile
@@ -19,11 +20,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import ParamError
+from graphnav import ParamError, read_regular
 from graphnav_plane.learning.features import NAMES
 from graphnav_plane.learning.network import Network
 
 FORMAT = 1
+MAX_BYTES = 64 * 1024**2
+"""Of a model's file."""
 TEACH = "teach one: python tools/teach_learned.py -o FILE"
 
 _DAMAGED = (ValueError, KeyError, TypeError, AttributeError, EOFError, RuntimeError, SyntaxError, struct.error)
@@ -62,7 +65,7 @@ def read_model(path: Path) -> LearnedModel:
         The file does not exist, is damaged, or holds no such model; names the parameter 'model'.
     """
     try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+        with np.load(io.BytesIO(read_regular(path, MAX_BYTES)), allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         about = json.loads(str(arrays["about"]))
         shape, step_px = (int(about["rows"]), int(about["cols"])), int(about["step_px"])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphnav.arrays import Doubles
+from graphnav.arrays import Bools, Doubles
 
 CIRCLE_SIDES = 16
 SHARPEST_MITRE = 4.0
@@ -34,9 +34,14 @@ def box(x_m: float, y_m: float, length_m: float, width_m: float, turn_rad: float
 
 def arc(center_m: Sequence[float], radius_m: float, from_rad: float, to_rad: float) -> Doubles:
     """Return points on an arc, ends included; a chord leaves the arc by at most 2 mm."""
-    step = 2 * math.acos(max(1 - 0.002 / radius_m, 0.5))
-    angles = np.linspace(from_rad, to_rad, max(2, math.ceil(abs(to_rad - from_rad) / step) + 1))
+    angles = np.linspace(from_rad, to_rad, arc_points(radius_m, from_rad, to_rad))
     return np.asarray(center_m) + radius_m * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def arc_points(radius_m: float, from_rad: float, to_rad: float) -> int:
+    """Return how many points `arc` has."""
+    step = 2 * math.acos(max(1 - 0.002 / radius_m, 0.5))
+    return max(2, math.ceil(abs(to_rad - from_rad) / step) + 1)
 
 
 def signed_area(outline: Doubles) -> float:
@@ -52,10 +57,9 @@ def counterclockwise(outline: Doubles) -> Doubles:
 
 def crosses_itself(outline: Doubles) -> bool:
     """Whether two non-adjacent sides of a closed outline touch."""
-    n = len(outline)
-    sides = [(outline[i], outline[(i + 1) % n]) for i in range(n)]
-    pairs = ((i, j) for i in range(n) for j in range(i + 2, n) if (i, j) != (0, n - 1))
-    return any(_segments_touch(*sides[i], *sides[j]) for i, j in pairs)
+    n, ends = len(outline), np.roll(outline, -1, axis=0)
+    others = (slice(i + 2, n - 1 if i == 0 else n) for i in range(n - 2))  # the first and the last side are adjacent
+    return any(_touched(outline[i], ends[i], outline[other], ends[other]).any() for i, other in enumerate(others))
 
 
 def contains(outline: Doubles, x_m: float, y_m: float) -> bool:
@@ -132,21 +136,28 @@ def strip(points_m: Doubles, thickness_m: float, *, closed: bool) -> Strip:
     return Strip(points_m + offset, points_m - offset, closed)
 
 
-def _turn(a: Doubles, b: Doubles, c: Doubles) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+def _turn(a: Doubles, b: Doubles, c: Doubles) -> Doubles:
+    """Return the turn from ``ab`` to ``ac``, positive to the left; each point is (2,), or (2, n) for several."""
+    turn: Doubles = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    return turn
 
 
 def _min_turn(outline: Doubles) -> float:
     """Return the minimum turn at a vertex; negative if the outline is not convex."""
     before, after = np.roll(outline, 1, axis=0), np.roll(outline, -1, axis=0)
-    return min(_turn(*corner) for corner in zip(before, outline, after, strict=True))
+    return float(_turn(before.T, outline.T, after.T).min())
 
 
-def _segments_touch(a: Doubles, b: Doubles, c: Doubles, d: Doubles) -> bool:
-    sides = _turn(a, b, c), _turn(a, b, d), _turn(c, d, a), _turn(c, d, b)
-    if sides == (0.0, 0.0, 0.0, 0.0):
-        return bool(np.all(np.minimum(a, b) <= np.maximum(c, d)) and np.all(np.minimum(c, d) <= np.maximum(a, b)))
-    return sides[0] * sides[1] <= 0 and sides[2] * sides[3] <= 0
+def _touched(a: Doubles, b: Doubles, begins: Doubles, ends: Doubles) -> Bools:
+    """Return which of several segments, (n, 2) each, the segment from ``a`` to ``b`` touches, (n,)."""
+    c, d = begins.T, ends.T
+    of_a, of_b = _turn(a, b, c), _turn(a, b, d)
+    of_c, of_d = _turn(c, d, a), _turn(c, d, b)
+    overlaps = np.all(np.minimum(a, b) <= np.maximum(begins, ends), axis=1)
+    overlaps &= np.all(np.minimum(begins, ends) <= np.maximum(a, b), axis=1)
+    on_one_line = (of_a == 0) & (of_b == 0) & (of_c == 0) & (of_d == 0)
+    found: Bools = np.where(on_one_line, overlaps, (of_a * of_b <= 0) & (of_c * of_d <= 0))
+    return found
 
 
 def _is_ear(outline: Doubles, left: list[int], i: int) -> bool:
@@ -154,5 +165,6 @@ def _is_ear(outline: Doubles, left: list[int], i: int) -> bool:
     if _turn(a, b, c) <= 0:
         return False
     corners = {left[i - 1], left[i], left[(i + 1) % len(left)]}
-    others = (outline[k] for k in left if k not in corners)
-    return not any(min(_turn(a, b, p), _turn(b, c, p), _turn(c, a, p)) >= 0 for p in others)
+    others = outline[[k for k in left if k not in corners]].T
+    is_left = (_turn(a, b, others) >= 0) & (_turn(b, c, others) >= 0) & (_turn(c, a, others) >= 0)
+    return not is_left.any()

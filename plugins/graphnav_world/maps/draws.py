@@ -9,6 +9,8 @@ import numpy as np
 from graphnav import Place, Problem, Range, Suggestion
 from graphnav_world.maps.shape_keys import Point, Size
 
+MAX_POINTS = 8000
+"""Of all arcs of a map, whose chords leave the circle by at most 2 mm."""
 _UNNAMED = {("pillars", 1, "field"), ("walls", 4, "arc")}
 """Keys that are not in the names of draws: the root, how deep, the key. Worlds depend on these names."""
 
@@ -28,6 +30,7 @@ class Draws:
         self.problems: list[Problem] = []
         self.misfits: list[Problem] = []
         self.drew = False
+        self._n_points = 0
         self._seed, self._attempt = seed, attempt
 
     def rng(self, *path: str) -> np.random.Generator:
@@ -49,6 +52,19 @@ class Draws:
     def pair(self, wanted: Point | Size) -> tuple[float, float]:
         """Return two numbers, each drawn if it is a range."""
         return self.number(wanted.x), self.number(wanted.y)
+
+    def may_add(self, n_points: int, place: Place | None) -> bool:
+        """Count the points of an arc; return whether the map may have them, else add a problem."""
+        had, self._n_points = self._n_points, self._n_points + n_points
+        if had <= MAX_POINTS < self._n_points:
+            what = f"the arcs up to this one have {self._n_points} points, but those of a map may have {MAX_POINTS}"
+            self.wrong(place, what, "leave some out, or give smaller radii or angles")
+        return not self.is_full
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the arcs have more points than a map may have."""
+        return self._n_points > MAX_POINTS
 
     def wrong(self, place: Place | None, what: str, hint: str | Suggestion = "") -> None:
         """Add a problem."""

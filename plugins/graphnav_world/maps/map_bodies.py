@@ -21,12 +21,17 @@ def draw_wall(draws: Draws, wall: Wall) -> list[Body]:
     """Return a wall, in parts where it has doors; none if its line cannot be one."""
     points, height_m = draw_line(draws, wall.along), draws.number(wall.height_m)
     thickness_m, min_points = draws.number(wall.thickness_m), 3 if wall.closed else 2
+    if draws.is_full:
+        return []
     if len(points) < min_points:
         what = f"a {'closed ' if wall.closed else ''}wall needs at least {min_points} points, not {len(points)}"
         draws.wrong(wall.place("along"), what, "add points [x, y] or an arc")
         return []
     if wall.closed and np.linalg.norm(points[-1] - points[0]) < 1e-9:
         points = points[:-1]
+    if wall.closed and len(points) > 3 and outlines.crosses_itself(points):
+        draws.unfit(wall.place("along"), "this closed wall crosses itself", "list its points in order around the room")
+        return []
     strips = [outlines.strip(points, thickness_m, closed=wall.closed)]
     if wall.doors:
         line = np.concatenate([points, points[:1]]) if wall.closed else points

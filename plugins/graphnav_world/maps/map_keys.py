@@ -9,6 +9,10 @@ from graphnav_world.maps.body_keys import Obstacle, Pillars, Region, Wall
 from graphnav_world.maps.corridor_keys import CorridorKeys, RingKeys, ZigzagKeys
 from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Point
 
+MAX_GRAY = 1000.0
+"""Beyond white, which is 255, surfaces saturate."""
+MAX_RATIO = 100.0
+
 
 class TextureKeys(Record):
     """How surfaces look: gray noise.
@@ -26,9 +30,11 @@ class TextureKeys(Record):
       brick: {mean: [90, 120]}
     """
 
-    mean: Range[float] | None = key(None, gt=0.0, doc="its mean gray level, of 255; more is brighter")
-    contrast: Range[float] | None = key(None, gt=0.0, doc="the standard deviation of its gray levels, of 255")
-    grain_m: Range[float] | None = key(None, gt=0.0, doc="the size of its largest grains; 0.64 at most")
+    mean: Range[float] | None = key(None, gt=0.0, le=MAX_GRAY, doc="its mean gray level, of 255; more is brighter")
+    contrast: Range[float] | None = key(
+        None, gt=0.0, le=MAX_GRAY, doc="the standard deviation of its gray levels, of 255"
+    )
+    grain_m: Range[float] | None = key(None, ge=0.001, le=MAX_M, doc="the size of its largest grains; 0.64 at most")
 
 
 class View(Record):
@@ -37,8 +43,8 @@ class View(Record):
     noun = "a view"
     example = "view: {light_ratio: [0.9, 1.1], noise_ratio: 1}"
 
-    light_ratio: Range[float] = key(Range(1.0, 1.0), ge=0.0, doc="brightness")
-    noise_ratio: Range[float] = key(Range(1.0, 1.0), ge=0.0, doc="noise of the image")
+    light_ratio: Range[float] = key(Range(1.0, 1.0), ge=0.0, le=MAX_RATIO, doc="brightness")
+    noise_ratio: Range[float] = key(Range(1.0, 1.0), ge=0.0, le=MAX_RATIO, doc="noise of the image")
 
 
 class Start(Record):

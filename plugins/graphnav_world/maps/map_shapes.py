@@ -12,6 +12,9 @@ from graphnav_world.geometry import outlines
 from graphnav_world.maps.draws import Draws
 from graphnav_world.maps.shape_keys import ArcKeys, Bend, Box, Circle, Point, Polygon
 
+MAX_CORNERS = 500
+"""Of a polygon, which is cut into convex parts."""
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -47,6 +50,10 @@ def _polygon(draws: Draws, wanted: Polygon) -> Shape | None:
     points = np.array([draws.pair(point) for point in wanted.points_m])
     if len(points) > 3 and np.linalg.norm(points[-1] - points[0]) < 1e-9:
         points = points[:-1]
+    if len(points) > MAX_CORNERS:
+        what = f"this polygon has {len(points)} corners, but may have {MAX_CORNERS}"
+        draws.wrong(wanted.place("points_m"), what, "leave some out")
+        return None
     if outlines.crosses_itself(points) or abs(outlines.signed_area(points)) < 1e-9:
         what, hint = "this polygon crosses itself or has no area", "list its corners in order"
         draws.wrong(wanted.place("points_m"), what, hint)
@@ -57,4 +64,6 @@ def _polygon(draws: Draws, wanted: Polygon) -> Shape | None:
 def _arc(draws: Draws, arc: ArcKeys) -> Doubles:
     center, radius_m = draws.pair(arc.center_m), draws.number(arc.radius_m)
     start, end = (math.radians(draws.number(angle)) for angle in (arc.from_deg, arc.to_deg))
+    if not draws.may_add(outlines.arc_points(radius_m, start, end), arc.place("to_deg")):
+        return np.zeros((0, 2))
     return outlines.arc(center, radius_m, start, end)

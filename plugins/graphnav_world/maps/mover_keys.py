@@ -8,6 +8,7 @@ from graphnav import Range, Record, key
 from graphnav_world.maps.shape_keys import MAX_M, Point
 
 MAX_S = 1000.0
+MAX_MPS = 100.0
 
 
 class Moves(Record):
@@ -25,7 +26,7 @@ class Moves(Record):
     through_m: tuple[Point, ...] = key(
         min_items=1, ge=-MAX_M, le=MAX_M, doc="the points that its centre moves to, from its own centre"
     )
-    speed_mps: Range[float] = key(ge=0.0, doc="along the way")
+    speed_mps: Range[float] = key(ge=0.0, le=MAX_MPS, doc="along the way")
     around: bool = key(default=False, doc="whether it goes from the last point on to the first; else back as it came")
     ahead_m: Range[float] = key(Range(0.0, 0.0), ge=0.0, le=MAX_M, doc="how far along the way it begins")
 
@@ -49,7 +50,7 @@ class Crosses(Record):
     through_m: tuple[Point, ...] = key(
         min_items=1, ge=-MAX_M, le=MAX_M, doc="the points that its centre walks to, from its own centre, where it waits"
     )
-    speed_mps: Range[float] = key(gt=0.0, doc="along the way")
+    speed_mps: Range[float] = key(gt=0.0, le=MAX_MPS, doc="along the way")
     within_m: Range[float] | None = key(
         None,
         gt=0.0,

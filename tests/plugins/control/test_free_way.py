@@ -82,7 +82,7 @@ def test_the_safe_speed_is_the_fastest_that_stops_in_time(way_m: float, decel: f
     wall_m=st.floats(-0.1, 1.8),
     sign=st.sampled_from([1.0, -1.0]),
     decel=st.floats(0.1, 2.0),
-    reaction_s=st.floats(0.0, 1.0),
+    reaction_s=st.floats(0.0, 1.0).map(lambda x: round(x, 6)),
     smoothing_s=st.sampled_from([0.0, 0.5]),
     law=st.sampled_from([{}, {"reversing": True}, {"floor_ratio": 0.5}]),
 )
@@ -148,7 +148,7 @@ def test_a_free_map_does_not_limit(draw_map: DrawMap) -> None:
         assert speeds(limited) == speeds(control().step(asked(theta_rad), Latest(), Stamp(0)))
 
 
-@given(theta_rad=angles_rad, floor_ratio=st.floats(0, 1))
+@given(theta_rad=angles_rad, floor_ratio=st.floats(0, 1).map(lambda x: round(x, 6)))
 def test_without_a_map_the_law_is_unchanged_to_the_last_bit(theta_rad: float, floor_ratio: float) -> None:
     omega = math.sin(theta_rad) if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
     twist = control(max_turn_radps=1.3, floor_ratio=floor_ratio).step(asked(theta_rad), Latest(), Stamp(0))

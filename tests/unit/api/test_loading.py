@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rich.console import Console
 
 import graphnav
 from graphnav import Place, UserError
 from graphnav.api.arguments import overrides_of
 from graphnav.cli import main
 from graphnav.graph import parse_override
+from graphnav.machine.console import Console
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]))
 SCALARS = st.none() | st.booleans() | st.integers(-(2**40), 2**40) | st.floats(allow_nan=False, allow_infinity=False)

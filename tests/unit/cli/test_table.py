@@ -6,8 +6,8 @@ import io
 from dataclasses import replace
 
 import pytest
-from rich.console import Console
 
+from graphnav.machine.console import Console
 from graphnav.report.table import print_summary
 from graphnav.runner.recording.summary import StageSteps, Summary
 

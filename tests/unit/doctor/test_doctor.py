@@ -23,6 +23,8 @@ from graphnav.doctor import Finding, run_checks
 from graphnav.doctor.message_sizes import message_sizes
 from graphnav.doctor.receive_buffer import ReceiveBuffer, try_receive_buffer
 from graphnav.graph import load_graph
+from graphnav.machine.instruction_set import PORTABLE
+from graphnav.machine.pins import OPT_OUT, lacking
 
 PYTHON = sys.executable
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
@@ -52,6 +54,23 @@ def test_people_and_programs_are_told_the_same(capsys: pytest.CaptureFixture[str
 def test_what_is_not_fine_has_a_command(capsys: pytest.CaptureFixture[str]) -> None:
     _, told = findings(capsys)
     assert all(finding["fix"] for finding in told.values() if not finding["fine"])
+
+
+@pytest.mark.parametrize("opted_out", [False, True])
+def test_portable_logs_are_told(opted_out: bool) -> None:
+    if lacking():
+        pytest.skip(lacking())
+    words = [str(GRAPHNAV), "doctor", "--json"]
+    own = os.environ | ({OPT_OUT: "0"} if opted_out else {})
+    for name in ("OPENBLAS_CORETYPE", "OPENCV_CPU_DISABLE", "OPENCV_IPP", "NPY_DISABLE_CPU_FEATURES"):
+        own.pop(name, None)
+    done = subprocess.run(words, env=own, capture_output=True, text=True, check=False)
+    told = next(one for one in json.loads(done.stdout) if one["subject"] == "instruction set")
+    if not opted_out:
+        assert (told["fine"], told["seen"]) == (True, f"{PORTABLE}: logs are the same on every machine that has them")
+    elif not told["fine"]:
+        assert told["seen"].endswith(": logs are the same only on such CPUs")
+        assert told["fix"] == f"unset {OPT_OUT}"
 
 
 def test_every_extra_of_users_is_looked_at(capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,6 +31,21 @@ def test_what_is_missed_is_skipped_and_counted_not_made_up_for() -> None:
     assert timer.skipped == 2
 
 
+@pytest.mark.parametrize("late_s", [0.1, 0.35, 1.0, 7.77, 1e10])
+def test_however_late_the_next_firing_is_found(late_s: float) -> None:
+    calls = []
+
+    def after_s(firing: int) -> float:
+        calls.append(firing)
+        return firing * 0.125
+
+    timer = Timer(after_s, 0.0)
+    timer.advance(late_s)
+    assert timer.due_s <= max(late_s, 0.125) < timer.due_s + 0.125
+    assert timer.skipped == max(0, int(late_s / 0.125) - 1)
+    assert len(calls) < 100
+
+
 def test_stamps_follow_monotonic_time_whatever_happens_to_the_time_of_day() -> None:
     walls = iter([1_000_000_000_000, 0])
     clock = LiveClock(monotonic_s=lambda: 50.0, wall_ns=lambda: next(walls))

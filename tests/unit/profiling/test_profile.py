@@ -7,8 +7,8 @@ import json
 from typing import Any
 
 import pytest
-from rich.console import Console
 
+from graphnav.machine.console import Console
 from graphnav.profiling import step_functions
 from graphnav.profiling.profile import Profile
 from graphnav.profiling.profiled_runner import WARM_UP, TickKind

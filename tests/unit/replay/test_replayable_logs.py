@@ -9,10 +9,10 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
 from graphnav import Recording
 from graphnav.errors import UserError
+from graphnav.machine.console import Console
 from graphnav.record import ABOUT, LogWriter
 from graphnav.replay import ReplayResult, as_text
 from graphnav.runner.recording.kept_messages import SMALL_BYTES

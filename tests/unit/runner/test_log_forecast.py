@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -55,6 +57,9 @@ def test_sizes_are_short(n_bytes: float, text: str) -> None:
     assert size_text(n_bytes) == text
 
 
+FREE = SimpleNamespace(free=10**12)
+"""A disk with space, whatever the machine's has."""
+
 NOISE = """
     stages:
       n: {use: probe.noise, with: {rate_hz: 100, rows: 480}}
@@ -66,8 +71,13 @@ NOISE = """
     ("record", "hint"), [("all", SMALLER), (None, SMALLER), ("replayable", SMALL), ("small", None)]
 )
 def test_a_run_that_keeps_everything_is_forecast(
-    load: Callable[[str], Graph], tmp_path: Path, record: RecordOption | None, hint: str | None
+    load: Callable[[str], Graph],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    record: RecordOption | None,
+    hint: str | None,
 ) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: FREE)
     graph = load(NOISE)
     graph = replace(graph, run=replace(graph.run, record=record, until_s=1000.0))
     notices: list[str] = []

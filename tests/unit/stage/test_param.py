@@ -48,6 +48,8 @@ def test_what_is_given_becomes_the_declared_type(kind: Any, given: Any, value: A
         (float, "1", "'x' must be a number, not the string '1'\n  remove the quotes"),
         (float, float("nan"), "'x' is nan, but must be finite"),
         (float, 10**400, "'x' is too large a number"),
+        (float, -1e13, "'x' is too large a number"),
+        (float, 1e-300, "'x' is too near to 0\n  write 0, or a number from 1e-12"),
         (bool, "yes", "'x' must be true or false, not the string 'yes'\n  write true"),
         (bool, 0, "'x' must be true or false, not 0"),
         (str, None, "'x' must be a string, not null"),

@@ -10,7 +10,6 @@ from typing import NamedTuple
 from markupsafe import Markup
 
 from graphnav.ablation.plan import Plan
-from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.ablation.report.html.render import rendered
 from graphnav.ablation.report.html.sections import (
     decomposition,
@@ -28,6 +27,7 @@ from graphnav.ablation.report.html.study_results import StudyResults
 from graphnav.ablation.results import Comparison, Record
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph
+from graphnav.machine.atomic_write import write_atomically
 
 REPORT = "report.html"
 

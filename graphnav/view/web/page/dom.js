@@ -12,16 +12,30 @@ export function svg(tag, { text, ...attributes } = {}, ...children) {
   return filled(document.createElementNS(SVG, tag), text, attributes, children);
 }
 
+// Escape what has no glyph, or changes the order of text; the joiners inside emoji stay.
+const HIDDEN = /[\p{Cc}\p{Cf}\p{Zl}\p{Zp}\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0d\uffa0\u{e0000}-\u{e0fff}]/gu;
+const KEPT = /^[\n\t]$/;
+const EMOJI = /^(\p{Extended_Pictographic}|\p{Emoji_Modifier}|\ufe0f)/u;
+
+export function printable(text) {
+  return String(text ?? "").replace(HIDDEN, (char, at, all) => {
+    const before = [...all.slice(0, at)].at(-1) ?? "";
+    const joins = char === "\u200d" && EMOJI.test(before) && EMOJI.test(all.slice(at + 1));
+    return joins || KEPT.test(char) ? char : `\\u{${char.codePointAt(0).toString(16)}}`;
+  });
+}
+
 function filled(node, text, attributes, children) {
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  if (text !== undefined) node.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, printable(value));
+  if (text !== undefined) node.textContent = printable(text);
   node.append(...children);
   return node;
 }
 
 // Set text only if it changes, to preserve selections and to avoid repeated announcements by screen readers.
 export function setText(node, text) {
-  if (node.textContent !== text) node.textContent = text;
+  const shown = printable(text);
+  if (node.textContent !== shown) node.textContent = shown;
 }
 
 export function setClass(node, name, isSet) {

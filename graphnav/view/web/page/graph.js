@@ -1,6 +1,6 @@
 // The graph as drawn by `graphnav draw`, with live labels on edges and boxes.
 
-import { setClass, setText, svg } from "./dom.js";
+import { printable, setClass, setText, svg } from "./dom.js";
 import * as format from "./format.js";
 
 const HEAD = 36;
@@ -153,7 +153,7 @@ export class Graph {
     setClass(port.lost, "bad", lost || rejected || input?.fault);
     setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
     for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
-    const label = `${port.ref}: ${port.rate.textContent}, ${port.lost.textContent}`;
+    const label = `${printable(port.ref)}: ${port.rate.textContent}, ${port.lost.textContent}`;
     setText(port.title, label);
     if (port.label.getAttribute("aria-label") !== label) port.label.setAttribute("aria-label", label);
   }

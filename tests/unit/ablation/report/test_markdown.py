@@ -10,7 +10,6 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rich.console import Console
 
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.report.html.number_text import MINUS, estimated
@@ -23,6 +22,7 @@ from graphnav.ablation.results.comparison import Difference, Estimate
 from graphnav.ablation.results.records import Record
 from graphnav.ablation.results.statistics.hypothesis_tests import Significance
 from graphnav.ablation.stopping import pending_runs
+from graphnav.machine.console import Console
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

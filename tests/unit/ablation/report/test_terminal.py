@@ -6,10 +6,9 @@ import dataclasses
 import io
 from typing import Any
 
-from rich.console import Console
-
 from graphnav.ablation.report import print_contrasts
 from graphnav.ablation.results import contrasts
+from graphnav.machine.console import Console
 
 
 def printed(plan: Any, records: Any) -> str:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import pytest
-from rich.console import Console
 
 from graphnav.ablation.plan.plan import Plan
 from graphnav.ablation.plan.same_drive import shows_same_drive
@@ -19,6 +18,7 @@ from graphnav.ablation.results.compare_variants import compare
 from graphnav.ablation.results.fail_condition import failed_cases, parse_fail_conditions
 from graphnav.ablation.results.records import Record
 from graphnav.errors import UserError
+from graphnav.machine.console import Console
 from graphnav.stage import Metric
 
 MakePlan = Callable[..., Plan]

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
 from graphnav.ablation.plan import check_study
 from graphnav.ablation.plan.plan import Plan
@@ -19,6 +18,7 @@ from graphnav.ablation.study.command_line import study_of_command
 from graphnav.ablation.study.vary import parse_varies
 from graphnav.catalog import Catalog
 from graphnav.errors import Problem
+from graphnav.machine.console import Console
 from graphnav.stage import Metric
 
 MakePlan = Callable[..., Plan]

@@ -11,15 +11,15 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.ablation.report.atomic_write import write_atomically
 from graphnav.errors import GraphnavError
+from graphnav.machine.atomic_write import write_atomically
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
 KILLED = """
 import resource, signal, sys
 from pathlib import Path
-from graphnav.ablation.report.atomic_write import write_atomically
+from graphnav.machine.atomic_write import write_atomically
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
 signal.signal(signal.SIGXFSZ, signal.SIG_DFL)

@@ -1,0 +1,82 @@
+"""Read regular files of a bounded size: no FIFO, device or mistaken file keeps a command waiting or takes its memory.
+
+All errors are `OSError`, whose ``strerror`` says what is wrong, so that they are handled where other failures are.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import stat
+from pathlib import Path
+from typing import Any
+
+MAX_JSON_BYTES = 256 * 1024**2
+"""Of plans and summaries: a plan of ten thousand runs has a few megabytes."""
+
+_KINDS = (
+    (stat.S_ISDIR, "Is a directory"),
+    (stat.S_ISFIFO, "it is a FIFO, not a regular file"),
+    (stat.S_ISSOCK, "it is a socket, not a regular file"),
+)
+
+
+def open_regular(path: Path) -> int:
+    """Return a descriptor to read a regular file, which must be closed.
+
+    Raises
+    ------
+    OSError
+        It cannot be opened, or is not a regular file.
+    """
+    _check_kind(path, os.stat(path).st_mode)  # before it is opened, since opening a device may act on it
+    found = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        _check_kind(path, os.fstat(found).st_mode)
+    except OSError:
+        os.close(found)
+        raise
+    return found
+
+
+def read_regular(path: Path, max_bytes: int) -> bytes:
+    """Return the bytes of a regular file.
+
+    Raises
+    ------
+    OSError
+        It cannot be read, is not a regular file, or has more than ``max_bytes``.
+    """
+    with os.fdopen(open_regular(path), "rb") as file:
+        n_bytes = os.fstat(file.fileno()).st_size
+        data = b"" if n_bytes > max_bytes else file.read(max_bytes + 1)
+    if max(n_bytes, len(data)) > max_bytes:
+        what = f"it has {max(n_bytes, len(data))} bytes, more than the maximum of {max_bytes}"
+        raise OSError(errno.EFBIG, what, str(path))
+    return data
+
+
+def read_json(path: Path) -> Any:
+    """Return the content of a JSON file of at most `MAX_JSON_BYTES`.
+
+    Raises
+    ------
+    OSError
+        As of `read_regular`.
+    ValueError
+        It is not JSON in UTF-8, is nested too deeply, or has half of a surrogate pair, which cannot be written again.
+    """
+    try:
+        found = json.loads(read_regular(path, MAX_JSON_BYTES).decode("utf-8"))
+        json.dumps(found, ensure_ascii=False).encode("utf-8")
+    except RecursionError as error:
+        raise ValueError(f"{path} is nested too deeply") from error
+    return found
+
+
+def _check_kind(path: Path, mode: int) -> None:
+    if stat.S_ISREG(mode):
+        return
+    text = next((text for is_kind, text in _KINDS if is_kind(mode)), "it is a device, not a regular file")
+    raise OSError(errno.EISDIR if stat.S_ISDIR(mode) else errno.EINVAL, text, str(path))

@@ -1,0 +1,59 @@
+"""Paths that lead nowhere or to something else than a file: an error of one or two lines, at once."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from graphnav.cli import main
+
+GRAPHS = {
+    "extends.yaml": "extends: fifo.yaml",
+    "video.yaml": "stages: {camera: {use: io.video, with: {path: fifo.yaml, rate_hz: 10}}}",
+    "recording.yaml": "stages: {camera: {use: io.recording, with: {path: '*.pgm', times: fifo.yaml}}}",
+}
+
+
+@pytest.mark.parametrize("value", ["~no_such_user/map.yaml", "~/no_such_map.yaml"])
+def test_a_path_of_an_unknown_user_is_not_a_file(value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "corridor_ccw", "--set", f"robot.map={value}"]) == 2
+    assert "is not a file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["check", "fifo.yaml"],
+        ["check", "extends.yaml"],
+        ["check", "corridor_ccw", "--set", "robot.map=fifo.yaml"],
+        ["check", "video.yaml"],
+        ["check", "video.yaml", "--set", "camera.path=folder"],
+        ["check", "video.yaml", "--set", "camera.path=1.pgm", "--set", "camera.calibration=fifo.yaml"],
+        ["check", "recording.yaml"],
+        ["check", "corridor_ccw", "--plugin", "fifo.yaml"],
+        ["info", "fifo.yaml"],
+        ["ablate", "fifo.yaml"],
+        ["ablate", "--report", "folder"],
+    ],
+)
+def test_a_fifo_is_refused_unread(words: list[str], tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    for name in ("fifo.yaml", "folder/plan.json", "folder/1.png"):
+        os.mkfifo(tmp_path / name)
+    (tmp_path / "1.pgm").write_bytes(b"P5 2 2 255\n0000")
+    for name, text in GRAPHS.items():
+        (tmp_path / name).write_text(text)
+    command = [sys.executable, "-m", "graphnav", *words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode in (1, 2)
+    assert "Traceback" not in done.stderr
+    assert any(word in done.stderr for word in ("regular file", "not a file", "no such file", "there is no"))
+
+
+def test_a_device_is_refused_unread(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "/dev/zero"]) == 2
+    assert capsys.readouterr().err == "/dev/zero: it cannot be read: it is a device, not a regular file\n"

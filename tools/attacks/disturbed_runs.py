@@ -1,0 +1,107 @@
+"""Runs that are disturbed from outside: by hostile messages on their group, and by signals at random moments."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from attacks.memory import peak_mb
+from attacks.verdict import MAX_S, Outcome, faults
+
+_FLOOD = Path(__file__).resolve().parents[1] / "flood_spy.py"
+_COMMAND = (sys.executable, "-m", "graphnav")
+_UNTIL_S = "3"
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_LATEST_S = 3.0
+_LOOK_S = 0.02
+_ENDED = {0, 1, 130}
+"""Of a run that was told to stop: finished before, failed, stopped."""
+
+
+def hostile_messages(scratch: Path, count: int) -> Iterator[list[str]]:
+    """Run a graph again and again while a sender floods its group; yield what is wrong with each run."""
+    url = f"udpm://239.255.94.{os.getpid() % 250 + 1}:{20_000 + os.getpid() % 10_000}?ttl=0"
+    around = os.environ | {"LCM_DEFAULT_URL": url}
+    _run(_words(scratch / "alone"), around)
+    alone = (scratch / "alone" / "run.lcmlog").read_bytes()
+    flood = [sys.executable, str(_FLOOD), "--send", url, "--count", str(count)]
+    with subprocess.Popen(flood, stdout=subprocess.DEVNULL) as sender:
+        number = 0
+        while sender.poll() is None or not number:
+            folder = scratch / f"disturbed-{number}"
+            outcome = _run(_words(folder), around)
+            found = faults(outcome)
+            log = folder / "run.lcmlog"
+            if outcome.status == 0 and log.read_bytes() != alone:
+                found.append("makes another log than undisturbed")
+            yield found
+            log.unlink(missing_ok=True)
+            number += 1
+
+
+def signals(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
+    """Send a signal to a run at a random moment, twice now and then; yield what is wrong with each."""
+    for number in range(count):
+        drawn = random.Random(f"signals {seed + number}")
+        sent, folder = drawn.choice(_SIGNALS), scratch / f"stopped-{number}"
+        begin_s = time.monotonic()
+        process = subprocess.Popen(
+            _words(folder, "60"),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        )
+        time.sleep(drawn.uniform(0.0, _LATEST_S))
+        n_sent = drawn.choice((1, 1, 2))
+        for _ in range(n_sent):
+            process.send_signal(sent)
+            time.sleep(0.02)
+        try:
+            output, _ = process.communicate(timeout=MAX_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            yield [f"{sent.name} does not end it"]
+            continue
+        status = process.returncode
+        outcome = Outcome(
+            0 if status in _ENDED else status, output.decode("utf-8", "replace"), time.monotonic() - begin_s, 0.0
+        )
+        # Before Python handles signals the system ends the process, and a second one ends it at once.
+        is_at_once = status == -sent and (n_sent > 1 or not folder.exists())
+        found = [fault for fault in faults(outcome) if not is_at_once or fault.startswith("prints")]
+        log = folder / "run.lcmlog"
+        if log.exists():
+            found += [f"its log: {fault}" for fault in faults(_run([*_COMMAND, "info", str(log)], os.environ))]
+            log.unlink()
+        summary = folder / "summary.json"
+        if summary.exists() and not summary.stat().st_size:
+            found.append("leaves an empty summary")
+        yield [f"{sent.name}: {fault}" for fault in found]
+
+
+def _words(folder: Path, until_s: str = _UNTIL_S) -> list[str]:
+    return [*_COMMAND, "run", "corridor_ccw", "--until", until_s, "--no-pictures", "-o", str(folder)]
+
+
+def _run(words: list[str], environment: Mapping[str, str]) -> Outcome:
+    """Return the outcome of a command with its peak of memory."""
+    begin_s = time.monotonic()
+    peak = 0.0
+    with tempfile.TemporaryFile() as printed:
+        process = subprocess.Popen(
+            words, stdin=subprocess.DEVNULL, stdout=printed, stderr=subprocess.STDOUT, env=dict(environment)
+        )
+        while process.poll() is None:
+            peak = max(peak, peak_mb(process.pid))
+            time.sleep(_LOOK_S)
+        printed.seek(0)
+        output = printed.read().decode("utf-8", "replace")
+    return Outcome(process.returncode, output, time.monotonic() - begin_s, peak)
