@@ -1,4 +1,4 @@
-"""Names and texts of other programs are only text: no command passes on what acts on a terminal or hides in a text."""
+"""Names and strings of other programs are only text: no command passes on what acts on a terminal, or what is hidden."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ def run(tmp_path: Path, zoo: Callable[[str], Graph]) -> Callable[[str], tuple[Su
 
 
 def is_one_line(text: str) -> bool:
-    """Whether a text is a single line that a terminal can show."""
+    """Whether a string is a single line that a terminal can show."""
     return "\n" not in text and "Traceback" not in text and len(text) < 1500
 
 
