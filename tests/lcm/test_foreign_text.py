@@ -1,4 +1,4 @@
-"""Names and strings of other programs are only text: no command passes on what acts on a terminal, or what is hidden."""
+"""Names and strings of other programs are only text: no command passes on what acts on a terminal or is hidden."""
 
 from __future__ import annotations
 
