@@ -81,7 +81,10 @@ class Problem:
 
 
 class GraphnavError(Exception):
-    """Base of every error that graphnav raises on purpose."""
+    """Base of every error that graphnav raises on purpose; its string can be printed, whatever a message quotes."""
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
     @property
     def cause(self) -> str:

@@ -18,6 +18,7 @@ DOORS = {
     "graphnav/notices.py": "escapes what it prints",
     "graphnav/render/html_templates.py": "escapes what templates show",
     "graphnav/ablation/worker/serve_tasks.py": "prints tracebacks to the streams that escape",
+    "graphnav/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
     "graphnav/cli/status_line.py": "rewrites a line, and escapes what it shows",
     "graphnav/cli/lasting_output.py": "the streams below those that escape",
     "graphnav/cli/spy.py": "asks whether there is a terminal for a full screen",

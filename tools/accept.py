@@ -30,6 +30,7 @@ from acceptance.replaying import replay_item
 from acceptance.same_results import results_item
 from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
+from acceptance.soak import soak_item
 from acceptance.studying import kill_item, parallel_item
 from acceptance.unknown_cells import unknown_item
 from acceptance.watch_cost import cost_item
@@ -77,6 +78,7 @@ ITEMS = {
     "light": light_item,
     "no_odometry": no_odometry_item,
     "navigate": navigate_item,
+    "soak": soak_item,
 }
 
 

@@ -1,7 +1,7 @@
 """Attack graphnav: ``python tools/attack.py [KIND ...]`` spoils files by chance and reads them with its commands.
 
-Runs are disturbed, too: by hostile messages on their group, by signals, and by
-disks that become full.
+Runs are disturbed, too: by hostile messages on their group, by signals, by disks that become full, by stages and
+plugins that misbehave in every method, and, live, by spoiled copies of the messages on their own channels.
 
 Wrong is: a traceback, an exception that escapes, a command that takes more than 10 s or 500 MB or does not end, an exit
 status other than 0, 1 and 2, a failure without a word, and any output that a terminal would obey.
@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import random
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
@@ -21,14 +20,18 @@ from pathlib import Path
 from attacks.command_process import CommandProcess
 from attacks.disturbed_runs import hostile_messages, signals
 from attacks.full_disks import full_disks
-from attacks.spoiled_files import KINDS, Case
-from attacks.verdict import MAX_S, Outcome, faults
+from attacks.live_side import live_side
+from attacks.misbehaving_stages import misbehaving_stages
+from attacks.own_process import command_line, outcome_of
+from attacks.spoiled_files import KINDS
+from attacks.verdict import faults
 
 N_SHORT, N_LONG, N_COMMANDS = 60, 5000, 200
 """Spoiled files of each kind, and how many of them in a long attack are read by a command line of its own."""
-MESSAGES, SIGNALS, DISKS = "messages", "signals", "disks"
-COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120)}
-"""Hostile messages, runs to which signals are sent, and disks that become full, of a short and of a long attack."""
+MESSAGES, SIGNALS, DISKS, STAGES, LIVE = "messages", "signals", "disks", "stages", "live"
+COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120), STAGES: (12, 1000), LIVE: (1, 20)}
+"""Hostile messages, runs to which signals are sent, disks that become full, misbehaving stages (at most all) and live
+robots, of a short and of a long attack."""
 _ALL = (*KINDS, *COUNTS)
 _MAX_TOLD = 5
 
@@ -68,7 +71,7 @@ def attack(kind: str, count: int, seed: int, keep: Path | None, *, by_command: b
             outcome = process.run(case.words)
             found = faults(outcome)
             if by_command and number < N_COMMANDS:
-                found += [f"as a command: {fault}" for fault in faults(_by_command(case))]
+                found += [f"as a command: {fault}" for fault in faults(outcome_of(command_line(case.words)))]
             n_refused += outcome.status != 0
             if found:
                 wrong.append(f"seed {seed + number}, graphnav {' '.join(case.words)}: {'; '.join(found)}")
@@ -90,9 +93,13 @@ def disturb(kind: str, n: int | None, seed: int, *, is_long: bool) -> int:
             found = list(hostile_messages(scratch, count))
         elif kind == SIGNALS:
             found = list(signals(scratch, count, seed))
-        else:
+        elif kind == DISKS:
             found = list(full_disks(scratch, count, seed))
-    what = f"{kind}: {count} sent beside {len(found)} runs" if kind == MESSAGES else f"{kind}: {count} tried"
+        elif kind == STAGES:
+            found = list(misbehaving_stages(scratch, count))
+        else:
+            found = list(live_side(scratch, count, seed))
+    what = f"{kind}: {count} sent beside {len(found)} runs" if kind == MESSAGES else f"{kind}: {len(found)} tried"
     wrong = [f"run {number}: {'; '.join(faults)}" for number, faults in enumerate(found) if faults]
     _tell(what, wrong, begin_s)
     return len(wrong)
@@ -104,23 +111,6 @@ def _tell(what: str, wrong: list[str], begin_s: float) -> None:
         _say(f"       {line}")
     if len(wrong) > _MAX_TOLD:
         _say(f"       and {len(wrong) - _MAX_TOLD} more")
-
-
-def _by_command(case: Case) -> Outcome:
-    """Return the outcome of a command line of its own; its memory is not measured."""
-    begin_s = time.monotonic()
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "graphnav", *case.words],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            timeout=3 * MAX_S,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        return Outcome(None, "", time.monotonic() - begin_s, 0.0)
-    return Outcome(done.returncode, done.stdout.decode("utf-8", "replace"), time.monotonic() - begin_s, 0.0)
 
 
 def _say(line: str) -> None:

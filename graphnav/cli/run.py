@@ -163,6 +163,8 @@ def _run(
         if args.json:
             print(json.dumps(summary.as_json() | {"folder": str(folder)}))
         print(f"{summary.failure}\n  the log up to there and summary.json are in {folder}", file=sys.stderr)
+        sys.stdout.flush()
+        sys.stderr.flush()
 
     def show_cause(error: GraphnavError) -> None:
         if args.verbose:

@@ -13,8 +13,8 @@ import pytest
 from graphnav import Recording
 from graphnav.record import LOG
 
-ROOT = Path(__file__).parents[2]
-ZOO = ROOT / "tests" / "unit" / "runner" / "zoo_stages.py"
+TOOLS = Path(__file__).parents[2] / "tools"
+ZOO = TOOLS / "attacks" / "zoo_stages.py"
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 
@@ -34,7 +34,7 @@ def test_a_live_run_ends_with_the_stage_its_log_and_its_summary(
     command = [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(ZOO), "--no-tap", "--no-pictures", "-o", "out"]
     command += ["--live", "--url", group, "--stall-s", "1"]
     done = subprocess.run(
-        command, capture_output=True, text=True, check=False, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}
+        command, capture_output=True, text=True, check=False, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(TOOLS)}
     )
     assert done.returncode == 1, done.stdout + done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

@@ -65,7 +65,8 @@ class CommandProcess:
 
 def _serve(connection: Connection) -> None:
     """Run commands until the parent closes the connection."""
-    from graphnav.cli import main  # noqa: PLC0415 - in the process that runs commands
+    from attacks import python_door  # noqa: PLC0415 - in the process that runs commands
+    from graphnav.cli import main  # noqa: PLC0415
 
     os.environ["COLUMNS"] = "100"
     sys.stdin = open(os.devnull)  # noqa: SIM115 - as long as the process
@@ -79,7 +80,7 @@ def _serve(connection: Connection) -> None:
         escaped, status = "", 1
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
             try:
-                status = main(words)
+                status = python_door.main(words[1:]) if words[0] == python_door.DOOR else main(words)
             except SystemExit as ended:
                 status = ended.code if isinstance(ended.code, int) else 1
             except BaseException as error:  # noqa: BLE001 - whatever escapes is a fault

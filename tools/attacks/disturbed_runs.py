@@ -7,20 +7,17 @@ import random
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
-from attacks.memory import peak_mb
+from attacks.own_process import COMMAND, outcome_of
 from attacks.verdict import MAX_S, Outcome, faults
 
 _FLOOD = Path(__file__).resolve().parents[1] / "flood_spy.py"
-_COMMAND = (sys.executable, "-m", "graphnav")
 _UNTIL_S = "3"
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _LATEST_S = 3.0
-_LOOK_S = 0.02
 _ENDED = {0, 1, 130}
 """Of a run that was told to stop: finished before, failed, stopped."""
 
@@ -29,14 +26,14 @@ def hostile_messages(scratch: Path, count: int) -> Iterator[list[str]]:
     """Run a graph again and again while a sender floods its group; yield what is wrong with each run."""
     url = f"udpm://239.255.94.{os.getpid() % 250 + 1}:{20_000 + os.getpid() % 10_000}?ttl=0"
     around = os.environ | {"LCM_DEFAULT_URL": url}
-    _run(_words(scratch / "alone"), around)
+    outcome_of(_words(scratch / "alone"), environment=around)
     alone = (scratch / "alone" / "run.lcmlog").read_bytes()
     flood = [sys.executable, str(_FLOOD), "--send", url, "--count", str(count)]
     with subprocess.Popen(flood, stdout=subprocess.DEVNULL) as sender:
         number = 0
         while sender.poll() is None or not number:
             folder = scratch / f"disturbed-{number}"
-            outcome = _run(_words(folder), around)
+            outcome = outcome_of(_words(folder), environment=around)
             found = faults(outcome)
             log = folder / "run.lcmlog"
             if outcome.status == 0 and log.read_bytes() != alone:
@@ -79,7 +76,7 @@ def signals(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
         found = [fault for fault in faults(outcome) if not is_at_once or fault.startswith("prints")]
         log = folder / "run.lcmlog"
         if log.exists():
-            found += [f"its log: {fault}" for fault in faults(_run([*_COMMAND, "info", str(log)], os.environ))]
+            found += [f"its log: {fault}" for fault in faults(outcome_of([*COMMAND, "info", str(log)]))]
             log.unlink()
         summary = folder / "summary.json"
         if summary.exists() and not summary.stat().st_size:
@@ -88,20 +85,4 @@ def signals(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
 
 
 def _words(folder: Path, until_s: str = _UNTIL_S) -> list[str]:
-    return [*_COMMAND, "run", "corridor_ccw", "--until", until_s, "--no-pictures", "-o", str(folder)]
-
-
-def _run(words: list[str], environment: Mapping[str, str]) -> Outcome:
-    """Return the outcome of a command with its peak of memory."""
-    begin_s = time.monotonic()
-    peak = 0.0
-    with tempfile.TemporaryFile() as printed:
-        process = subprocess.Popen(
-            words, stdin=subprocess.DEVNULL, stdout=printed, stderr=subprocess.STDOUT, env=dict(environment)
-        )
-        while process.poll() is None:
-            peak = max(peak, peak_mb(process.pid))
-            time.sleep(_LOOK_S)
-        printed.seek(0)
-        output = printed.read().decode("utf-8", "replace")
-    return Outcome(process.returncode, output, time.monotonic() - begin_s, peak)
+    return [*COMMAND, "run", "corridor_ccw", "--until", until_s, "--no-pictures", "-o", str(folder)]

@@ -6,15 +6,13 @@ import json
 import os
 import random
 import subprocess
-import sys
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from attacks.verdict import Outcome, faults
+from attacks.own_process import COMMAND, outcome_of
+from attacks.verdict import faults
 
-_COMMAND = (sys.executable, "-m", "graphnav")
 _STUDY = ("--vary", "steer=steer.pca,steer.random", "--seeds", "0:2", "--set", "run.until_s=1", "-j", "1")
 _KINDS = ("run", "record", "ablate", "export csv", "export mcap", "export images")
 _MIN_BYTES = 4096
@@ -31,7 +29,7 @@ def full_disks(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
         A small disk cannot be mounted: it needs root.
     """
     good = scratch / "good"
-    _run([*_COMMAND, "run", "corridor_ccw", "--until", "2", "--no-tap", "--no-pictures", "-o", str(good)])
+    outcome_of([*COMMAND, "run", "corridor_ccw", "--until", "2", "--no-tap", "--no-pictures", "-o", str(good)])
     url = f"udpm://239.255.95.{os.getpid() % 250 + 1}:{20_000 + os.getpid() % 10_000}?ttl=0"
     for number in range(count):
         kind = _KINDS[number % len(_KINDS)]
@@ -40,7 +38,7 @@ def full_disks(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
             _disk(scratch / "disk", max(_MIN_BYTES, int(size))) as disk,
             _played(good, url if kind == "record" else ""),
         ):
-            outcome = _run(_words(kind, disk, good / "run.lcmlog", url))
+            outcome = outcome_of(_words(kind, disk, good / "run.lcmlog", url))
             found = faults(outcome)
             if outcome.status and str(disk) not in outcome.output.replace("\n", ""):
                 found.append("does not say where the disk is full")
@@ -56,14 +54,14 @@ def _words(kind: str, disk: Path, log: Path, url: str) -> list[str]:
         "ablate": ("corridor_ccw", *_STUDY, "-o", str(disk / "study")),
         "export": (str(log), "--to", to, "-o", str(disk / f"out.{to}")),
     }
-    return [*_COMMAND, command, *options[command]]
+    return [*COMMAND, command, *options[command]]
 
 
 def _left_wrong(disk: Path) -> Iterator[str]:
     """Yield what is wrong with the files that a command left."""
     for log in disk.rglob("*.lcmlog"):
         if log.stat().st_size:
-            yield from (f"{log.name} left: {fault}" for fault in faults(_run([*_COMMAND, "info", str(log)])))
+            yield from (f"{log.name} left: {fault}" for fault in faults(outcome_of([*COMMAND, "info", str(log)])))
     for file in disk.rglob("*.json"):
         try:
             json.loads(file.read_bytes())
@@ -91,17 +89,9 @@ def _played(folder: Path, url: str) -> Iterator[None]:
     if not url:
         yield
         return
-    words = [*_COMMAND, "play", str(folder), "--url", url, "--speed", "4", "--loop"]
+    words = [*COMMAND, "play", str(folder), "--url", url, "--speed", "4", "--loop"]
     with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as player:
         try:
             yield
         finally:
             player.terminate()
-
-
-def _run(words: list[str]) -> Outcome:
-    begin_s = time.monotonic()
-    done = subprocess.run(
-        words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
-    )
-    return Outcome(done.returncode, done.stdout.decode("utf-8", "replace"), time.monotonic() - begin_s, 0.0)

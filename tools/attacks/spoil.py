@@ -118,7 +118,7 @@ def _changed(value: Any, drawn: random.Random, n: int) -> Any:
     for _ in range(n):
         places = list(_places(value))
         if not places:
-            return _hostile(drawn)
+            return hostile(drawn)
         owner, key = drawn.choice(places)
         way = drawn.random()
         if way < 0.6:
@@ -145,10 +145,11 @@ def _nudged(value: Any, drawn: random.Random) -> Any:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if is_number and drawn.random() < 0.6:
         return value * drawn.choice((-1, 0, 0.1, 2, 10, 100, 1_000, 10**6, 10**8, 1e-6))
-    return _hostile(drawn)
+    return hostile(drawn)
 
 
-def _hostile(drawn: random.Random) -> Any:
+def hostile(drawn: random.Random) -> Any:
+    """Return a value that is not what is expected: of another type, too large, not finite, or hostile text."""
     kind = drawn.randrange(6)
     if kind < 2:
         return drawn.choice(_NUMBERS)

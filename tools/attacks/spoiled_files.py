@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from attacks.python_door import DOOR, DOORS
 from attacks.spoil import spoiled_bytes, spoiled_json, spoiled_text, spoiled_yaml
 from graphnav.cli import main
 
@@ -153,6 +154,21 @@ def _log(scratch: Path, drawn: random.Random) -> Case:
     return Case(drawn.choice(commands), file)
 
 
+def _prepare_door(scratch: Path) -> None:
+    _prepare_graphs(scratch)
+    _prepare_log(scratch)
+
+
+def _door(scratch: Path, drawn: random.Random) -> Case:
+    """Return a door of the package in place of a command."""
+    name = drawn.choice(tuple(DOORS))
+    if name == "arguments":
+        file = scratch / "corridor_ccw.good"
+    else:
+        file = (_log if name == "log" else _graph)(scratch, drawn).file
+    return Case([DOOR, name, str(file), str(drawn.randrange(10**6))], file)
+
+
 def _new(scratch: Path) -> Path:
     """Return the path of a folder that does not exist."""
     out = scratch / "out"
@@ -167,4 +183,5 @@ KINDS = {
     "plans": Kind(_prepare_plan, _plan),
     "pictures": Kind(_prepare_pictures, _picture),
     "logs": Kind(_prepare_log, _log),
+    "python": Kind(_prepare_door, _door),
 }

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any, get_args
@@ -71,12 +70,10 @@ def graph_to_replay(
     if graph is not None:
         found = load_graph(graph, catalog, overrides)
     else:
-        with _printable_errors():
-            found = _own_graph(recording, about, catalog, overrides, names)
+        found = _own_graph(recording, about, catalog, overrides, names)
     recorded = None
     if _option(about) == "replayable" and not _is_live(about):
-        with _printable_errors():
-            recorded = _own_graph(recording, about, catalog, (), names)
+        recorded = _own_graph(recording, about, catalog, (), names)
     return _log_graph(_with_seed(found, about, overrides), about, recorded)
 
 
@@ -130,16 +127,6 @@ def _option(about: About | None) -> RecordOption:
     return record_option(known, is_live=_is_live(about))
 
 
-@contextmanager
-def _printable_errors() -> Iterator[None]:
-    """Remove control characters from the errors of an untrusted graph."""
-    try:
-        yield
-    except UserError as error:
-        problems = [replace(p, what=_printable(p.what), hint=_printable(str(p.hint))) for p in error.problems]
-        raise UserError(problems) from error
-
-
 def _with_seed(graph: Graph, about: About | None, overrides: Sequence[Override]) -> Graph:
     """Return a graph with the seed of the log, unless an override gives another one."""
     is_given = any(override.target == _SEED for override in overrides)
@@ -180,7 +167,3 @@ def _is_same(saved: Any, logged: Any) -> bool:
     if isinstance(saved, str) and isinstance(logged, str):
         return saved == logged or PurePath(saved).name == PurePath(logged).name
     return bool(saved == logged)
-
-
-def _printable(text: str) -> str:
-    return "".join(char if char.isprintable() or char == "\n" else ascii(char)[1:-1] for char in text)

@@ -27,8 +27,8 @@ _GRACE_S = 10.0
 class StallLimit:
     """The longest time that one call into a stage may take, seconds of wall time.
 
-    ``on_stall`` gets the summary when log and summary are written; then the process ends with exit status 1: nothing
-    else ends a call that does not return.
+    ``on_stall`` gets the summary when log and summary are written, and flushes what it prints; then the process ends
+    with exit status 1: nothing else ends a call that does not return.
     """
 
     seconds: float
@@ -79,9 +79,6 @@ class StallWatch:
     def _end(self, call: Call) -> None:
         try:
             self._finish(call)
-            for stream in (sys.stdout, sys.stderr):
-                if stream is not None:
-                    stream.flush()
         finally:
             os._exit(1)
 

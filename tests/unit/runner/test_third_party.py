@@ -11,6 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from attacks.misbehaving_plugins import HOOKS, plugin_text
+from attacks.zoo_stages import KINDS, SUMMARIES
 
 from graphnav import Recording
 from graphnav.catalog import Catalog
@@ -24,9 +26,9 @@ from graphnav.runner.recording.progress_file import ProgressFile, last_call
 from graphnav.runner.recording.run_recorded import run_recorded
 from graphnav.runner.recording.summary import Summary
 from graphnav.spec.declared.plugin_formats import plugin_formats
-from tests.unit.runner.zoo_stages import KINDS, SUMMARIES
 
-ZOO = Path(__file__).parent / "zoo_stages.py"
+TOOLS = Path(__file__).parents[3] / "tools"
+ZOO = TOOLS / "attacks" / "zoo_stages.py"
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 GRAPH = """
@@ -135,31 +137,11 @@ def test_a_summary_that_is_not_what_the_stage_declares_is_refused(
     assert summary.scores == {"good": {"steps": 11.0}}
 
 
-PLUGIN = """
-from tests.unit.runner.zoo_stages import *
-FAMILY = "strange"
-class Still(Stage):
-    def step(self, twist: Twist) -> None: ...
-{}
-"""
-HOOKS = {
-    "import": "misbehave({!r})",
-    "attribute": "del FAMILY\ndef __getattr__(name):\n    misbehave({!r})",
-    "graphnav_stages": "@hookimpl\ndef graphnav_stages():\n    misbehave({!r})",
-    "declaration": (
-        "class Bad(type(Still)):\n    role = property(lambda cls: misbehave({!r}))\n"
-        "@hookimpl\ndef graphnav_stages():\n    return [Bad('Odd', (Still,), {{}})]"
-    ),
-    "graphnav_adapters": "@hookimpl\ndef graphnav_adapters():\n    misbehave({!r})",
-    "graphnav_file_formats": "@hookimpl\ndef graphnav_file_formats():\n    misbehave({!r})",
-}
-
-
 @pytest.mark.parametrize("hook", HOOKS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_whatever_a_plugin_raises_names_it(tmp_path: Path, kind: str, hook: str) -> None:
     file = tmp_path / "strange.py"
-    file.write_text(PLUGIN.format(HOOKS[hook].format(kind)))
+    file.write_text(plugin_text(hook, kind))
 
     def use() -> None:
         catalog = Catalog()
@@ -198,7 +180,7 @@ def command(folder: Path, text: str, *words: str) -> subprocess.CompletedProcess
     """Run a graph by the command line, in ``folder``."""
     (folder / "graph.yaml").write_text(text)
     line = [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(ZOO), "--no-tap", "-o", "out", *words]
-    root = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])}
+    root = os.environ | {"PYTHONPATH": str(TOOLS)}
     return subprocess.run(line, capture_output=True, text=True, check=False, cwd=folder, env=root)
 
 
