@@ -3,8 +3,9 @@
 Runs are disturbed, too: by hostile messages on their group, by signals, by disks that become full, by stages and
 plugins that misbehave in every method, and, live, by spoiled copies of the messages on their own channels.
 
-Wrong is: a traceback, an exception that escapes, a command that takes more than 10 s or 500 MB or does not end, an exit
-status other than 0, 1 and 2, a failure without a word, and any output that a terminal would obey.
+Wrong is: a traceback, an exception that escapes, a command that takes more than 10 s or 500 MB (check: 2 s and 300 MB)
+or does not end, an exit status other than 0, 1 and 2, a failure without a word, and any output that a terminal would
+obey.
 """
 
 from __future__ import annotations
@@ -69,7 +70,8 @@ def attack(kind: str, count: int, seed: int, keep: Path | None, *, by_command: b
         for number in range(count):
             case = KINDS[kind].spoil(scratch, random.Random(f"{kind} {seed + number}"))
             outcome = process.run(case.words)
-            found = faults(outcome)
+            is_check = case.words[0] == "check"
+            found = faults(outcome, of_check=is_check)
             if by_command and number < N_COMMANDS:
                 found += [f"as a command: {fault}" for fault in faults(outcome_of(command_line(case.words)))]
             n_refused += outcome.status != 0

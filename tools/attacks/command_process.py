@@ -13,7 +13,7 @@ import time
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
-from attacks.memory import peak_mb
+from attacks.memory import forget_peak, peak_mb
 from attacks.verdict import MAX_S, Outcome
 
 RENEWED_AFTER = 200
@@ -76,7 +76,8 @@ def _serve(connection: Connection) -> None:
         except EOFError:
             return
         printed = io.StringIO()
-        begin_s = time.monotonic()
+        forget_peak()
+        begin_s, begin_cpu_s = time.monotonic(), time.process_time()
         escaped, status = "", 1
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
             try:
@@ -85,4 +86,5 @@ def _serve(connection: Connection) -> None:
                 status = ended.code if isinstance(ended.code, int) else 1
             except BaseException as error:  # noqa: BLE001 - whatever escapes is a fault
                 escaped = f"{type(error).__name__}: {str(error)[:200]}"
-        connection.send(Outcome(status, printed.getvalue(), time.monotonic() - begin_s, peak_mb(os.getpid()), escaped))
+        elapsed_s, cpu_s = time.monotonic() - begin_s, time.process_time() - begin_cpu_s
+        connection.send(Outcome(status, printed.getvalue(), elapsed_s, peak_mb(os.getpid()), escaped, cpu_s))
