@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+from acceptance.attacking import attack_item
 from acceptance.comparing import controls_item, targets_item
 from acceptance.coverage import coverage_item
 from acceptance.damaging import damage_item
@@ -79,6 +80,7 @@ ITEMS = {
     "no_odometry": no_odometry_item,
     "navigate": navigate_item,
     "soak": soak_item,
+    "attack": attack_item,
 }
 
 
