@@ -25,6 +25,7 @@ class Drive:
         self._timeout_s = timeout_s
         self._v = self._omega = (0.0, -math.inf)
         self._zero_until_s = -math.inf
+        self._is_driving = False
 
     def press(self, key: Key, now_s: float) -> None:
         """Handle a key pressed, or repeated, at ``now_s``."""
@@ -43,11 +44,12 @@ class Drive:
             self._zero_until_s = now_s + self._timeout_s + ZERO_S
 
     def command(self, now_s: float) -> Twist | None:
-        """Return the command to publish now, None for none."""
+        """Return the command to publish now, None for none; after a speed there is a zero, however late it is."""
         v, omega = (sign if now_s - at_s <= self._timeout_s else 0.0 for sign, at_s in (self._v, self._omega))
-        if v or omega:
+        was_driving, self._is_driving = self._is_driving, bool(v or omega)
+        if self._is_driving:
             return Twist(v_mps=v * self.speed_mps, omega_radps=omega * self.turn_radps)
-        return Twist(v_mps=0.0, omega_radps=0.0) if now_s <= self._zero_until_s else None
+        return Twist(v_mps=0.0, omega_radps=0.0) if was_driving or now_s <= self._zero_until_s else None
 
     def _scale(self, ratio: float) -> None:
         self.speed_mps *= ratio

@@ -184,3 +184,11 @@ def test_keys_that_waited_while_the_process_was_halted_do_not_drive() -> None:
     heard = Heard(Typist([(1.0, b"wwwx"), (9.0, b"q")], stall_s=1.0))
     assert {(v, omega) for _, v, omega in heard.twists} == {(0, 0)}
     assert heard.stops == [(0, True)]
+
+
+def test_a_speed_is_followed_by_a_zero_however_late() -> None:
+    drive = Drive(0.3, 0.8, timeout_s=0.3)
+    drive.press(Key.FORWARD, 0.0)
+    assert drive.command(0.1) == Twist(v_mps=0.3, omega_radps=0.0)
+    assert drive.command(5.0) == Twist(v_mps=0.0, omega_radps=0.0)
+    assert drive.command(5.1) is None
