@@ -52,6 +52,6 @@ def test_a_check_has_less_time_and_memory() -> None:
 
 
 def test_what_does_harm_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("attack.faults", lambda _, of_check: ["harm"] if of_check else [])
+    monkeypatch.setattr("attack.faults", lambda _, **__: ["harm"])
     assert attack("graphs", 2, 7, tmp_path / "kept", by_command=False) == 2
     assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["graphs-7-graph.yaml", "graphs-8-graph.yaml"]

@@ -188,7 +188,7 @@ def test_keys_that_waited_while_the_process_was_halted_do_not_drive() -> None:
 
 def test_a_speed_is_followed_by_a_zero_however_late() -> None:
     drive = Drive(0.3, 0.8, timeout_s=0.3)
-    drive.press(Key.FORWARD, 0.0)
-    assert drive.command(0.1) == Twist(v_mps=0.3, omega_radps=0.0)
-    assert drive.command(5.0) == Twist(v_mps=0.0, omega_radps=0.0)
-    assert drive.command(5.1) is None
+    drive.press(F, 10.0)
+    assert twist_of(drive, 10.1) == (0.3, 0)
+    assert twist_of(drive, 15.0) == (0, 0)
+    assert twist_of(drive, 15.1) is None
