@@ -13,8 +13,12 @@ N_FILES = 25
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_spoiled_files_do_no_harm(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_spoiled_files_do_no_harm(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     assert attack(kind, N_FILES, 0, None, by_command=False) == 0, capsys.readouterr().out
+    assert not list(tmp_path.iterdir()), "an attack writes into folders of its own only"
 
 
 @pytest.mark.parametrize("kind", COUNTS)

@@ -66,14 +66,16 @@ def attack(kind: str, count: int, seed: int, keep: Path | None, *, by_command: b
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder)
         KINDS[kind].prepare(scratch)
-        process = CommandProcess()
+        process = CommandProcess(scratch)
         for number in range(count):
             case = KINDS[kind].spoil(scratch, random.Random(f"{kind} {seed + number}"))
             outcome = process.run(case.words)
             is_check = case.words[0] == "check"
             found = faults(outcome, of_check=is_check)
             if by_command and number < N_COMMANDS:
-                found += [f"as a command: {fault}" for fault in faults(outcome_of(command_line(case.words)))]
+                found += [
+                    f"as a command: {fault}" for fault in faults(outcome_of(command_line(case.words), folder=scratch))
+                ]
             n_refused += outcome.status != 0
             if found:
                 wrong.append(f"seed {seed + number}, graphnav {' '.join(case.words)}: {'; '.join(found)}")

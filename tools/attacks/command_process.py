@@ -12,6 +12,7 @@ import sys
 import time
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from pathlib import Path
 
 from attacks.memory import forget_peak, peak_mb
 from attacks.verdict import MAX_S, Outcome
@@ -22,9 +23,13 @@ _WAIT_S = 2 * MAX_S
 
 
 class CommandProcess:
-    """Runs commands in another process; starts it again when it has died, hangs, or has run `RENEWED_AFTER`."""
+    """Runs commands in another process; starts it again when it has died, hangs, or has run `RENEWED_AFTER`.
 
-    def __init__(self) -> None:
+    ``folder``: the working folder of the commands, where hostile names of files may make some.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
         self._context = get_context("spawn")
         self._start()
 
@@ -58,17 +63,18 @@ class CommandProcess:
     def _start(self) -> None:
         self._count = 0
         self._ours, theirs = self._context.Pipe()
-        self._process = self._context.Process(target=_serve, args=(theirs,), daemon=True)
+        self._process = self._context.Process(target=_serve, args=(theirs, self._folder), daemon=True)
         self._process.start()
         theirs.close()
 
 
-def _serve(connection: Connection) -> None:
+def _serve(connection: Connection, folder: Path) -> None:
     """Run commands until the parent closes the connection."""
     from attacks import python_door  # noqa: PLC0415 - in the process that runs commands
     from graphnav.cli import main  # noqa: PLC0415
 
     os.environ["COLUMNS"] = "100"
+    os.chdir(folder)
     sys.stdin = open(os.devnull)  # noqa: SIM115 - as long as the process
     while True:
         try:
