@@ -103,7 +103,7 @@ class Catalog:
             hint = did_you_mean(name, names) or (f"it has {', '.join(names)}" if names else "it has no stages")
             raise CatalogError(f"family '{family}' has no stage '{name}'", hint)
         cls = self._stages[family][name]
-        self._called(
+        self.called(
             self._origins[use], f"the declaration of {use}", lambda: _check_declaration(cls, self._origins[use])
         )
         return cls
@@ -157,7 +157,7 @@ class Catalog:
             if file in files:
                 return known
         module = _import_file(path)
-        family = self._called(str(path), "FAMILY", lambda: getattr(module, "FAMILY", path.stem))
+        family = self.called(str(path), "FAMILY", lambda: getattr(module, "FAMILY", path.stem))
         if not isinstance(family, str) or not _NAME.fullmatch(family):
             raise CatalogError(
                 f"plugin {path}: {shown_value(family)} cannot be a family: it must match {_NAME.pattern}",
@@ -178,13 +178,13 @@ class Catalog:
             return
         if not self._plugins.is_registered(module):
             name = f"{family}: {origin}"
-            self._called(origin, "its module", lambda: self._plugins.register(module, name=name))
+            self.called(origin, "its module", lambda: self._plugins.register(module, name=name))
             try:
                 self._plugins.check_pending()
             except pluggy.PluginValidationError as error:
                 raise CatalogError(f"{origin}: {message_line(error)}") from error
         self._adapters = None
-        stages = self._called(
+        stages = self.called(
             origin, "its stages", lambda: {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
         )
         if family == ADAPTERS and stages:
@@ -200,7 +200,7 @@ class Catalog:
     def _stages_of(self, module: ModuleType, origin: str) -> list[type[Stage]]:
         others: list[Any] = [plugin for plugin in self._plugins.get_plugins() if plugin is not module]
         call = self._plugins.subset_hook_caller("graphnav_stages", others)
-        found = self._called(origin, "graphnav_stages()", call)
+        found = self.called(origin, "graphnav_stages()", call)
         if not all(isinstance(classes, list | tuple) for classes in found):
             raise CatalogError(f"{origin}: graphnav_stages() does not return a list", "return [MyStage]")
         stages = [cls for classes in found for cls in classes]
@@ -215,14 +215,17 @@ class Catalog:
         """Yield each object returned by an adapter hook, with the origin of the hook."""
         for hook in self._plugins.hook.graphnav_adapters.get_hookimpls():
             origin = hook.plugin_name.partition(": ")[2]
-            given = self._called(origin, "graphnav_adapters()", hook.function)
+            given = self.called(origin, "graphnav_adapters()", hook.function)
             if not isinstance(given, list | tuple):
                 raise CatalogError(f"{origin}: graphnav_adapters() does not return a list", "return [MyAdapter()]")
             yield from ((origin, adapter) for adapter in given)
 
     @staticmethod
-    def _called(origin: str, name: str, call: Callable[[], Any]) -> Any:
-        """Return what a plugin's code returns; raises CatalogError for whatever it raises."""
+    def called(origin: str, name: str, call: Callable[[], Any]) -> Any:
+        """Return what a plugin's code returns; raises CatalogError for whatever it raises.
+
+        ``origin``: the plugin; ``name``: what is called.
+        """
         try:
             with third_party_code():
                 return call()

@@ -9,8 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_former_option, add_plugin_option, add_portable_option, catalog_of, count
-from graphnav.cli.quantities import wall_limit
+from graphnav.cli.options import add_former_option, add_plugin_option, add_portable_option, catalog_of, count, seconds
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 from graphnav.machine.start_up import ended_by_interrupt
@@ -169,7 +168,7 @@ def _add_execution_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--stall-s",
-        type=wall_limit,
+        type=seconds,
         default=300.0,
         metavar="S",
         help="end a run, which then counts as failed, if one call into a stage takes longer than S seconds of wall "

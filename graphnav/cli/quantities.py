@@ -16,7 +16,6 @@ MAX_BYTES = 1e18
 _PREFIXES = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
 _SIZE = re.compile(r"([0-9.]+) *([kmgt]?)(i?)b", re.IGNORECASE)
 _TIME = re.compile(r"([0-9.]+) *(s|min|h)?")
-_DAY_S = 86_400
 _SECONDS = {None: 1, "s": 1, "min": 60, "h": 3600}
 
 
@@ -41,17 +40,6 @@ def log_time(text: str) -> float:
     if number * _SECONDS[found[2]] > MAX_S:
         raise argparse.ArgumentTypeError(f"'{text}' is longer than {MAX_S:g} s")
     return number * _SECONDS[found[2]]
-
-
-def wall_limit(text: str) -> float:
-    """Parse a limit of wall time in seconds, above 0 and at most a day."""
-    try:
-        limit_s = float(text)
-    except ValueError:
-        limit_s = math.nan
-    if not 0 < limit_s <= _DAY_S:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a limit: write seconds above 0, at most {_DAY_S:,}")
-    return limit_s
 
 
 def split(text: str) -> Split:

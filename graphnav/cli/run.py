@@ -10,8 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load
-from graphnav.cli.quantities import wall_limit
+from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load, seconds
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import DrawingError, GraphnavError
 from graphnav.notices import print_notice
@@ -57,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-tap", dest="tap", action="store_const", const="none", help="the same as --tap none")
     parser.add_argument(
         "--stall-s",
-        type=wall_limit,
+        type=seconds,
         metavar="S",
         help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
     )

@@ -146,7 +146,7 @@ def range_of(target: str, param: Param, center: Any) -> SearchRange | None:
 
 
 def _bounds(param: Param, center: float, *, is_integer: bool) -> tuple[float, float]:
-    """Return the minimum and maximum that a parameter may have; infinite where there is no bound.
+    """Return the minimum and maximum that a parameter may have; infinite where it has none.
 
     ``center``: its value, from which an exclusive minimum is a thousandth of the way away.
     """

@@ -37,6 +37,8 @@ class StudyFolder(LockedFolder):
         ------
         UserError
             The folder holds another study, or runs that would not compare with those to come.
+        GraphnavError
+            The disk refuses.
         """
         written = self.path / PLAN
         if written.exists():
@@ -44,9 +46,7 @@ class StudyFolder(LockedFolder):
             if (self.path / RUNS).exists():
                 check_compatible(old, plan, self.path)
         self.empty_scratch()
-        unfinished = self.scratch / PLAN
-        plan.write(unfinished)
-        unfinished.replace(written)
+        plan.write(written)
 
     def holds(self, place: str) -> bool:
         """Return whether ``place`` has a complete run."""

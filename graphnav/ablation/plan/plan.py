@@ -14,6 +14,7 @@ from graphnav.ablation.plan import former_plan
 from graphnav.ablation.study import Decomposition, MetricExpression
 from graphnav.errors import Place, shown_path
 from graphnav.graph import Override, Target, parse_override
+from graphnav.machine.atomic_write import write_atomically
 from graphnav.machine.regular_file import read_json
 from graphnav.spec import check_types
 from graphnav.stage import Better, Metric, Role
@@ -177,12 +178,18 @@ class Plan:
         return next(case for case in self.cases if (case.graph, case.variant) == (graph, variant))
 
     def write(self, path: Path) -> None:
-        """Write it as JSON; the overrides of a case are a mapping of targets to values."""
+        """Write it as JSON, atomically; the overrides of a case are a mapping of targets to values.
+
+        Raises
+        ------
+        GraphnavError
+            The disk refuses; an existing file is unchanged.
+        """
         data = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         data["cases"] = [_case_json(case) for case in self.cases]
         data["declared"] = {name: dataclasses.asdict(metric) for name, metric in self.declared.items()}
         data["decomposition"] = self.decomposition and dataclasses.asdict(self.decomposition)
-        path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        write_atomically(path, json.dumps(data, indent=1) + "\n")
 
     @classmethod
     def read(cls, path: Path) -> Plan:

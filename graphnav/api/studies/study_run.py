@@ -55,7 +55,7 @@ class FailFastError(GraphnavError):
 class StudyRun:
     """A study while its runs are made."""
 
-    def __init__(self, study: CheckedStudy, folder: StudyFolder, workers: Workers, *, stall_s: float = STALL_S) -> None:
+    def __init__(self, study: CheckedStudy, folder: StudyFolder, workers: Workers, *, stall_s: float) -> None:
         self.plan, self.workers = study.plan, workers
         self._folder, self._tasks = folder, TaskFactory(study, stall_s=stall_s)
 

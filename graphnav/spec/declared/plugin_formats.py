@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from graphnav.errors import CatalogError, one_line
-from graphnav.interrupts import USER_ENDS, third_party_code
+from graphnav.errors import CatalogError
 from graphnav.spec.declared.file_format import FileFormat
 
 if TYPE_CHECKING:
@@ -25,14 +24,7 @@ def plugin_formats(catalog: Catalog) -> dict[str, FileFormat[Any]]:
     found: dict[str, FileFormat[Any]] = {}
     for hook in catalog.hook.graphnav_file_formats.get_hookimpls():
         origin = hook.plugin_name.partition(": ")[2]
-        try:
-            with third_party_code():
-                given = hook.function()
-        except USER_ENDS:
-            raise
-        except BaseException as error:
-            what = f"{origin}: graphnav_file_formats() failed: {one_line(error)}"
-            raise CatalogError(what, "fix the plugin") from error
+        given = catalog.called(origin, "graphnav_file_formats()", hook.function)
         if not isinstance(given, list | tuple) or not all(isinstance(one, FileFormat) for one in given):
             what = f"{origin}: graphnav_file_formats() does not return a list of FileFormat"
             raise CatalogError(what, "return [FileFormat(...)]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import pty
@@ -15,7 +16,9 @@ from typing import Any
 
 import pytest
 
+from graphnav.ablation.worker import STALL_S
 from graphnav.cli import main
+from graphnav.cli.ablate import add_arguments
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
@@ -104,6 +107,22 @@ def test_a_disk_that_fills_up_leaves_every_table_and_the_report_complete(
         found = files(study.out)
         assert found.keys() == former.keys()
         assert all(found[name] in (former[name], new[name]) for name in found)
+
+
+def test_a_disk_without_space_for_the_plan_is_named(
+    study: Any, disk_of: DiskOf, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with disk_of(100):
+        assert study.run() == 1
+    assert capsys.readouterr().err.startswith(f"cannot write {study.out / 'plan.json'}: File too large\n")
+    assert not (study.out / "plan.json").exists()
+    assert study.run() == 0
+
+
+def test_calls_that_hang_have_the_same_limit_from_every_door() -> None:
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    assert parser.parse_args(["toy"]).stall_s == STALL_S
 
 
 def test_a_study_whose_reader_leaves_is_made_all_the_same(study: Any) -> None:
