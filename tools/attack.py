@@ -36,7 +36,7 @@ COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120), STA
 """Hostile messages, runs to which signals are sent, disks that become full, misbehaving stages (at most all) and live
 robots, of a short and of a long attack."""
 _ALL = (*KINDS, *COUNTS)
-_MAX_TOLD = 5
+_MAX_TOLD, _TOLD_EVERY = 5, 500
 
 
 def main() -> int:
@@ -82,6 +82,8 @@ def attack(kind: str, count: int, seed: int, keep: Path | None, *, by_command: b
                 if keep:
                     keep.mkdir(parents=True, exist_ok=True)
                     shutil.copy(case.file, keep / f"{kind}-{seed + number}-{case.file.name}")
+            if (number + 1) % _TOLD_EVERY == 0 and number + 1 < count:
+                _say(f"     {kind}: {number + 1} of {count}, {len(wrong)} did harm; {time.monotonic() - begin_s:.0f} s")
         process.close()
     _tell(f"{kind}: {count} tried, {n_refused} refused", wrong, begin_s)
     return len(wrong)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import types
 from collections.abc import Mapping
+from functools import cache
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from graphnav.spec.declared.record import Range, Record
@@ -36,7 +37,8 @@ def is_list(kind: Any) -> bool:
     return get_origin(kind) is tuple and get_args(kind)[-1] is Ellipsis
 
 
-def positions_of(kind: Any) -> dict[str, Any]:
+@cache
+def positions_of(kind: Any) -> Mapping[str, Any]:
     """Return the type of each position of a NamedTuple, by name; nothing for other types."""
     is_named = isinstance(kind, type) and issubclass(kind, tuple) and hasattr(kind, "_fields")
     return get_type_hints(kind) if is_named else {}

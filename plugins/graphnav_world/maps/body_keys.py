@@ -6,7 +6,7 @@ from graphnav import Range, Record, key
 from graphnav_world.maps.mover_keys import Crosses, Moves
 from graphnav_world.maps.shape_keys import MAX_M, Bend, Point, Shaped, Size
 
-MAX_PILLARS = 1000
+MAX_PILLARS = 300
 _TEXTURE = "its texture: one of `textures`, or floor, wall or obstacle"
 
 

@@ -7,6 +7,7 @@ import zlib
 import numpy as np
 
 from graphnav import Place, Problem, Range, Suggestion
+from graphnav_world.maps.effort import Effort
 from graphnav_world.maps.shape_keys import Point, Size
 
 MAX_POINTS = 8000
@@ -24,9 +25,12 @@ class Draws:
     one place leaves the others as they are. Where one generator draws many numbers, as those of zigzags and pillars do
     for all their angles, lengths, radii and places, how many it drew before decides what it draws next: another count
     of corners or pillars is another zigzag or field.
+
+    ``effort`` is what all draws of this seed may take together.
     """
 
-    def __init__(self, seed: int, attempt: int) -> None:
+    def __init__(self, seed: int, attempt: int, effort: Effort) -> None:
+        self.effort = effort
         self.problems: list[Problem] = []
         self.misfits: list[Problem] = []
         self.drew = False

@@ -14,6 +14,8 @@ from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body, Kind
 
 CELL_M = 0.025
+MAX_CELLS = 1_000_000
+"""Of a grid: with cells of 2.5 cm 625 square metres, margins included."""
 STRIDE = 2
 STEPS = [(down, right, math.hypot(down, right)) for down in (-STRIDE, 0, STRIDE) for right in (-STRIDE, 0, STRIDE)]
 """Of the search, in cells: down, right, length."""
@@ -24,7 +26,8 @@ Cell = tuple[int, int]
 class Passage:
     """Searches ways from a start to a goal region; moving obstacles are left out.
 
-    The grid has cells of 2.5 cm; a way may leave the map's bounds by one metre less the robot's radius.
+    The grid has cells of 2.5 cm, larger ones if there would be more than a million. A way may leave the map's bounds by
+    one metre less the robot's radius.
     """
 
     def __init__(self, bodies: list[Body], start: tuple[float, float, float], goal_m: Doubles) -> None:
@@ -33,12 +36,15 @@ class Passage:
         self._start, self._goal = start, goal_m
         points = np.concatenate([[start[:2]], goal_m, *(body.outline for body in self._standing)])
         self._corner = points.min(axis=0) - MARGIN_M
-        cols, rows = np.ceil((points.max(axis=0) + MARGIN_M - self._corner) / CELL_M).astype(int) + 1
+        size_m = points.max(axis=0) + MARGIN_M - self._corner
+        self._cell_m = max(CELL_M, math.sqrt(size_m[0] * size_m[1] / MAX_CELLS))
+        cols, rows = np.ceil(size_m / self._cell_m).astype(int) + 1
+        self.n_cells = int(cols * rows)
         free = np.ones((rows, cols), np.uint8)
         for body in self._standing:
             for part in body.parts:
                 cv2.fillConvexPoly(free, np.round(self._cells(part) * 16).astype(np.int32), 0, shift=4)
-        self._clearance_m: Floats = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL_M
+        self._clearance_m: Floats = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * self._cell_m
         in_goal = np.zeros((rows, cols), np.uint8)
         if len(goal_m):
             cv2.fillPoly(in_goal, [np.round(self._cells(goal_m) * 16).astype(np.int32)], 1, shift=4)
@@ -70,7 +76,7 @@ class Passage:
 
     def _is_free_to_goal(self, direction: Doubles, radius_m: float) -> bool:
         rows, cols = self._in_goal.shape
-        steps = np.arange(rows + cols)[:, None] * CELL_M
+        steps = np.arange(rows + cols)[:, None] * self._cell_m
         col, row = np.round(self._cells(np.array(self._start[:2]) + steps * direction)).astype(int).T
         inside = (col >= 0) & (row >= 0) & (col < cols) & (row < rows)
         col, row = col[inside], row[inside]
@@ -78,7 +84,7 @@ class Passage:
         if not len(arrived):
             return False
         before = self._clearance_m[row[: arrived[0]], col[: arrived[0]]]
-        return bool((before > radius_m - CELL_M).all())
+        return bool((before > radius_m - self._cell_m).all())
 
     def shortest_m(self, radius_m: float) -> float:
         """Return the length of the shortest way, found on the grid and pulled taut; 0 if there is none."""
@@ -91,7 +97,7 @@ class Passage:
         while here < len(way) - 1:
             here = next(k for k in range(len(way) - 1, here, -1) if k == here + 1 or _sees(free, way[here], way[k]))
             taut.append(way[here])
-        return float(np.linalg.norm(np.diff(np.array(taut), axis=0), axis=1).sum() * CELL_M)
+        return float(np.linalg.norm(np.diff(np.array(taut), axis=0), axis=1).sum() * self._cell_m)
 
     def _search(self, free: Bools) -> list[Cell]:
         """Return the cells of a shortest 8-connected way (Dijkstra), empty if there is none."""
@@ -120,7 +126,7 @@ class Passage:
 
     def _cells(self, points_m: Doubles) -> Doubles:
         """Return grid coordinates (col, row)."""
-        cells: Doubles = (points_m - self._corner) / CELL_M
+        cells: Doubles = (points_m - self._corner) / self._cell_m
         return cells
 
 

@@ -9,12 +9,15 @@ from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.body_keys import Pillars
 from graphnav_world.maps.draws import Draws
+from graphnav_world.maps.effort import Effort
 
 ROUNDS = 2000
 TRIES = 20
 PUSH = 0.9
 SHAKE = 0.3
 """The share of a lack of room that a round makes up for, and the random part of it, which ends after two thirds."""
+STEPS_PER_ROUND = 800
+"""Of a round, beside those of each pair of pillars."""
 
 
 def draw_pillars(draws: Draws, keys: Pillars) -> list[Body]:
@@ -24,7 +27,7 @@ def draw_pillars(draws: Draws, keys: Pillars) -> list[Body]:
     low, high = keys.radius_m.low, keys.radius_m.high
     rng = draws.rng("pillars")
     tries = (rng.uniform(low, high, count) for _ in range(TRIES))
-    placed = ((spread(radii, gap, np.array(size), rng), radii) for radii in tries)
+    placed = ((spread(radii, gap, np.array(size), rng, draws.effort), radii) for radii in tries)
     places, radii = next((one for one in placed if one[0] is not None), (None, np.zeros(0)))
     if places is None:
         hint = "give a larger field, a smaller gap or fewer pillars"
@@ -37,7 +40,7 @@ def draw_pillars(draws: Draws, keys: Pillars) -> list[Body]:
     ]
 
 
-def spread(radii: Doubles, gap_m: float, size_m: Doubles, rng: np.random.Generator) -> Doubles | None:
+def spread(radii: Doubles, gap_m: float, size_m: Doubles, rng: np.random.Generator, effort: Effort) -> Doubles | None:
     """Return random centres, (n, 2), of discs within [0, size] whose rims are apart by the gap; None if none is found.
 
     Discs that are too near push each other apart until none is; shaking, less and less, frees those that are jammed.
@@ -49,6 +52,9 @@ def spread(radii: Doubles, gap_m: float, size_m: Doubles, rng: np.random.Generat
     apart = radii[:, None] + radii[None, :] + gap_m * 1.001
     np.fill_diagonal(apart, 0.0)
     for k in range(ROUNDS):
+        if effort.is_spent:
+            break
+        effort.spend(STEPS_PER_ROUND + len(radii) ** 2)
         between = at[:, None] - at[None, :]
         far = np.linalg.norm(between, axis=2)
         lack = np.maximum(apart - far, 0.0)

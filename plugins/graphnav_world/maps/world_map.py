@@ -10,6 +10,7 @@ from pathlib import Path
 from graphnav import Problem, UserError, shown_path
 from graphnav_world.geometry.scene import Kind
 from graphnav_world.maps.draws import Draws
+from graphnav_world.maps.effort import Effort
 from graphnav_world.maps.map_file import START_HINT, MapDraw, draw_map, extent_m
 from graphnav_world.maps.map_format import MAP
 from graphnav_world.maps.map_keys import MapKeys
@@ -17,6 +18,8 @@ from graphnav_world.maps.passage import Passage
 
 ATTEMPTS = 300
 LARGEST_M = 100.0
+STEPS_PER_DRAW, STEPS_PER_PART = 20_000, 3000
+"""Of a draw, and of each convex part of its bodies, beside the cells of its grid and its pillars."""
 KEPT = 16
 """Draws that are kept: those of the maps of a study."""
 
@@ -33,8 +36,9 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
     """Return the map that this seed draws.
 
     A map with random parts is drawn again until the robot fits at the start, a path leads to the goal and, where the
-    map requires it, the straight path is blocked. The same content, seed and radius return the same
-    object, which must not be changed: all variants of a study drive through it.
+    map requires it, the straight path is blocked; at most 300 times, and no longer than its effort lasts. The same
+    content, seed and radius return the same object, which must not be changed: all variants of a study drive
+    through it.
 
     Raises
     ------
@@ -47,35 +51,37 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
 @lru_cache(maxsize=KEPT)
 def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float) -> WorldMap:
     keys, found = _read(content, source)
-    problems = list(found)
+    problems, misfits = list(found), list[Problem]()
+    effort = Effort()
     for attempt in range(ATTEMPTS if keys else 0):
         assert keys is not None
-        draws = Draws(seed, attempt)
+        draws = Draws(seed, attempt, effort)
         draw = draw_map(draws, keys)
+        if misfits and effort.is_spent:
+            break
         problems += draws.problems
         if draw is None and not problems and not draws.misfits:  # the key has no value
             problems.append(Problem(keys.key_place("start"), "a map needs 'start'", START_HINT))
         if problems:
             problems += draws.misfits
             break
-        if draws.misfits or draw is None:
-            if not draws.drew or attempt == ATTEMPTS - 1:
-                problems = draws.misfits
+        effort.spend(STEPS_PER_DRAW)
+        misfits = draws.misfits
+        if draw and not misfits:
+            largest = max(extent_m(draw))
+            if largest > LARGEST_M:
+                what = f"the map extends over {largest:.0f} m, but must fit into {LARGEST_M:.0f} m"
+                problems = [Problem(keys.place(), what, "bring everything nearer together")]
                 break
-            continue
-        largest = max(extent_m(draw))
-        if largest > LARGEST_M:
-            what = f"the map extends over {largest:.0f} m, but must fit into {LARGEST_M:.0f} m"
-            problems = [Problem(keys.place(), what, "bring everything nearer together")]
+            passage = Passage(draw.bodies, draw.start, draw.goal_m)
+            misfit = _misfit(draw, passage, robot_radius_m)
+            if misfit is None:
+                return WorldMap(draw, passage.shortest_m(robot_radius_m) if len(draw.goal_m) else 0.0)
+            effort.spend(STEPS_PER_PART * sum(len(body.parts) for body in draw.bodies) + passage.n_cells)
+            misfits = [misfit]
+        if not draws.drew or effort.is_spent:
             break
-        passage = Passage(draw.bodies, draw.start, draw.goal_m)
-        misfit = _misfit(draw, passage, robot_radius_m)
-        if misfit is None:
-            return WorldMap(draw, passage.shortest_m(robot_radius_m) if len(draw.goal_m) else 0.0)
-        if not draws.drew or attempt == ATTEMPTS - 1:
-            problems = [misfit]
-            break
-    raise UserError(problems)
+    raise UserError(problems or misfits)
 
 
 @lru_cache(maxsize=KEPT)

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from graphnav_world.geometry import outlines
+from graphnav_world.maps import world_map
+from graphnav_world.maps.effort import MAX_STEPS, Effort
+from graphnav_world.maps.passage import MAX_CELLS, Passage
+from graphnav_world.maps.pillars import spread
 from graphnav_world.maps.world_map import load_map
 
 from graphnav import UserError
@@ -53,6 +58,56 @@ def test_a_closed_wall_that_crosses_itself_is_refused(points: str, tmp_path: Pat
 def test_numbers_without_sense_are_refused_at_their_place(text: str, tmp_path: Path) -> None:
     place, *_ = (at for at in (text.find("1e308"), text.find("1e-300"), text.find("1e300")) if at >= 0)
     assert refusal(tmp_path, text).split(" ")[0] == f"{tmp_path / 'map.yaml'}:2:{place + 1}:"
+
+
+@pytest.mark.parametrize("count", ["[60, 70]", "300"])
+def test_pillars_that_cannot_be_placed_are_refused(count: str, tmp_path: Path) -> None:
+    field = "field: {corner_m: [1, 1], size_m: [8, 6]}"
+    said = refusal(tmp_path, f"pillars: {{count: {count}, radius_m: [0.1, 0.25], gap_m: 0.8, {field}}}\n")
+    assert "map.yaml:2:18: " in said
+    assert "pillars with gaps of 0.8 m cannot be placed in the field" in said
+
+
+def test_pillars_are_placed_with_no_more_than_the_effort_that_is_left() -> None:
+    radii, size_m = np.full(40, 0.2), np.array([8.0, 6.0])
+    full, little = Effort(), Effort(20_000)
+    assert spread(radii, 0.8, size_m, np.random.default_rng(0), full) is not None
+    assert not full.is_spent
+    assert spread(radii, 0.8, size_m, np.random.default_rng(0), little) is None
+    assert little.is_spent
+
+
+def test_a_map_that_does_not_fit_is_drawn_again_until_its_effort_is_spent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    grids = []
+
+    class Counted(Passage):
+        def __init__(self, *args: Any) -> None:
+            super().__init__(*args)
+            grids.append(self.n_cells)
+
+    monkeypatch.setattr(world_map, "Passage", Counted)
+    wall = "walls: [{along: [[-2, -2], [14, -2], [14, 8], [-2, 8]], closed: true}]\n"
+    goal = "goal: {circle: {center_m: [[20, 21], 0], radius_m: 0.5}}\n"
+    assert "map.yaml:2:7: no path leads from the start to the goal" in refusal(tmp_path, goal + wall)
+    assert 10 < len(grids) < world_map.ATTEMPTS
+    assert sum(grids) < 1.2 * MAX_STEPS
+
+
+def test_what_did_not_fit_is_told_also_if_the_effort_ends_while_pillars_are_placed(tmp_path: Path) -> None:
+    pillars = "pillars: {count: 90, radius_m: 0.2, gap_m: 0.8, field: {corner_m: [2, 2], size_m: [14, 11]}}\n"
+    wall = "walls: [{along: [[-1, -1], [1, -1], [1, 1], [-1, 1]], closed: true}]\n"
+    said = refusal(tmp_path, "goal: {circle: {center_m: [20, 0], radius_m: 0.5}}\n" + wall + pillars)
+    assert "map.yaml:2:7: no path leads from the start to the goal" in said
+
+
+def test_the_grid_of_a_large_map_is_coarser(tmp_path: Path) -> None:
+    square = "walls: [{along: [[-1, -1], [97, -1], [97, 97], [-1, 97]], closed: true}]\n"
+    (tmp_path / "map.yaml").write_text(START + "goal: {circle: {center_m: [96, 96], radius_m: 0.5}}\n" + square)
+    found = load_map(tmp_path / "map.yaml", 0, 0.2)
+    assert found.shortest_m == pytest.approx(96 * np.sqrt(2) - 0.5, abs=0.3)
+    assert Passage(found.draw.bodies, found.draw.start, found.draw.goal_m).n_cells < 1.01 * MAX_CELLS
 
 
 def test_crossing_agrees_with_a_search_over_all_pairs() -> None:
