@@ -96,9 +96,9 @@ def _name_problem(override: Override, name: str, stages: Sequence[str], existing
 
 
 def _value_problem(override: Override, stage: str) -> Problem | None:
-    """Return what is wrong with the type of a value that must be a string, of a wire also null; None if nothing is."""
+    """Return what is wrong with a value that must be a string with characters, of a wire also null; else None."""
     value, target = override.entry.value, override.target
-    if isinstance(value.data, str) or target.kind == "setting":
+    if target.kind == "setting" or (isinstance(value.data, str) and value.data):
         return None
     if target.kind == "wire":
         if value.data is None:
