@@ -1,4 +1,7 @@
-"""A live robot, the graph that drives it, and what watches them, while spoiled messages arrive on their channels."""
+"""A live robot, the graph that drives it, and what watches them, while spoiled messages arrive on their channels.
+
+A spoiled log is played on their group, too.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from typing import IO, NamedTuple
 
 from attacks.hostile_requests import answers, hostile_request
 from attacks.own_process import COMMAND, TOOLS, outcome_of
+from attacks.spoil import spoiled_bytes
 from attacks.verdict import MAX_S, Outcome, faults
 
 _LASTS_S = 10
@@ -42,13 +46,16 @@ class _Program(NamedTuple):
 
 def live_side(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
     """Attack ``count`` live runs; yield what is wrong with each."""
+    good = scratch / "good"
+    outcome_of([*COMMAND, "run", "corridor_ccw", "--until", "0.5", "--no-tap", "--no-pictures", "-o", str(good)])
+    recorded = (good / "run.lcmlog").read_bytes()
     for number in range(count):
         folder = scratch / f"live-{number}"
         folder.mkdir()
-        yield list(_attacked(folder, seed + number))
+        yield list(_attacked(folder, seed + number, recorded))
 
 
-def _attacked(folder: Path, seed: int) -> Iterator[str]:
+def _attacked(folder: Path, seed: int, recorded: bytes) -> Iterator[str]:
     """Yield what is wrong with a robot, its driver and their watchers after an attack."""
     drawn = random.Random(f"live {seed}")
     url = f"udpm://239.255.96.{os.getpid() % 250 + 1}:{20_000 + (os.getpid() + seed) % 10_000}?ttl=0"
@@ -58,6 +65,8 @@ def _attacked(folder: Path, seed: int) -> Iterator[str]:
         _begun(folder, "driver", "run", drawn.choice(("navigate_live", "navigate_robot")), *_live_words(url, "driver")),
         *(_begun(folder, words[0], *words, *_watch_words(words[0], url)) for words in watchers),
     ]
+    (folder / "played.lcmlog").write_bytes(spoiled_bytes(recorded, drawn))
+    play = _begun(folder, "play", "play", "played.lcmlog", "--loop", "--url", url)
     view = _begun(folder, "view", "view", url, "--port", "0")
     place = _place_of(view)
     sender = [sys.executable, "-m", "attacks.hostile_sender", url, str(_SENDS_S), str(seed)]
@@ -67,8 +76,9 @@ def _attacked(folder: Path, seed: int) -> Iterator[str]:
         process.wait()
     if not answers(place):
         yield "view: does not answer any more"
-    view.process.send_signal(signal.SIGINT)
-    for program in (*programs, view):
+    for program in (play, view):
+        program.process.send_signal(signal.SIGINT)
+    for program in (*programs, play, view):
         yield from (f"{program.name}: {fault}" for fault in faults(_end_of(program)))
     replayed = outcome_of([*COMMAND, "replay", "driver"], folder=folder)
     yield from (f"replay: {fault}" for fault in faults(replayed))
