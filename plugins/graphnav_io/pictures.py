@@ -16,6 +16,8 @@ from graphnav_io.picture_size import MAX_BYTES, check_header
 from graphnav_io.quiet import quiet
 
 SUFFIXES = frozenset((".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm"))
+_PNG_SIGNATURE_BYTES, _PNG_CHUNK_BYTES = 8, 12
+"""Of a file's begin, and of a chunk beside its content: length, type and checksum."""
 
 
 def is_pictures(path: Path) -> bool:
@@ -66,7 +68,7 @@ def read_picture(file: Path) -> Bytes:
     if not data:
         raise ValueError(f"'{file}' is empty")
     if not _is_complete(data):
-        raise ValueError(f"'{file}' is truncated")
+        raise ValueError(f"'{file}' is truncated or damaged")
     try:
         check_header(data)
     except ValueError as error:
@@ -132,9 +134,17 @@ def _is_complete(data: bytes) -> bool:
     """Return whether a JPEG or PNG is complete; decoders fill missing parts with gray and only warn."""
     if data.startswith(b"\xff\xd8"):
         return data.rfind(b"\xff\xd9") > data.rfind(b"\xff\xda")
-    if data.startswith(b"\x89PNG"):
-        return b"IEND" in data[-64:]
-    return True
+    return not data.startswith(b"\x89PNG") or _chunks_end(data)
+
+
+def _chunks_end(data: bytes) -> bool:
+    """Return whether the chunks of a PNG lead to its end, each within the file: decoders reserve what one declares."""
+    at = _PNG_SIGNATURE_BYTES
+    while at + _PNG_CHUNK_BYTES <= len(data):
+        if data[at + 4 : at + 8] == b"IEND":
+            return True
+        at += _PNG_CHUNK_BYTES + int.from_bytes(data[at : at + 4], "big")
+    return False
 
 
 def _suffixes() -> str:

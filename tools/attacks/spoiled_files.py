@@ -18,9 +18,10 @@ ROOT = Path(__file__).resolve().parents[2]
 GRAPHS = ROOT / "graphs" / "graphnav_graphs"
 _PICTURES_GRAPH = """\
 stages:
-  camera: {use: io.images, with: {path: %s}}
+  camera: {use: %s, with: {path: %s}}
   flow: {use: flow.lucas_kanade, in: {image: camera.image}}
 """
+_VIDEOS = {"video.avi": "MJPG", "video.mp4": "mp4v"}
 _STUDY_WORDS = (
     "--vary",
     "steer=steer.pca,steer.random",
@@ -85,7 +86,7 @@ def _study(scratch: Path, drawn: random.Random) -> Case:
     file = scratch / "study.yaml"
     file.write_bytes(spoiled_yaml(text, drawn))
     # So many runs that they would have to be confirmed, which cannot be done here.
-    return Case(["ablate", str(file), "--seeds", "0:2000", "-o", str(scratch / "study")], file)
+    return Case(["ablate", str(file), "--seeds", "0:1001", "-o", str(scratch / "study")], file)
 
 
 def _prepare_plan(scratch: Path) -> None:
@@ -113,6 +114,11 @@ def _prepare_pictures(scratch: Path) -> None:
     noise = np.random.default_rng(0)
     for k, suffix in enumerate(("png", "jpg", "bmp", "tiff", "pgm")):
         cv2.imwrite(str(scratch / "good" / f"{k}.{suffix}"), noise.integers(0, 256, (24, 32), np.uint8))
+    for name, codec in _VIDEOS.items():
+        video = cv2.VideoWriter(str(scratch / "good" / name), cv2.VideoWriter.fourcc(*codec), 10.0, (64, 48))
+        for _ in range(5):
+            video.write(noise.integers(0, 256, (48, 64, 3), np.uint8))
+        video.release()
 
 
 def _picture(scratch: Path, drawn: random.Random) -> Case:
@@ -126,7 +132,8 @@ def _picture(scratch: Path, drawn: random.Random) -> Case:
     file = folder / good.name
     file.write_bytes(spoiled_bytes(bytes(data), drawn))
     graph = scratch / "graph.yaml"
-    graph.write_text(_PICTURES_GRAPH % f'"{folder}/*{good.suffix}"')
+    camera = ("io.video", file) if good.name in _VIDEOS else ("io.images", f"{folder}/*{good.suffix}")
+    graph.write_text(_PICTURES_GRAPH % (camera[0], f'"{camera[1]}"'))
     if drawn.random() < 0.5:
         return Case(["check", str(graph)], file)
     return Case(["run", str(graph), "--no-tap", "--no-pictures", "--until", "1", "-o", str(_new(scratch))], file)

@@ -36,6 +36,15 @@ def test_a_picture_of_impossible_size_is_not_decoded(side: int, tmp_path: Path) 
         Images(path=tmp_path).check()
 
 
+@pytest.mark.parametrize("chunk", [b"tEXt", b"IDAT", b"iCCP"])
+def test_a_chunk_that_is_longer_than_the_file_is_not_decoded(chunk: bytes, tmp_path: Path) -> None:
+    good = png(8, 8)
+    at = good.index(b"IDAT") - 4
+    (tmp_path / "1.png").write_bytes(good[:at] + struct.pack(">I", 0x7FFFFFFF) + chunk + good[at:])
+    with pytest.raises(ValueError, match=r"1\.png' is truncated or damaged"):
+        read_picture(tmp_path / "1.png")
+
+
 @pytest.mark.parametrize("side", [40_000, 100_000])
 def test_a_picture_of_impossible_size_is_no_video(side: int, tmp_path: Path) -> None:
     (tmp_path / "1.png").write_bytes(png(side, side))

@@ -114,7 +114,7 @@ def test_a_first_picture_that_is_none_is_refused_before_the_run(folder: Path) ->
 BROKEN: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     "text": (lambda _: b"no picture", "is not a picture that OpenCV can read"),
     "empty": (lambda _: b"", "is empty"),
-    "cut": (lambda data: data[: len(data) // 2], "is truncated"),
+    "cut": (lambda data: data[: len(data) // 2], "is truncated or damaged"),
     "garbled": (lambda data: data[:50] + bytes(20) + data[70:], "is not a picture that OpenCV can read"),
 }
 
@@ -143,7 +143,7 @@ def test_a_jpeg_that_was_cut_off_is_not_shown_half_gray(tmp_path: Path, capfd: p
     cv2.imwrite(str(file), noise)
     Images(path=file).check()
     file.write_bytes(file.read_bytes()[:-200])
-    assert refusal(Images(path=file)) == f"'{file}' is truncated"
+    assert refusal(Images(path=file)) == f"'{file}' is truncated or damaged"
     assert capfd.readouterr() == ("", "")
 
 
