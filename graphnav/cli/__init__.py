@@ -6,6 +6,7 @@ import argparse
 import importlib
 import io
 import os
+import re
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -51,10 +52,14 @@ COMMANDS = {
 
 FOR_A_READER = {"spy", "echo", "hz", "bw", "top", "info"}
 """Commands that exit on a broken pipe; all others finish their work."""
+_EMPTIED = re.compile("(--[^=]+)=--|(-[A-Za-z])--")
 
 
 class _Intermixed(argparse.ArgumentParser):
-    """Accepts options between positional arguments: before Python 3.12 ``echo CHANNEL -n 1 LOG`` loses LOG."""
+    """Accepts options between positional arguments: before Python 3.12 ``echo CHANNEL -n 1 LOG`` loses LOG.
+
+    Refuses ``--option=--``, of which older versions of Python make an empty list.
+    """
 
     _is_within = False
 
@@ -62,6 +67,10 @@ class _Intermixed(argparse.ArgumentParser):
         """Parse options first, then positional arguments."""
         if self._is_within:
             return super().parse_known_args(args, namespace)
+        words = list(sys.argv[1:] if args is None else args)
+        for word in words[: words.index("--") if "--" in words else None]:
+            if found := _EMPTIED.fullmatch(word):
+                self.error(f"argument {found[1] or found[2]}: '--' is not a value")
         self._is_within = True
         try:
             return self.parse_known_intermixed_args(args, namespace)

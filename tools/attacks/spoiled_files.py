@@ -1,4 +1,4 @@
-"""Spoiled graphs, maps, studies, plans, pictures and logs, and the commands that read them."""
+"""Spoiled graphs, maps, studies, plans, pictures, logs and options, and the commands that read them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from attacks.hostile_options import hostile_words
 from attacks.python_door import DOOR, DOORS
 from attacks.spoil import spoiled_bytes, spoiled_json, spoiled_text, spoiled_yaml
 from graphnav.cli import main
@@ -176,6 +177,11 @@ def _door(scratch: Path, drawn: random.Random) -> Case:
     return Case([DOOR, name, str(file), str(drawn.randrange(10**6))], file)
 
 
+def _options(scratch: Path, drawn: random.Random) -> Case:
+    """Return hostile options of a command; the log that it may read is as it should be."""
+    return Case(hostile_words(drawn), scratch / "good" / "run.lcmlog")
+
+
 def _new(scratch: Path) -> Path:
     """Return the path of a folder that does not exist."""
     out = scratch / "out"
@@ -190,5 +196,6 @@ KINDS = {
     "plans": Kind(_prepare_plan, _plan),
     "pictures": Kind(_prepare_pictures, _picture),
     "logs": Kind(_prepare_log, _log),
+    "options": Kind(_prepare_log, _options),
     "python": Kind(_prepare_door, _door),
 }

@@ -49,6 +49,13 @@ def test_nothing_is_listened_for_less_than_a_moment(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("words", [["hz", "--for=--"], ["check", "corridor_ccw", "--set=--"], ["run", "g", "-o--"]])
+def test_two_dashes_are_not_the_value_of_an_option(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert ": '--' is not a value" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("words", [["stages", "plane.ica"], ["draw", "corridor_ccw"], ["check", "corridor_ccw"]])
 def test_a_terminal_that_lacks_letters_gets_question_marks(monkeypatch: pytest.MonkeyPatch, words: list[str]) -> None:
     terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii", newline="\n")
