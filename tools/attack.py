@@ -31,6 +31,8 @@ from attacks.verdict import MAX_S, Outcome, faults
 
 N_SHORT, N_LONG, N_COMMANDS = 60, 5000, 200
 """Spoiled files of each kind, and how many of them in a long attack are read by a command line of its own."""
+N_LONG_OF = {"logs": 2000, "options": 2000, "python": 2000}
+"""Of kinds that take longer, or are no files, in a long attack."""
 MESSAGES, SIGNALS, DISKS, STAGES, LIVE = "messages", "signals", "disks", "stages", "live"
 COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120), STAGES: (12, 1000), LIVE: (1, 20)}
 """Hostile messages, runs to which signals are sent, disks that become full, misbehaving stages (at most all) and live
@@ -43,17 +45,17 @@ def main() -> int:
     """Attack; return 1 if anything is wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(_ALL)} (default: all)")
-    parser.add_argument("--long", action="store_true", help=f"{N_LONG} files of each kind instead of {N_SHORT}")
+    parser.add_argument("--long", action="store_true", help=f"{N_LONG} files of most kinds instead of {N_SHORT}")
     parser.add_argument("-n", type=int, help="so many files of each kind")
     parser.add_argument("--seed", type=int, default=0, help="of the first file; each has the next one (default 0)")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep the files that do harm here")
     args = parser.parse_args()
     if unknown := set(args.kinds) - set(_ALL):
         parser.error(f"no kind {', '.join(sorted(unknown))}: kinds are {', '.join(_ALL)}")
-    count = args.n or (N_LONG if args.long else N_SHORT)
     n_wrong = 0
     for kind in args.kinds or _ALL:
         if kind in KINDS:
+            count = args.n or (N_LONG_OF.get(kind, N_LONG) if args.long else N_SHORT)
             n_wrong += attack(kind, count, args.seed, args.keep, by_command=args.long)
         else:
             n_wrong += disturb(kind, args.n, args.seed, is_long=args.long)
