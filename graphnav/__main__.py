@@ -2,6 +2,7 @@
 
 import sys
 
+from graphnav.machine.leftover_threads import end_despite_threads
 from graphnav.machine.start_up import end_at_interrupt
 
 
@@ -10,7 +11,9 @@ def main() -> int:
     end_at_interrupt()
     from graphnav import cli  # noqa: PLC0415 - it takes time, in which Ctrl-C may come
 
-    return cli.main()
+    status = cli.main()
+    end_despite_threads(status)
+    return status
 
 
 if __name__ == "__main__":

@@ -314,7 +314,8 @@ def _import_file(path: Path) -> ModuleType:
         with third_party_code():
             spec.loader.exec_module(module)
     except SyntaxError as error:
-        raise CatalogError(f"plugin {path}:{error.lineno}: {error.msg}") from error
+        where = f"{path}:{error.lineno}" if error.lineno else str(path)
+        raise CatalogError(f"plugin {where}: {error.msg}") from error
     except USER_ENDS:
         raise
     except BaseException as error:

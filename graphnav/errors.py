@@ -33,9 +33,10 @@ class Place:
     column: int = 0
 
     def __str__(self) -> str:
+        file = shown_name(self.file)
         if not self.line:
-            return self.file
-        return f"{self.file}:{self.line}:{self.column}" if self.column else f"{self.file}:{self.line}"
+            return file
+        return f"{file}:{self.line}:{self.column}" if self.column else f"{file}:{self.line}"
 
 
 @dataclass(frozen=True)
@@ -178,8 +179,8 @@ def did_you_mean(word: str, known: Iterable[str], renamed: Mapping[str, str] = M
 
 def one_line(error: BaseException) -> str:
     """Return an exception's type and message in one line, even if its ``__str__`` raises."""
-    message = message_line(error)
-    return f"{type(error).__name__}: {message}" if message else type(error).__name__
+    message, name = message_line(error), shown_name(type(error).__name__)
+    return f"{name}: {message}" if message else name
 
 
 def message_line(error: BaseException) -> str:
@@ -242,9 +243,9 @@ def _escape(char: str) -> str:
 def shown_path(path: Path) -> str:
     """Return a path as errors name it: from the working folder where it lies below."""
     try:
-        return str(path.resolve().relative_to(Path.cwd()))
+        return shown_name(str(path.resolve().relative_to(Path.cwd())))
     except ValueError:
-        return str(path)
+        return shown_name(str(path))
 
 
 def shown_name(name: str) -> str:

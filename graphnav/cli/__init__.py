@@ -123,6 +123,7 @@ def _status_of(args: argparse.Namespace) -> int:
         raise_at_interrupt()
         try:
             _choose_instruction_set(getattr(args, "portable", None))
+            _require_working_folder()
             status = int(args.main(args))
             if sys.stdout is not None:
                 sys.stdout.flush()
@@ -146,12 +147,22 @@ def _status_of(args: argparse.Namespace) -> int:
     except ReaderLeftError:
         return PIPE_CLOSED
     except OSError as error:
-        print(
-            f"stopped: {error.strerror or error}" + (f": {error.filename}" if error.filename else ""),
-            file=sys.stderr,
-        )
+        where = f": {error.filename}" if error.filename else ""
+        print(f"stopped: {error.strerror or error}{where}", file=sys.stderr)
         return FAILED
     return status
+
+
+def _require_working_folder() -> None:
+    """Raise UserError if the working folder was removed: paths mean nothing then."""
+    from graphnav.errors import UserError
+
+    try:
+        os.getcwd()
+    except OSError as error:
+        raise UserError.of(
+            "the working folder does not exist any more", "change to one that does, such as: cd ~"
+        ) from error
 
 
 def _choose_instruction_set(portable: bool | None) -> None:  # noqa: FBT001 - an option's value
@@ -174,7 +185,12 @@ def _complete() -> None:
 
 
 def _show_what_the_terminal_can() -> None:
-    """Replace characters that the terminal's encoding lacks with a question mark, instead of failing."""
+    """Replace characters that the terminal's encoding lacks with a question mark, instead of failing.
+
+    A width of 0, which some terminals declare, is none: nothing would be shown.
+    """
+    if os.environ.get("COLUMNS", "").strip("0") == "":
+        os.environ.pop("COLUMNS", None)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")

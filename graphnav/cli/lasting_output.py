@@ -19,7 +19,8 @@ def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
     ``for_a_reader``: whether the command only prints; then a ReaderLeftError ends it.
     """
     old = sys.stdout, sys.stderr
-    sys.stdout, sys.stderr = new = tuple(_lasting(stream, for_a_reader=for_a_reader) for stream in old)
+    named = zip(old, ("standard output", "standard error"), strict=True)
+    sys.stdout, sys.stderr = new = tuple(_lasting(*one, for_a_reader=for_a_reader) for one in named)
     try:
         yield
     finally:
@@ -29,10 +30,10 @@ def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
         sys.stdout, sys.stderr = old
 
 
-def _lasting(stream: Any, *, for_a_reader: bool) -> Any:
+def _lasting(stream: Any, name: str, *, for_a_reader: bool) -> Any:
     """Return a stream to the same file; the stream itself if there is no file, as in a test."""
     try:
-        raw = _LastingFile(stream.fileno(), for_a_reader=for_a_reader)
+        raw = _LastingFile(stream.fileno(), name, for_a_reader=for_a_reader)
     except (AttributeError, io.UnsupportedOperation):
         return stream
     stream.flush()
@@ -52,8 +53,9 @@ class ReaderLeftError(OSError):
 class _LastingFile(io.FileIO):
     """A file that discards all output after the first failed write."""
 
-    def __init__(self, fd: int, *, for_a_reader: bool) -> None:
+    def __init__(self, fd: int, shown_name: str, *, for_a_reader: bool) -> None:
         super().__init__(fd, "w", closefd=False)
+        self._shown_name = shown_name
         self._for_a_reader = for_a_reader
 
     def write(self, data: Any) -> int:
@@ -66,7 +68,7 @@ class _LastingFile(io.FileIO):
             os.dup2(nowhere, self.fileno())  # for buffered output, and for child processes
             os.close(nowhere)
             if not (isinstance(error, BrokenPipeError) or is_closed_terminal):
-                raise
+                raise OSError(error.errno, error.strerror, self._shown_name) from error
             if self._for_a_reader:
                 raise ReaderLeftError from error
             return memoryview(data).nbytes

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load, seconds
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.errors import DrawingError, GraphnavError
+from graphnav.errors import DrawingError, GraphnavError, shown_name
 from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
@@ -129,8 +129,9 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
 
 def _listing(folder: Path, files: list[str], width: int | None) -> str:
     """Return the folder with its files, on two lines where one is too long for ``width``."""
-    line = f"{folder}: {', '.join(files)}"
-    return line if width is None or len(line) <= width else f"{folder}:\n  {', '.join(files)}"
+    name = shown_name(str(folder))
+    line = f"{name}: {', '.join(files)}"
+    return line if width is None or len(line) <= width else f"{name}:\n  {', '.join(files)}"
 
 
 def _live_notice(args: argparse.Namespace, graph: Graph) -> str:

@@ -92,7 +92,7 @@ class Unit:
             self.calls.end()
         self.durations.add(end - begin)
         if result is not None:
-            self._publish_all(utime, result)
+            self._put_out(utime, result)
         return outcome
 
     @contextmanager
@@ -143,6 +143,15 @@ class Unit:
             raise
         except BaseException as error:
             raise self._failure(utime, failure_line(error)) from error
+
+    def _put_out(self, utime: int, result: Any) -> None:
+        """Publish the outputs, which may be objects of the plugin's own classes: what they raise is the stage's."""
+        try:
+            self._publish_all(utime, result)
+        except (GraphnavError, OSError, *USER_ENDS):  # of the log and the network, or a failure already
+            raise
+        except BaseException as error:
+            raise self._failure(utime, f"outputs: {failure_line(error)}") from error
 
     def _publish_all(self, utime: int, result: Any) -> None:
         if self._result is None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from attacks.misbehaving_plugins import HOOKS, plugin_text
 from attacks.own_process import COMMAND, outcome_of
 from attacks.verdict import faults
-from attacks.zoo_stages import KINDS, SUMMARIES
+from attacks.zoo_stages import INTRUSIONS, KINDS, SUMMARIES
 
 ZOO = Path(__file__).resolve().parent / "zoo_stages.py"
 _GRAPH = """\
@@ -20,7 +20,7 @@ stages:
   c: {{use: zoo.clock{clock}}}
   b: {{use: {use}, in: {{twist: c.twist}}}}
 """
-_BEFORE, _IN_RUN = ("__init__", "check"), ("reset", "step", "summary", "close")
+_BEFORE, _IN_RUN, _WITHIN = ("__init__", "check"), ("reset", "step", "summary", "close"), ("outputs",)
 _REFUSED, _FAILED, _FINE = 2, 1, 0
 _STALL_S = 1
 
@@ -40,7 +40,7 @@ class Misbehaviour(NamedTuple):
 def misbehaviours() -> Iterator[Misbehaviour]:
     """Yield every misbehaving stage with every method, and every misbehaving plugin."""
     for kind in KINDS:
-        for method in (*_BEFORE, *_IN_RUN):
+        for method in (*_BEFORE, *_IN_RUN, *_WITHIN):
             use = f"zoo.animal, with: {{kind: {kind}, method: {method}}}"
             yield Misbehaviour(f"{kind} in {method}", _graph(use), _REFUSED if method in _BEFORE else _FAILED)
         yield Misbehaviour(f"{kind} in due_us", _graph("zoo.animal", f", with: {{kind: {kind}}}"), _FAILED)
@@ -55,6 +55,8 @@ def misbehaviours() -> Iterator[Misbehaviour]:
     for method in ("step", "__init__"):
         yield Misbehaviour(f"chdir in {method}", _graph(f"zoo.mover, with: {{method: {method}}}"), _FINE)
     yield Misbehaviour("changes its input", _graph("zoo.meddler"), _FINE)
+    for kind in INTRUSIONS:
+        yield Misbehaviour(f"meddles with the process: {kind}", _graph(f"zoo.intruder, with: {{kind: {kind}}}"), _FINE)
     for kind in ("exit", "fault"):
         yield Misbehaviour(f"ends the process: {kind}", _graph(f"zoo.killer, with: {{kind: {kind}}}"), None)
 

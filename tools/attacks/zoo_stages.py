@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar, NoReturn
 
 from graphnav import Metric, Source, Stage, Twist, hookimpl, param
@@ -54,6 +55,11 @@ def misbehave(kind: str) -> NoReturn:
     raise KINDS[kind]
 
 
+def misbehaving_twist(kind: str) -> Twist:
+    """Return a message each of whose attributes raises."""
+    return object.__new__(type("Sly", (Twist,), {"__getattribute__": lambda *_: misbehave(kind)}))
+
+
 class Clock(Source):
     """Publishes a speed; may misbehave where a source is asked when it is due."""
 
@@ -92,6 +98,8 @@ class Animal(Stage):
         self._steps += 1
         if self._steps == 3:
             self._maybe("step")
+            if self.method == "outputs":
+                return misbehaving_twist(self.kind)
         return twist
 
     def summary(self) -> Mapping[str, float]:
@@ -174,6 +182,37 @@ class Meddler(Stage):
         del twist.__dict__["omega_radps"]
 
 
+class Intruder(Stage):
+    """Does in its third step what concerns the entire process."""
+
+    kind: str = param("", doc="what it does")
+
+    def reset(self, seed: int) -> None:
+        self._steps = 0
+
+    def step(self, twist: Twist) -> None:
+        self._steps += 1
+        if self._steps == 3:
+            INTRUSIONS[self.kind]()
+
+
+def _replace_streams() -> None:
+    sys.stdout = sys.stderr = None
+
+
+def _close_streams() -> None:
+    sys.stdout.close()
+    sys.stderr.close()
+
+
+INTRUSIONS: dict[str, Callable[[], object]] = {
+    "fork": os.fork,
+    "thread": lambda: threading.Thread(target=threading.Event().wait, name="lost\x1b[2J").start(),
+    "replace_streams": _replace_streams,
+    "close_streams": _close_streams,
+}
+
+
 class Speed(Stage):
     """Reports the fastest speed of its input."""
 
@@ -234,4 +273,4 @@ class Killer(Stage):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Clock, Animal, Killer, Liar, Meddler, Mover, Sleeper, Speed]
+    return [Clock, Animal, Intruder, Killer, Liar, Meddler, Mover, Sleeper, Speed]

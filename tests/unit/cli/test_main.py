@@ -73,4 +73,32 @@ def test_a_full_disk_behind_the_terminal_is_said(
     with io.TextIOWrapper(io.FileIO("/dev/full", "w"), write_through=True) as full:
         monkeypatch.setattr(sys, "stdout", full)
         assert main(words) == 1
-    assert capsys.readouterr().err == "stopped: No space left on device\n"
+    assert capsys.readouterr().err == "stopped: No space left on device: standard output\n"
+
+
+def test_a_removed_working_folder_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    folder.rmdir()
+    assert main(["check", "corridor_ccw"]) == 2
+    assert (
+        capsys.readouterr().err
+        == "the working folder does not exist any more\n  change to one that does, such as: cd ~\n"
+    )
+
+
+@pytest.mark.parametrize("columns", ["0", "00", ""])
+def test_a_terminal_without_width_is_printed_to(
+    columns: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    assert main(["check", "corridor_ccw"]) == 0
+    assert "corridor_ccw.yaml is fine" in capsys.readouterr().out
+
+
+def test_line_breaks_in_names_make_no_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "a\nb"]) == 2
+    assert capsys.readouterr().err.startswith("a\\nb: there is no such graph\n")

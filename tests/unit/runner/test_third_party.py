@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from attacks.misbehaving_plugins import HOOKS, plugin_text
-from attacks.zoo_stages import KINDS, SUMMARIES
+from attacks.zoo_stages import INTRUSIONS, KINDS, SUMMARIES
 
 from graphnav import Recording
 from graphnav.catalog import Catalog
@@ -84,7 +84,7 @@ def is_one_line(text: str) -> bool:
     return "\n" not in text and "Traceback" not in text and len(text) < 1500
 
 
-@pytest.mark.parametrize("method", ["reset", "step", "summary", "close"])
+@pytest.mark.parametrize("method", ["reset", "step", "outputs", "summary", "close"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_whatever_a_stage_raises_in_a_run_names_it_and_leaves_the_record(
     run: Callable[[str], tuple[Summary, Recording]], kind: str, method: str
@@ -94,7 +94,7 @@ def test_whatever_a_stage_raises_in_a_run_names_it_and_leaves_the_record(
     assert summary.failure.startswith("stage 'b' (zoo.animal) failed at ")
     assert is_one_line(summary.failure)
     assert log.truncated is None
-    assert log.count("c.twist") == {"reset": 0, "step": 3}.get(method, 11)
+    assert log.count("c.twist") == {"reset": 0, "step": 3, "outputs": 3}.get(method, 11)
     if method != "reset":
         assert summary.scores["good"]["steps"] == log.count("c.twist")
 
@@ -231,6 +231,19 @@ def test_a_stage_that_hangs_ends_the_run_with_log_and_summary(tmp_path: Path, me
         assert log.truncated is None
         assert log.count("c.twist") == {"reset": 0, "step": 3}.get(method, 11)
     assert not (tmp_path / "out" / "progress").exists()
+
+
+@pytest.mark.parametrize("kind", INTRUSIONS)
+def test_what_a_stage_does_to_the_process_harms_no_run(tmp_path: Path, kind: str) -> None:
+    done = command(tmp_path, graph_text(f"intruder, with: {{kind: {kind}}}"), "--no-pictures")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("time limit reached after 1.0 s") == 1
+    assert done.stdout.count("out: run.lcmlog") == 1
+    lost = "ended with threads that a plugin left running: lost\\x1b[2J\n"
+    assert done.stderr == (lost if kind == "thread" else "")
+    with Recording(tmp_path / "out" / LOG) as log:
+        assert log.truncated is None
+        assert log.count("c.twist") == 11
 
 
 @pytest.mark.parametrize("words", ["0", "-1", "nan", "soon", "1e10"])
