@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import time
 from pathlib import Path
 
 import pytest
 from attack import COUNTS, DISKS, attack, disturb
+from attacks.own_time import OwnTime
 from attacks.spoiled_files import KINDS
 from attacks.verdict import Outcome, faults
 
@@ -59,3 +62,11 @@ def test_what_does_harm_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr("attack.faults", lambda _, **__: ["harm"])
     assert attack("graphs", 2, 7, tmp_path / "kept", by_command=False) == 2
     assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["graphs-7-graph.yaml", "graphs-8-graph.yaml"]
+
+
+def test_the_own_time_of_a_process_is_at_most_what_has_passed() -> None:
+    begin_s = time.monotonic()
+    of_this, of_none = OwnTime(os.getpid()), OwnTime(2**22 + 1)
+    time.sleep(0.05)
+    assert 0.0 <= of_this.elapsed_s() <= time.monotonic() - begin_s
+    assert 0.05 <= of_none.elapsed_s() <= time.monotonic() - begin_s, "nothing is known of a process that has ended"

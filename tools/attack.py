@@ -92,7 +92,7 @@ def attack(kind: str, count: int, seed: int, keep: Path | None, *, by_command: b
 
 
 def _twice_if_slow(run: Callable[[], Outcome]) -> Outcome:
-    """Return the outcome of a command, of a second time if it was slow: other programs may have had the processors."""
+    """Return the outcome of a command, of a second time if it was slow: other programs may have had the disk."""
     outcome = run()
     return run() if outcome.elapsed_s > MAX_S else outcome
 

@@ -9,15 +9,18 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from attacks.own_process import COMMAND, outcome_of
+from attacks.own_time import OwnTime
 from attacks.verdict import MAX_S, Outcome, faults
 
 _FLOOD = Path(__file__).resolve().parents[1] / "flood_spy.py"
 _UNTIL_S = "3"
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _LATEST_S = 3.0
+_LOOK_S = 0.5
 _ENDED = {0, 1, 130}
 """Of a run that was told to stop: finished before, failed, stopped."""
 
@@ -48,29 +51,24 @@ def signals(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
     for number in range(count):
         drawn = random.Random(f"signals {seed + number}")
         sent, folder = drawn.choice(_SIGNALS), scratch / f"stopped-{number}"
-        begin_s = time.monotonic()
         process = subprocess.Popen(
             _words(folder, "60"),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
         )
+        own_time = OwnTime(process.pid)
         time.sleep(drawn.uniform(0.0, _LATEST_S))
         n_sent = drawn.choice((1, 1, 2))
         for _ in range(n_sent):
             process.send_signal(sent)
             time.sleep(0.02)
-        try:
-            output, _ = process.communicate(timeout=MAX_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
+        output = _output_of(process, own_time, own_time.elapsed_s() + MAX_S)
+        if output is None:
             yield [f"{sent.name} does not end it"]
             continue
         status = process.returncode
-        outcome = Outcome(
-            0 if status in _ENDED else status, output.decode("utf-8", "replace"), time.monotonic() - begin_s, 0.0
-        )
+        outcome = Outcome(0 if status in _ENDED else status, output, own_time.elapsed_s(), 0.0)
         # Before Python handles signals the system ends the process, and a second one ends it at once.
         is_at_once = status == -sent and (n_sent > 1 or not folder.exists())
         found = [fault for fault in faults(outcome) if not is_at_once or fault.startswith("prints")]
@@ -82,6 +80,16 @@ def signals(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
         if summary.exists() and not summary.stat().st_size:
             found.append("leaves an empty summary")
         yield [f"{sent.name}: {fault}" for fault in found]
+
+
+def _output_of(process: subprocess.Popen[bytes], own_time: OwnTime, end_s: float) -> str | None:
+    """Return what a process has printed when it ended; None, and kill it, if it has not at a time of its own."""
+    while own_time.elapsed_s() < end_s:
+        with suppress(subprocess.TimeoutExpired):
+            return process.communicate(timeout=_LOOK_S)[0].decode("utf-8", "replace")
+    process.kill()
+    process.communicate()
+    return None
 
 
 def _words(folder: Path, until_s: str = _UNTIL_S) -> list[str]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from attacks.memory import peak_mb
+from attacks.own_time import OwnTime
 from attacks.python_door import DOOR
 from attacks.verdict import MAX_S, Outcome
 
@@ -31,7 +32,6 @@ def outcome_of(
     words: Sequence[str], *, folder: Path | None = None, environment: Mapping[str, str] = os.environ
 ) -> Outcome:
     """Run a command line in a folder; it is killed if it has not ended after three times the limit of `MAX_S`."""
-    begin_s = time.monotonic()
     peak = 0.0
     with tempfile.TemporaryFile() as printed:
         process = subprocess.Popen(
@@ -42,7 +42,8 @@ def outcome_of(
             cwd=folder,
             env={**environment, "PYTHONPATH": str(TOOLS)},
         )
-        while process.poll() is None and time.monotonic() - begin_s < _WAIT_S:
+        own_time, elapsed_s = OwnTime(process.pid), 0.0
+        while process.poll() is None and (elapsed_s := own_time.elapsed_s()) < _WAIT_S:
             peak = max(peak, peak_mb(process.pid))
             time.sleep(_LOOK_S)
         status = process.poll()
@@ -50,4 +51,4 @@ def outcome_of(
         process.wait()
         printed.seek(0)
         output = printed.read().decode("utf-8", "replace")
-    return Outcome(status, output, time.monotonic() - begin_s, peak)
+    return Outcome(status, output, elapsed_s, peak)

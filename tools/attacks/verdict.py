@@ -16,7 +16,7 @@ _TRACEBACK = "Traceback (most recent call last)"
 
 
 class Outcome(NamedTuple):
-    """The end of a command: its status, what it printed, the time and the process's peak of memory until then.
+    """The end of a command: its status, what it printed, its own time and the process's peak of memory until then.
 
     ``status``: None if it did not end; ``escaped``: an exception that it let out; ``cpu_s``: processor time, 0 if that
     was not measured.
