@@ -22,10 +22,10 @@ _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % 
 def pytest_configure() -> None:
     """Keep tests that run at the same time apart; let what tests start be interrupted.
 
-    A background job ignores these signals, and hands that on.
+    A background job ignores these signals, and hands that on. Property tests try the same examples in every run.
     """
     os.environ["LCM_DEFAULT_URL"] = _URL
-    hypothesis.settings.register_profile("any machine", deadline=None)
+    hypothesis.settings.register_profile("any machine", deadline=None, derandomize=True)
     hypothesis.settings.load_profile("any machine")
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_IGN:

@@ -19,6 +19,8 @@ DOORS = {
     "graphnav/render/html_templates.py": "escapes what templates show",
     "graphnav/ablation/worker/serve_tasks.py": "prints tracebacks to the streams that escape",
     "graphnav/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
+    "graphnav/runner/stage_calls.py": "restores the streams that a stage has replaced",
+    "graphnav/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",
     "graphnav/cli/status_line.py": "rewrites a line, and escapes what it shows",
     "graphnav/cli/lasting_output.py": "the streams below those that escape",
     "graphnav/cli/spy.py": "asks whether there is a terminal for a full screen",

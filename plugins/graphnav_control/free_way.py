@@ -37,4 +37,4 @@ def kept_m(map: LocalMap, theta_rad: float, way_m: float) -> float:  # noqa: A00
 def safe_speed_mps(way_m: float, max_decel_mps2: float, reaction_s: float) -> float:
     """Return the speed from which a robot that reacts after ``reaction_s`` stops within ``way_m``, m/s."""
     waste_mps = max_decel_mps2 * reaction_s
-    return math.sqrt(waste_mps**2 + 2 * max_decel_mps2 * max(way_m, 0.0)) - waste_mps
+    return max(0.0, math.sqrt(waste_mps**2 + 2 * max_decel_mps2 * max(way_m, 0.0)) - waste_mps)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from graphnav_control.free_way import free_way_m, safe_speed_mps
 from graphnav_control.nonholonomic import Nonholonomic
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from graphnav import Latest, LocalMap, Stamp, Steering, Twist
@@ -68,6 +68,7 @@ def test_in_touch_the_robot_may_leave_but_not_press_on(draw_map: DrawMap) -> Non
     assert free_way_m(map_, RADIUS_M, -1.0) > 1.0
 
 
+@example(way_m=0.0, decel=1.0, reaction_s=2.2250738585e-313)
 @given(way_m=st.floats(0, 20), decel=st.floats(0.05, 5), reaction_s=st.floats(0, 2))
 def test_the_safe_speed_is_the_fastest_that_stops_in_time(way_m: float, decel: float, reaction_s: float) -> None:
     speed_mps = safe_speed_mps(way_m, decel, reaction_s)
