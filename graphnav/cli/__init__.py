@@ -53,6 +53,7 @@ COMMANDS = {
 FOR_A_READER = {"spy", "echo", "hz", "bw", "top", "info"}
 """Commands that exit on a broken pipe; all others finish their work."""
 _EMPTIED = re.compile("(--[^=]+)=--|(-[A-Za-z])--")
+"""Options with two dashes for a value."""
 
 
 class _Intermixed(argparse.ArgumentParser):

@@ -30,10 +30,10 @@ def lasting_output(*, for_a_reader: bool) -> Iterator[None]:
         sys.stdout, sys.stderr = old
 
 
-def _lasting(stream: Any, name: str, *, for_a_reader: bool) -> Any:
+def _lasting(stream: Any, label: str, *, for_a_reader: bool) -> Any:
     """Return a stream to the same file; the stream itself if there is no file, as in a test."""
     try:
-        raw = _LastingFile(stream.fileno(), name, for_a_reader=for_a_reader)
+        raw = _LastingFile(stream.fileno(), label, for_a_reader=for_a_reader)
     except (AttributeError, io.UnsupportedOperation):
         return stream
     stream.flush()
@@ -53,9 +53,9 @@ class ReaderLeftError(OSError):
 class _LastingFile(io.FileIO):
     """A file that discards all output after the first failed write."""
 
-    def __init__(self, fd: int, shown_name: str, *, for_a_reader: bool) -> None:
+    def __init__(self, fd: int, label: str, *, for_a_reader: bool) -> None:
         super().__init__(fd, "w", closefd=False)
-        self._shown_name = shown_name
+        self._label = label
         self._for_a_reader = for_a_reader
 
     def write(self, data: Any) -> int:
@@ -68,7 +68,7 @@ class _LastingFile(io.FileIO):
             os.dup2(nowhere, self.fileno())  # for buffered output, and for child processes
             os.close(nowhere)
             if not (isinstance(error, BrokenPipeError) or is_closed_terminal):
-                raise OSError(error.errno, error.strerror, self._shown_name) from error
+                raise OSError(error.errno, error.strerror, self._label) from error
             if self._for_a_reader:
                 raise ReaderLeftError from error
             return memoryview(data).nbytes

@@ -1,4 +1,4 @@
-"""The call into a stage that is in progress, as another thread sees it."""
+"""The call into a stage that is in progress, as another thread sees it, and what it may not leave behind."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ _HELD_S = 0.01
 
 
 class StageCalls:
-    """Notes every call into a stage of a run; ``mark`` gets stage, method and stamp before the call."""
+    """Notes every call into a stage of a run, and undoes after it what the call did to the process.
+
+    ``mark`` gets stage, method and stamp before the call.
+    """
 
     def __init__(self, mark: Callable[[str, str, int], None] | None = None) -> None:
         self.current: Call | None = None

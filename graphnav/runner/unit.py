@@ -14,7 +14,7 @@ from graphnav.interrupts import USER_ENDS
 from graphnav.messages import Message
 from graphnav.runner.durations import Durations
 from graphnav.runner.stage_calls import StageCalls
-from graphnav.stage import Finished, Source, Stage, Stamped, ports_of
+from graphnav.stage import Finished, Port, Source, Stage, Stamped, ports_of
 
 Publish = Callable[[Channel, int, Message], None]
 
@@ -92,7 +92,7 @@ class Unit:
             self.calls.end()
         self.durations.add(end - begin)
         if result is not None:
-            self._put_out(utime, result)
+            self._publish_all(utime, result)
         return outcome
 
     @contextmanager
@@ -144,44 +144,36 @@ class Unit:
         except BaseException as error:
             raise self._failure(utime, failure_line(error)) from error
 
-    def _put_out(self, utime: int, result: Any) -> None:
+    def _publish_all(self, utime: int, result: Any) -> None:
         """Publish the outputs, which may be objects of the plugin's own classes: what they raise is the stage's."""
+        where = "outputs"
         try:
-            self._publish_all(utime, result)
-        except (GraphnavError, OSError, *USER_ENDS):  # of the log and the network, or a failure already
+            for (port, channel), value in zip(self._outputs, self._values(utime, result)):  # noqa: B905, a NamedTuple has all, and strict costs time
+                where = f"output '{port.name}'"
+                stamp, message = (value.utime, value.message) if isinstance(value, Stamped) else (utime, value)
+                if message is not None:
+                    self._check(utime, port, message)
+                    self._publish(channel, stamp, message)
+        except (GraphnavError, OSError, *USER_ENDS):  # a failure, or of the log and the network
             raise
         except BaseException as error:
-            raise self._failure(utime, f"outputs: {failure_line(error)}") from error
+            raise self._failure(utime, f"{where}: {failure_line(error)}") from error
 
-    def _publish_all(self, utime: int, result: Any) -> None:
+    def _check(self, utime: int, port: Port, message: Any) -> None:
+        if not isinstance(message, port.message):
+            raise self._failure(utime, f"output '{port.name}' is {type(message).__name__}, not {port.message.__name__}")
+        if wrong := not_finite(message):
+            raise self._failure(utime, f"output '{port.name}' holds a NaN or an infinity in '{wrong}'")
+
+    def _values(self, utime: int, result: Any) -> Any:
+        """Return what a step returned as one value for each output."""
         if self._result is None:
-            values: Any = (result,)
             if not self._outputs:
                 raise self._failure(utime, f"step returned {type(result).__name__}, but declares no output")
-        elif isinstance(result, self._result):
-            values = result
-        else:
+            return (result,)
+        if not isinstance(result, self._result):
             raise self._failure(utime, f"step returned {type(result).__name__}, not {self._result.__name__}")
-        for (port, channel), value in zip(self._outputs, values):  # noqa: B905, a NamedTuple has all, and strict costs time
-            if value is None:
-                continue
-            stamp, message = (value.utime, value.message) if isinstance(value, Stamped) else (utime, value)
-            if message is None:
-                continue
-            if not isinstance(message, port.message):
-                raise self._failure(
-                    utime, f"output '{port.name}' is {type(message).__name__}, not {port.message.__name__}"
-                )
-            try:
-                wrong = not_finite(message)
-                if not wrong:
-                    self._publish(channel, stamp, message)
-            except (GraphnavError, OSError, *USER_ENDS):  # of the log and the network
-                raise
-            except BaseException as error:
-                raise self._failure(utime, f"output '{port.name}': {failure_line(error)}") from error
-            if wrong:
-                raise self._failure(utime, f"output '{port.name}' holds a NaN or an infinity in '{wrong}'")
+        return result
 
     def _failure(self, utime: int, what: str) -> StageError:
         return StageError(self.node.name, self.node.use, (utime - self.start_utime) / 1e6, what)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from attacks.misbehaving_plugins import HOOKS, plugin_text
 from attacks.own_process import COMMAND, outcome_of
 from attacks.verdict import faults
-from attacks.zoo_stages import INTRUSIONS, KINDS, SUMMARIES
+from attacks.zoo_stages import ENDINGS, INTRUSIONS, KINDS, SUMMARIES
 
 ZOO = Path(__file__).resolve().parent / "zoo_stages.py"
 _GRAPH = """\
@@ -57,8 +57,8 @@ def misbehaviours() -> Iterator[Misbehaviour]:
     yield Misbehaviour("changes its input", _graph("zoo.meddler"), _FINE)
     for kind in INTRUSIONS:
         yield Misbehaviour(f"meddles with the process: {kind}", _graph(f"zoo.intruder, with: {{kind: {kind}}}"), _FINE)
-    for kind in ("exit", "fault"):
-        yield Misbehaviour(f"ends the process: {kind}", _graph(f"zoo.killer, with: {{kind: {kind}}}"), None)
+    for kind in ENDINGS:
+        yield Misbehaviour(f"ends the process: {kind}", _graph(f"zoo.intruder, with: {{kind: {kind}}}"), None)
 
 
 def misbehaving_stages(scratch: Path, count: int) -> Iterator[list[str]]:

@@ -183,7 +183,7 @@ class Meddler(Stage):
 
 
 class Intruder(Stage):
-    """Does in its third step what concerns the entire process."""
+    """Does in its third step what concerns the entire process, or ends it."""
 
     kind: str = param("", doc="what it does")
 
@@ -193,7 +193,7 @@ class Intruder(Stage):
     def step(self, twist: Twist) -> None:
         self._steps += 1
         if self._steps == 3:
-            INTRUSIONS[self.kind]()
+            (INTRUSIONS | ENDINGS)[self.kind]()
 
 
 def _replace_streams() -> None:
@@ -210,6 +210,10 @@ INTRUSIONS: dict[str, Callable[[], object]] = {
     "thread": lambda: threading.Thread(target=threading.Event().wait, name="lost\x1b[2J").start(),
     "replace_streams": _replace_streams,
     "close_streams": _close_streams,
+}
+ENDINGS: dict[str, Callable[[], object]] = {
+    "exit": lambda: os._exit(0),
+    "fault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
 }
 
 
@@ -255,22 +259,6 @@ class Sleeper(Stage):
             threading.Event().wait()
 
 
-class Killer(Stage):
-    """Ends the process in its third step."""
-
-    kind: str = param("exit", doc="how")
-
-    def reset(self, seed: int) -> None:
-        self._steps = 0
-
-    def step(self, twist: Twist) -> None:
-        self._steps += 1
-        if self._steps == 3:
-            if self.kind == "exit":
-                os._exit(0)
-            os.kill(os.getpid(), signal.SIGSEGV)
-
-
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Clock, Animal, Intruder, Killer, Liar, Meddler, Mover, Sleeper, Speed]
+    return [Clock, Animal, Intruder, Liar, Meddler, Mover, Sleeper, Speed]

@@ -57,7 +57,7 @@ def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float) -> Wor
         assert keys is not None
         draws = Draws(seed, attempt, effort)
         draw = draw_map(draws, keys)
-        if misfits and effort.is_spent:
+        if misfits and effort.is_spent:  # this draw may lack pillars for that alone; the one before tells what is wrong
             break
         problems += draws.problems
         if draw is None and not problems and not draws.misfits:  # the key has no value

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from attacks.misbehaving_plugins import HOOKS, plugin_text
-from attacks.zoo_stages import INTRUSIONS, KINDS, SUMMARIES
+from attacks.zoo_stages import ENDINGS, INTRUSIONS, KINDS, SUMMARIES
 
 from graphnav import Recording
 from graphnav.catalog import Catalog
@@ -253,13 +253,15 @@ def test_a_stall_limit_that_is_not_one_is_refused(tmp_path: Path, words: str) ->
     assert f"'{words}' is not a number of seconds above 0" in done.stderr
 
 
-@pytest.mark.parametrize("kind", ["exit", "fault"])
+@pytest.mark.parametrize("kind", ENDINGS)
 @pytest.mark.parametrize("reader", ["info", "figure"])
 def test_readers_tell_which_stage_ended_the_process(tmp_path: Path, kind: str, reader: str) -> None:
-    command(tmp_path, graph_text(f"killer, with: {{kind: {kind}}}"))
+    command(tmp_path, graph_text(f"intruder, with: {{kind: {kind}}}"))
     read = [str(GRAPHNAV), reader, str(tmp_path / "out")]
     done = subprocess.run(read, capture_output=True, text=True, check=False)
-    said = "the run did not finish: its process ended early; the last call was step of stage 'b' (zoo.killer) at 0.20 s"
+    said = (
+        "the run did not finish: its process ended early; the last call was step of stage 'b' (zoo.intruder) at 0.20 s"
+    )
     assert said in done.stdout + done.stderr
 
 
