@@ -102,7 +102,10 @@ def build_parser(
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit status: 0 ok, 1 failed, 2 usage error, 130 Ctrl-C, 141 broken pipe."""
+    """Run the command line.
+
+    Return the exit status: 0 ok, 1 failed, 2 usage error, 130 ended by Ctrl-C, SIGTERM or SIGHUP, 141 broken pipe.
+    """
     _show_what_the_terminal_can()
     for variable, value in ONE_THREAD.items():
         os.environ.setdefault(variable, value)
@@ -121,7 +124,8 @@ def _status_of(args: argparse.Namespace) -> int:
     from graphnav.errors import GraphnavError, ParamError, UserError
 
     try:
-        raise_at_interrupt()
+        if args.owns_process:
+            raise_at_interrupt()
         try:
             _choose_instruction_set(getattr(args, "portable", None))
             _require_working_folder()

@@ -255,7 +255,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_run import ExecutionOptions, FailFastError, run_study
     from graphnav.cli.study_output import all_failed, print_outputs
-    from graphnav.cli.study_run import StudyConsole, interrupted_by_signals
+    from graphnav.cli.study_run import StudyConsole
 
     plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
     options = ExecutionOptions(
@@ -263,8 +263,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     )
     with StudyFolder(args.folder or Path("ablations") / plan.name) as folder:
         try:
-            with interrupted_by_signals():
-                files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
+            files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
                 print_outputs(plan, folder.path, files, console, pairs)
                 if all_failed(files):

@@ -82,12 +82,11 @@ def main(args: argparse.Namespace) -> int:
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
     live_notice = _live_notice(args, graph) if is_live else ""
     stages = graph.make_stages()
+    console, run_id = Console(stderr=args.json, highlight=False, soft_wrap=True), new_run_id()
     folder = make_run_folder(args.folder, graph.path.stem)
-    console = Console(stderr=args.json, highlight=False, soft_wrap=True)
-    for notice in (*graph.notices, *([live_notice] if is_live else [])):
-        console.print(notice, markup=False)
-    run_id = new_run_id()
     with removed_if_empty(folder):
+        for notice in (*graph.notices, *([live_notice] if is_live else [])):
+            console.print(notice, markup=False)
         tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
         if tap is not None:
             console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)

@@ -2,35 +2,21 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 
 from graphnav.ablation.execution import TimeEstimate
 from graphnav.ablation.plan import Job
 from graphnav.api.studies.study_run import StudyRun
 from graphnav.cli.study_progress import study_bar
 from graphnav.errors import UserError
-from graphnav.interrupts import raise_ctrl_c
 from graphnav.machine.console import Console
 
 FEW_RUNS = 100
 """So many runs and fewer begin without an estimate of their time."""
 MANY_RUNS = 1000
 """More runs than this need a confirmation."""
-
-
-@contextmanager
-def interrupted_by_signals() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP stop a study like Ctrl-C; what ``nohup`` ignores stays ignored."""
-    taken = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
-    old = {number: signal.signal(number, raise_ctrl_c) for number in taken}
-    try:
-        yield
-    finally:
-        for number, handler in old.items():
-            signal.signal(number, handler)
 
 
 class StudyConsole:

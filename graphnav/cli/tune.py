@@ -76,7 +76,6 @@ def main(args: argparse.Namespace) -> int:
     with ended_by_interrupt(owns_process=args.owns_process):
         from graphnav.api.studies.tune import tune_into
         from graphnav.cli.study_progress import study_bar
-        from graphnav.cli.study_run import interrupted_by_signals
         from graphnav.machine.console import Console
         from graphnav.tuning import check_tuning, named_after
 
@@ -87,7 +86,7 @@ def main(args: argparse.Namespace) -> int:
     if tuning.n_runs > _MANY_RUNS and not args.yes and not _confirmed(tuning.n_runs, console):
         return OK
     try:
-        with interrupted_by_signals(), study_bar(Console(stderr=True), "tune", 0, tuning.n_runs) as show:
+        with study_bar(Console(stderr=True), "tune", 0, tuning.n_runs) as show:
 
             def on_made(n_runs: int) -> None:
                 for _ in range(n_runs):

@@ -11,7 +11,7 @@ from graphnav.bus import same_group
 from graphnav.codec import encode
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
-from graphnav.interrupts import working_folder_restored
+from graphnav.interrupts import CtrlC, working_folder_restored
 from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened, send_stops
@@ -32,7 +32,7 @@ from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import ChannelsExcept, kept
 from graphnav.runner.recording.progress_file import ProgressFile
-from graphnav.runner.recording.run_recorded import LiveSink, write_summary
+from graphnav.runner.recording.run_recorded import LiveSink, raise_if_asked_late, write_summary
 from graphnav.runner.recording.saved_graph import save_graph
 from graphnav.runner.recording.stall import StallLimit, StallWatch, stall_error
 from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
@@ -67,16 +67,24 @@ def run_live(
     ------
     UserError
         The folder cannot be written, or a log to play does not contain the channels of the graph.
+    CtrlC
+        The user asked for the end before the stages were wired, or after the run had reached its own.
     """
     folder = folder.absolute()
     run = _LiveRun(graph, folder, live_url(graph, url), Failures(on_failure), tap)
-    with ProgressFile(folder, {}) as progress:
-        with working_folder_restored(), ExitStack() as cleanup, Interrupt() as interrupt:
-            run.watch(stall, run_id, progress, cleanup)
-            run.begin(stages, keep, run_id, notice, cleanup)
-            run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
+    with ProgressFile(folder, {}) as progress, Interrupt() as interrupt:
+        try:
+            with working_folder_restored(), ExitStack() as cleanup:
+                run.watch(stall, run_id, progress, cleanup)
+                run.begin(stages, keep, run_id, notice, cleanup)
+                run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
+        except CtrlC:  # while it ended, such as in a stage that does not close
+            if not run.is_begun:
+                raise
+            run.outcome = Outcome.STOPPED
         summary = run.summary(run_id)
         write_summary(summary, folder)
+        raise_if_asked_late(interrupt, summary)
     return summary
 
 
@@ -87,8 +95,10 @@ class _LiveRun:
         self._graph, self._folder, self._url, self._failures, self._tap = graph, folder, url, failures, tap
         self._wake = threading.Event()
         self._calls = StageCalls()
-        self._outcome: str = Outcome.FAILED
+        self.outcome: str = Outcome.FAILED
         self._scores: dict[str, dict[str, float]] = {}
+        self.is_begun = False
+        """Whether the stages are wired, so that there is something to summarise."""
 
     def watch(self, stall: StallLimit | None, run_id: str, progress: ProgressFile, cleanup: ExitStack) -> None:
         """End the process if a call into a stage does not return."""
@@ -136,6 +146,7 @@ class _LiveRun:
         if tap is not None:
             cleanup.callback(tap.close)
         self._observer = Observer(self._runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
+        self.is_begun = True
 
     def perform(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
         """Run the stages to the end and read their scores."""
@@ -147,7 +158,7 @@ class _LiveRun:
                 self._runner.reset(self._graph.run.seed)
                 self._fire(on_time, interrupt, should_stop)
         except KeyboardInterrupt:
-            self._outcome = Outcome.STOPPED
+            self.outcome = Outcome.STOPPED
             self._observer.tell_broken_off()
         self._scores = scores_of(self._runner.units, self._failures.noted) if self._runner.is_ready else {}
 
@@ -165,7 +176,7 @@ class _LiveRun:
                 return not should_stop()
 
             try:
-                self._outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
+                self.outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
             finally:
                 interrupt.settle()
                 observer.finish()
@@ -174,7 +185,7 @@ class _LiveRun:
         """Return the summary of a run that has ended."""
         status = self._observer.status
         return Summary(
-            outcome=str(Outcome.FAILED if self._failures else self._outcome),
+            outcome=str(Outcome.FAILED if self._failures else self.outcome),
             failure=str(self._failures),
             graph=self._graph.path.stem,
             seed=self._graph.run.seed,

@@ -1,7 +1,7 @@
-"""Ctrl-C while a command starts: the process ends at once, with the status of an interrupted one.
+"""Ctrl-C, SIGTERM and SIGHUP while a command starts, where they end the process at once, and after that.
 
-Nothing has to be saved or stopped then. An exception raised by the signal would not do: within an import it may be
-printed and lost, or turned into the ImportError of a compiled module.
+Nothing has to be saved or stopped at the start. An exception raised by the signal would not do: within an import it may
+be printed and lost, or turned into the ImportError of a compiled module.
 """
 
 from __future__ import annotations
@@ -12,26 +12,39 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from graphnav.interrupts import raise_ctrl_c
+
 _INTERRUPTED = 130
 _STDERR = 2
+_ENDING = (signal.SIGTERM, signal.SIGHUP)
 
 
 def end_at_interrupt() -> None:
-    """Let Ctrl-C end the process at once, unless it is ignored or handled otherwise."""
+    """Let Ctrl-C, SIGTERM and SIGHUP end the process at once, unless they are ignored or handled otherwise."""
+    if not _is_main_thread():
+        return
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
+    for number in _ENDING:
+        if signal.getsignal(number) is raise_ctrl_c:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def raise_at_interrupt() -> None:
-    """Let Ctrl-C raise KeyboardInterrupt again, after `end_at_interrupt`."""
+    """Let Ctrl-C raise KeyboardInterrupt after `end_at_interrupt`, and SIGTERM and SIGHUP its subclass `CtrlC`."""
+    if not _is_main_thread():
+        return
     if signal.getsignal(signal.SIGINT) is _end:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in _ENDING:
+        if signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, raise_ctrl_c)
 
 
 @contextmanager
 def ended_by_interrupt(*, owns_process: bool) -> Iterator[None]:
-    """Let Ctrl-C end the process at once in the block, if the process is the command's own."""
-    if not owns_process or threading.current_thread() is not threading.main_thread():
+    """Let Ctrl-C, SIGTERM and SIGHUP end the process at once in the block, if the process is the command's own."""
+    if not owns_process:
         yield
         return
     end_at_interrupt()
@@ -39,6 +52,11 @@ def ended_by_interrupt(*, owns_process: bool) -> Iterator[None]:
         yield
     finally:
         raise_at_interrupt()
+
+
+def _is_main_thread() -> bool:
+    """Whether this thread may handle signals: Python delivers them to no other one."""
+    return threading.current_thread() is threading.main_thread()
 
 
 def _end(*_: object) -> None:

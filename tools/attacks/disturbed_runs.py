@@ -72,11 +72,12 @@ def signals(scratch: Path, count: int, seed: int) -> Iterator[list[str]]:
         # Before Python handles signals the system ends the process, and a second one ends it at once.
         is_at_once = status == -sent and (n_sent > 1 or not folder.exists())
         found = [fault for fault in faults(outcome) if not is_at_once or fault.startswith("prints")]
-        log = folder / "run.lcmlog"
+        log, summary = folder / "run.lcmlog", folder / "summary.json"
         if log.exists():
             found += [f"its log: {fault}" for fault in faults(outcome_of([*COMMAND, "info", str(log)]))]
+            if n_sent == 1 and not summary.exists():  # a second one may break off the start of the run
+                found.append("leaves a log without a summary")
             log.unlink()
-        summary = folder / "summary.json"
         if summary.exists() and not summary.stat().st_size:
             found.append("leaves an empty summary")
         yield [f"{sent.name}: {fault}" for fault in found]

@@ -16,7 +16,7 @@ Every command prints this with `--help`. `graphnav --version` prints the version
 | 0 | done |
 | 1 | the run failed, or something differs that was compared |
 | 2 | what was asked for is wrong: the message says where, what, and what to do |
-| 130 | Ctrl-C |
+| 130 | stopped by Ctrl-C, SIGTERM or SIGHUP; the latter two end `spy` and `teleop` with 128 plus their number |
 | 141 | the program that reads the output has gone |"""
 
 

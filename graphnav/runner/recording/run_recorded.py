@@ -13,7 +13,7 @@ from graphnav.bus import Bus
 from graphnav.codec import encode, lcm_name, lcm_text_of
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph, resolved_yaml
-from graphnav.interrupts import working_folder_restored
+from graphnav.interrupts import CtrlC, working_folder_restored
 from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, LogWriter
 from graphnav.runner.interrupt import Interrupt
@@ -97,17 +97,26 @@ def run_recorded(
     ------
     UserError
         The folder cannot be written.
+    CtrlC
+        The user asked for the end before the stages were wired, or after the run had reached its own.
     """
     folder = folder.absolute()
     run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
-    with ProgressFile(folder, {node.name: node.use for node in graph.nodes}) as progress:
-        with working_folder_restored(), ExitStack() as cleanup, Interrupt() as interrupt:
-            run.watch(progress, stall, cleanup)
-            run.begin(stages, keep, cleanup, make_runner)
-            clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
-            run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, lambda: interrupt.asked)
+    with ProgressFile(folder, {node.name: node.use for node in graph.nodes}) as progress, Interrupt() as interrupt:
+        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
+        try:
+            with working_folder_restored(), ExitStack() as cleanup:
+                run.watch(progress, stall, cleanup)
+                run.begin(stages, keep, cleanup, make_runner)
+                run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, lambda: interrupt.asked)
+                interrupt.settle()
+        except CtrlC:  # while it ended, such as in a stage that does not close
+            if not run.is_begun:
+                raise
+            run.outcome = Outcome.STOPPED
         summary = run.summary(clock.behind_s)
         write_summary(summary, folder)
+        raise_if_asked_late(interrupt, summary)
     return summary
 
 
@@ -116,10 +125,12 @@ class _LockstepRun:
 
     def __init__(self, graph: Graph, folder: Path, failures: Failures, tap: LiveSink | None, run_id: str) -> None:
         self._graph, self._folder, self._failures, self._tap, self._run_id = graph, folder, failures, tap, run_id
-        self._outcome: str = Outcome.FAILED
+        self.outcome: str = Outcome.FAILED
         self._scores: dict[str, dict[str, float]] = {}
         self._wall_s = 0.0
         self._started_s = time.monotonic()
+        self.is_begun = False
+        """Whether the stages are wired, so that there is something to summarise."""
 
     def begin(
         self, stages: dict[str, Stage], keep: Collection[str] | None, cleanup: ExitStack, make_runner: MakeRunner
@@ -138,6 +149,7 @@ class _LockstepRun:
         for unit in self._runner.units.values():
             unit.calls = self._calls
         cleanup.callback(self._failures.close, self._runner.close)
+        self.is_begun = True
 
     def watch(self, progress: ProgressFile, stall: StallLimit | None, cleanup: ExitStack) -> None:
         """Mark every call into a stage, and end the process if one does not return."""
@@ -184,16 +196,16 @@ class _LockstepRun:
                 self.writer.write(ABOUT, 0, encode(about_of(self._graph), 0, 0))
                 runner.reset(self._graph.run.seed)
                 self._started_s = time.monotonic()
-                self._outcome = runner.run(self._graph.run.until_s, before_tick)
+                self.outcome = runner.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
-            self._outcome = Outcome.STOPPED
+            self.outcome = Outcome.STOPPED
         self._scores = scores_of(runner.units, self._failures.noted) if runner.is_ready else {}
         self._wall_s = time.monotonic() - self._started_s
 
     def summary(self, behind_s: float) -> Summary:
         """Return the summary of a run that has ended."""
         return Summary(
-            outcome=str(Outcome.FAILED if self._failures else self._outcome),
+            outcome=str(Outcome.FAILED if self._failures else self.outcome),
             failure=str(self._failures),
             graph=self._graph.path.stem,
             seed=self._graph.run.seed,
@@ -224,6 +236,12 @@ def write_summary(summary: Summary, folder: Path) -> None:
         summary.write(folder / SUMMARY)
     except GraphnavError as error:
         raise GraphnavError(f"{error}; the log up to here is complete") from error
+
+
+def raise_if_asked_late(interrupt: Interrupt, summary: Summary) -> None:
+    """Raise `CtrlC` if the user asked for the end of a run that had reached its own: nothing may follow it."""
+    if interrupt.asked and summary.outcome not in (Outcome.STOPPED, Outcome.FAILED):
+        raise CtrlC
 
 
 def _begin(graph: Graph, folder: Path) -> LogWriter:
