@@ -56,7 +56,17 @@ _EMPTIED = re.compile("(--[^=]+)=--|(-[A-Za-z])--")
 """Options with two dashes for a value."""
 
 
-class _Intermixed(argparse.ArgumentParser):
+class _Parser(argparse.ArgumentParser):
+    """Raises the error that keeps its help from being printed, such as that of a full disk."""
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        if message and file is not None and file is sys.stdout:
+            file.write(message)
+        else:
+            super()._print_message(message, file)
+
+
+class _Intermixed(_Parser):
     """Accepts options between positional arguments: before Python 3.12 ``echo CHANNEL -n 1 LOG`` loses LOG.
 
     Refuses ``--option=--``, of which older versions of Python make an empty list.
@@ -85,7 +95,7 @@ def build_parser(
     """Return the parser; only the ``chosen`` command's module is imported and its options added."""
     from graphnav import __version__
 
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="graphnav", description="Visual navigation as a dataflow graph of plugin stages on LCM channels."
     )
     parser.add_argument("--version", action="version", version=f"graphnav {__version__}")
@@ -114,17 +124,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
     with lasting_output(for_a_reader=chosen in FOR_A_READER), escaped_output():
-        args = build_parser(chosen if chosen in COMMANDS else None).parse_args(words)
-        args.words, args.owns_process = words, argv is None
-        return _status_of(args)
+        return _status_of(words, chosen if chosen in COMMANDS else None, owns_process=argv is None)
 
 
-def _status_of(args: argparse.Namespace) -> int:
+def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> int:
     """Run a command; print the error that ends it."""
     from graphnav.errors import GraphnavError, ParamError, UserError
 
     try:
-        if args.owns_process:
+        args = build_parser(chosen).parse_args(words)
+        args.words, args.owns_process = words, owns_process
+        if owns_process:
             raise_at_interrupt()
         try:
             _choose_instruction_set(getattr(args, "portable", None))
@@ -133,7 +143,7 @@ def _status_of(args: argparse.Namespace) -> int:
             if sys.stdout is not None:
                 sys.stdout.flush()
         finally:
-            if args.owns_process:
+            if owns_process:
                 end_at_interrupt()
     except UserError as error:
         print(error, file=sys.stderr)

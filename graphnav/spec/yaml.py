@@ -11,7 +11,7 @@ from graphnav.spec.scalar import parse_scalar
 from graphnav.spec.value import Entry, Value
 
 MAX_BYTES = 256 * 1024
-MAX_VALUES = 20_000
+MAX_VALUES = 12_000
 MAX_DEPTH = 20
 
 _PLAIN = "plain"

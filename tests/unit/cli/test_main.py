@@ -66,7 +66,7 @@ def test_a_terminal_that_lacks_letters_gets_question_marks(monkeypatch: pytest.M
     terminal.buffer.getvalue().decode("ascii")
 
 
-@pytest.mark.parametrize("words", [["schema"], ["stages"], ["check", "corridor_ccw"]])
+@pytest.mark.parametrize("words", [["schema"], ["stages"], ["check", "corridor_ccw"], ["--help"], ["run", "--help"]])
 def test_a_full_disk_behind_the_terminal_is_said(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str]
 ) -> None:
