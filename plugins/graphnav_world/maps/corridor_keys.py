@@ -38,7 +38,7 @@ class CorridorKeys(Walled):
         doc="the side to which it bends: left is counterclockwise, either is drawn"
     )
     radius_m: Range[float] = key(gt=0.0, le=MAX_M, doc="of the bend's middle line")
-    bend_deg: Range[float] = key(gt=0.0, le=MAX_DEG, doc="how far it bends")
+    bend_deg: Range[float] = key(gt=0.0, le=360.0, doc="how far it bends")
     run_in_m: Range[float] = key(gt=0.0, le=MAX_M, doc="the straight part before the bend")
     run_out_m: Range[float] = key(
         gt=0.0, le=MAX_M, doc="the straight part between the bend and the goal, which is 0.5 m deep"
