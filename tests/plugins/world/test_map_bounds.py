@@ -29,15 +29,15 @@ def refusal(tmp_path: Path, text: str) -> str:
 
 def test_arcs_of_too_many_points_are_refused(tmp_path: Path) -> None:
     arc = "{arc: {center_m: [0, 0], radius_m: 1000, from_deg: -3600, to_deg: 3600}}"
-    said = refusal(tmp_path, f"walls: [{{along: [{', '.join([arc] * 1500)}]}}]\n")
+    said = refusal(tmp_path, f"walls: [{{along: [{', '.join([arc] * 900)}]}}]\n")
     column = len("walls: [{along: [") + arc.index(" 3600") + 2
     assert f"map.yaml:2:{column}: the arcs up to this one have 31417 points" in said
 
 
 def test_polygons_of_too_many_corners_are_refused(tmp_path: Path) -> None:
-    points = ", ".join(f"[{x}, {y}]" for x in range(50) for y in range(100))
+    points = ", ".join(f"[{x}, {y}]" for x in range(20) for y in range(100))
     said = refusal(tmp_path, f"obstacles: [{{polygon: {{points_m: [{points}]}}}}]\n")
-    assert "map.yaml:2:34: this polygon has 5000 corners, but may have 500" in said
+    assert "map.yaml:2:34: this polygon has 2000 corners, but may have 500" in said
 
 
 @pytest.mark.parametrize("points", ["[2, 2], [4, 4], [4, 2], [2, 4]", "[2, 2], [6, 2], [6, 4], [4, 1], [2, 4]"])
