@@ -77,7 +77,7 @@ def run_live(
             with working_folder_restored(), ExitStack() as cleanup:
                 run.watch(stall, run_id, progress, cleanup)
                 run.begin(stages, keep, run_id, notice, cleanup)
-                run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
+                run.perform(on_time, interrupt, lambda: interrupt.poll() or should_stop())
         except CtrlC:  # while it ended, such as in a stage that does not close
             if not run.is_begun:
                 raise

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from attacks.misbehaving_plugins import HOOKS, plugin_text
+from attacks.misbehaving_plugins import HOOKS, intruding_plugin_text, plugin_text
 from attacks.own_process import COMMAND, outcome_of
 from attacks.verdict import faults
 from attacks.zoo_stages import ENDINGS, INTRUSIONS, KINDS, SUMMARIES
@@ -41,8 +41,8 @@ def misbehaviours() -> Iterator[Misbehaviour]:
     """Yield every misbehaving stage with every method, and every misbehaving plugin."""
     for kind in KINDS:
         for method in (*_BEFORE, *_IN_RUN, *_WITHIN):
-            use = f"zoo.animal, with: {{kind: {kind}, method: {method}}}"
-            yield Misbehaviour(f"{kind} in {method}", _graph(use), _REFUSED if method in _BEFORE else _FAILED)
+            status = _REFUSED if method in _BEFORE else _FAILED
+            yield Misbehaviour(f"{kind} in {method}", _graph(_animal(kind, method)), status)
         yield Misbehaviour(f"{kind} in due_us", _graph("zoo.animal", f", with: {{kind: {kind}}}"), _FAILED)
         for hook in HOOKS:
             use = "strange.odd" if hook == "declaration" else "strange.still"
@@ -56,9 +56,12 @@ def misbehaviours() -> Iterator[Misbehaviour]:
         yield Misbehaviour(f"chdir in {method}", _graph(f"zoo.mover, with: {{method: {method}}}"), _FINE)
     yield Misbehaviour("changes its input", _graph("zoo.meddler"), _FINE)
     for kind in INTRUSIONS:
-        yield Misbehaviour(f"meddles with the process: {kind}", _graph(f"zoo.intruder, with: {{kind: {kind}}}"), _FINE)
+        for method in (*_BEFORE, *_IN_RUN):
+            yield Misbehaviour(f"{kind} in {method}", _graph(_animal(kind, method)), _FINE)
+        yield Misbehaviour(f"{kind} in an import", _graph("strange.still"), _FINE, intruding_plugin_text(kind))
     for kind in ENDINGS:
-        yield Misbehaviour(f"ends the process: {kind}", _graph(f"zoo.intruder, with: {{kind: {kind}}}"), None)
+        for method in _IN_RUN:
+            yield Misbehaviour(f"the process ends: {kind} in {method}", _graph(_animal(kind, method)), None)
 
 
 def misbehaving_stages(scratch: Path, count: int) -> Iterator[list[str]]:
@@ -72,6 +75,10 @@ def misbehaving_stages(scratch: Path, count: int) -> Iterator[list[str]]:
         folder.mkdir()
         found = _wrong_with(one, folder, ["--live", "--url", url] if is_live else [])
         yield [f"{one.name}{', live' if is_live else ''}: {fault}" for fault in found]
+
+
+def _animal(kind: str, method: str) -> str:
+    return f"zoo.animal, with: {{kind: {kind}, method: {method}}}"
 
 
 def _graph(use: str, clock: str = "") -> str:

@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, ClassVar, NoReturn
+from typing import Any, ClassVar
 
 from graphnav import Metric, Source, Stage, Twist, hookimpl, param
 
@@ -50,9 +50,11 @@ KINDS: dict[str, BaseException] = {
 }
 
 
-def misbehave(kind: str) -> NoReturn:
-    """Raise an exception of a kind."""
-    raise KINDS[kind]
+def misbehave(kind: str) -> None:
+    """Raise an exception of a kind, or do what concerns the entire process."""
+    if kind in KINDS:
+        raise KINDS[kind]
+    (INTRUSIONS | ENDINGS)[kind]()
 
 
 def misbehaving_twist(kind: str) -> Twist:
@@ -182,20 +184,6 @@ class Meddler(Stage):
         del twist.__dict__["omega_radps"]
 
 
-class Intruder(Stage):
-    """Does in its third step what concerns the entire process, or ends it."""
-
-    kind: str = param("", doc="what it does")
-
-    def reset(self, seed: int) -> None:
-        self._steps = 0
-
-    def step(self, twist: Twist) -> None:
-        self._steps += 1
-        if self._steps == 3:
-            (INTRUSIONS | ENDINGS)[self.kind]()
-
-
 def _replace_streams() -> None:
     sys.stdout = sys.stderr = None
 
@@ -205,11 +193,17 @@ def _close_streams() -> None:
     sys.stderr.close()
 
 
+def _ignore_signals() -> None:
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+
+
 INTRUSIONS: dict[str, Callable[[], object]] = {
     "fork": os.fork,
     "thread": lambda: threading.Thread(target=threading.Event().wait, name="lost\x1b[2J").start(),
     "replace_streams": _replace_streams,
     "close_streams": _close_streams,
+    "ignore_signals": _ignore_signals,
 }
 ENDINGS: dict[str, Callable[[], object]] = {
     "exit": lambda: os._exit(0),
@@ -261,4 +255,4 @@ class Sleeper(Stage):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Clock, Animal, Intruder, Liar, Meddler, Mover, Sleeper, Speed]
+    return [Clock, Animal, Liar, Meddler, Mover, Sleeper, Speed]

@@ -108,7 +108,7 @@ def run_recorded(
             with working_folder_restored(), ExitStack() as cleanup:
                 run.watch(progress, stall, cleanup)
                 run.begin(stages, keep, cleanup, make_runner)
-                run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, lambda: interrupt.asked)
+                run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, interrupt.poll)
                 interrupt.settle()
         except CtrlC:  # while it ended, such as in a stage that does not close
             if not run.is_begun:

@@ -28,6 +28,9 @@ class Late(Source):
         super().__post_init__()
         self.send("init")
 
+    def reset(self, seed):
+        self.send("reset")
+
     def step(self) -> Twist:
         return Twist(1.0, 0.0)
 
@@ -81,6 +84,12 @@ def test_a_stage_that_does_not_close_is_broken_off(tmp_path: Path, number: int) 
     assert done.returncode == 130
     assert "Traceback" not in done.stderr
     assert_recorded(tmp_path / "out", "stopped")
+
+
+def test_the_timer_of_a_stage_does_not_end_its_run(tmp_path: Path) -> None:
+    done = run(tmp_path, "reset", signal.SIGALRM)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert_recorded(tmp_path / "out", "timeout")
 
 
 def assert_recorded(folder: Path, outcome: str) -> None:

@@ -7,11 +7,12 @@ import os
 import signal
 import subprocess
 import sysconfig
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from attacks.misbehaving_plugins import HOOKS, plugin_text
+from attacks.misbehaving_plugins import HOOKS, intruding_plugin_text, plugin_text
 from attacks.zoo_stages import ENDINGS, INTRUSIONS, KINDS, SUMMARIES
 
 from graphnav import Recording
@@ -30,6 +31,7 @@ from graphnav.spec.declared.plugin_formats import plugin_formats
 TOOLS = Path(__file__).parents[3] / "tools"
 ZOO = TOOLS / "attacks" / "zoo_stages.py"
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
+ENV = os.environ | {"PYTHONPATH": str(TOOLS)}
 
 GRAPH = """
 run: {{until_s: 1}}
@@ -176,12 +178,15 @@ def test_the_working_folder_is_restored_after_code_of_a_plugin(tmp_path: Path, m
     assert Path.cwd() == tmp_path
 
 
+def command_line(*words: str) -> list[str]:
+    """Return the command that runs the graph of a folder."""
+    return [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(ZOO), "--no-tap", "-o", "out", *words]
+
+
 def command(folder: Path, text: str, *words: str) -> subprocess.CompletedProcess[str]:
     """Run a graph by the command line, in ``folder``."""
     (folder / "graph.yaml").write_text(text)
-    line = [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(ZOO), "--no-tap", "-o", "out", *words]
-    root = os.environ | {"PYTHONPATH": str(TOOLS)}
-    return subprocess.run(line, capture_output=True, text=True, check=False, cwd=folder, env=root)
+    return subprocess.run(command_line(*words), capture_output=True, text=True, check=False, cwd=folder, env=ENV)
 
 
 @pytest.mark.parametrize(
@@ -234,16 +239,41 @@ def test_a_stage_that_hangs_ends_the_run_with_log_and_summary(tmp_path: Path, me
 
 
 @pytest.mark.parametrize("kind", INTRUSIONS)
-def test_what_a_stage_does_to_the_process_harms_no_run(tmp_path: Path, kind: str) -> None:
-    done = command(tmp_path, graph_text(f"intruder, with: {{kind: {kind}}}"), "--no-pictures")
+@pytest.mark.parametrize("method", ["__init__", "check", "reset", "step", "summary", "close"])
+def test_what_a_stage_does_to_the_process_harms_no_run(tmp_path: Path, kind: str, method: str) -> None:
+    assert_unharmed(command(tmp_path, animal(kind, method), "--no-pictures"), tmp_path / "out", kind)
+
+
+@pytest.mark.parametrize("kind", INTRUSIONS)
+def test_what_a_plugin_does_to_the_process_harms_no_run(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "strange.py").write_text(intruding_plugin_text(kind))
+    graph = graph_text("animal") + "  still: {use: strange.still, in: {twist: c.twist}}\n"
+    assert_unharmed(command(tmp_path, graph, "--no-pictures", "--plugin", "strange.py"), tmp_path / "out", kind)
+
+
+def assert_unharmed(done: subprocess.CompletedProcess[str], folder: Path, kind: str) -> None:
+    """See that a run went on as if a plugin had not meddled with the process."""
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("time limit reached after 1.0 s") == 1
     assert done.stdout.count("out: run.lcmlog") == 1
-    lost = "ended with threads that a plugin left running: lost\\x1b[2J\n"
-    assert done.stderr == (lost if kind == "thread" else "")
-    with Recording(tmp_path / "out" / LOG) as log:
+    lost = "ended with threads that a plugin left running: lost\\x1b[2J"
+    assert done.stderr.startswith(lost) if kind == "thread" else not done.stderr
+    with Recording(folder / LOG) as log:
         assert log.truncated is None
         assert log.count("c.twist") == 11
+
+
+@pytest.mark.parametrize("method", ["__init__", "reset", "step"])
+def test_ctrl_c_ends_a_run_whose_stage_ignores_it(tmp_path: Path, method: str) -> None:
+    (tmp_path / "graph.yaml").write_text(animal("ignore_signals", method).replace("until_s: 1", "until_s: 1e6"))
+    process = subprocess.Popen(command_line("--pace", "1"), stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=ENV)
+    while process.poll() is None and not (tmp_path / "out" / LOG).exists():
+        time.sleep(0.05)
+    time.sleep(1)  # the third step ignores signals
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["outcome"] == "stopped"
 
 
 @pytest.mark.parametrize("words", ["0", "-1", "nan", "soon", "1e10"])
@@ -256,12 +286,10 @@ def test_a_stall_limit_that_is_not_one_is_refused(tmp_path: Path, words: str) ->
 @pytest.mark.parametrize("kind", ENDINGS)
 @pytest.mark.parametrize("reader", ["info", "figure"])
 def test_readers_tell_which_stage_ended_the_process(tmp_path: Path, kind: str, reader: str) -> None:
-    command(tmp_path, graph_text(f"intruder, with: {{kind: {kind}}}"))
+    command(tmp_path, animal(kind, "step"))
     read = [str(GRAPHNAV), reader, str(tmp_path / "out")]
     done = subprocess.run(read, capture_output=True, text=True, check=False)
-    said = (
-        "the run did not finish: its process ended early; the last call was step of stage 'b' (zoo.intruder) at 0.20 s"
-    )
+    said = "the run did not finish: its process ended early; the last call was step of stage 'b' (zoo.animal) at 0.20 s"
     assert said in done.stdout + done.stderr
 
 
