@@ -19,6 +19,7 @@ DOORS = {
     "graphnav/render/html_templates.py": "escapes what templates show",
     "graphnav/ablation/worker/serve_tasks.py": "prints tracebacks to the streams that escape",
     "graphnav/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
+    "graphnav/interrupts/third_party.py": "restores the streams that a plugin has replaced",
     "graphnav/runner/stage_calls.py": "restores the streams that a stage has replaced",
     "graphnav/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",
     "graphnav/cli/status_line.py": "rewrites a line, and escapes what it shows",

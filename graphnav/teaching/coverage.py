@@ -23,8 +23,11 @@ class Coverage(NamedTuple):
     turn_radps: float
 
     def is_reached(self, taught: Taught) -> bool:
-        """Whether the motions reach each limit, in at least 10 frames near it, and the last two models are alike."""
-        speeds, turns = taught.rates.T
+        """Whether the motions that the newest model was made of reach each limit, and it is like the one before it.
+
+        At least 10 frames must be near a limit.
+        """
+        speeds, turns = taught.learnt_rates.T
         for values, limit in ((speeds, self.speed_mps), (turns, self.turn_radps), (-turns, self.turn_radps)):
             near = np.count_nonzero(values >= NEAR_RATIO * limit)
             if near < MIN_FRAMES or values.max() < limit:

@@ -31,6 +31,7 @@ class Taught:
         self._flows = {name for name, message in inputs.items() if message is Flow}
         self._motions = {name for name, message in inputs.items() if message is Motion}
         self._rates: list[tuple[float, float]] = []
+        self._n_learnt = 0
         self.residuals_px: list[float] = []
 
     @property
@@ -42,6 +43,11 @@ class Taught:
     def rates(self) -> Doubles:
         """Speed in m/s and turning rate in rad/s of every motion, (n, 2)."""
         return np.array(self._rates, np.float64).reshape(-1, 2)
+
+    @property
+    def learnt_rates(self) -> Doubles:
+        """The same of the motions before the newest model, which holds for no others, (n, 2)."""
+        return self.rates[: self._n_learnt]
 
     def write(self, channel: str, utime: int, data: bytes) -> None:  # noqa: ARG002
         """Take a message of the run."""
@@ -55,7 +61,7 @@ class Taught:
         elif channel == self._channel:
             _, _, model = decode(PlanarModel, data)
             valid = model.valid != 0
-            self.model = model
+            self.model, self._n_learnt = model, len(self._rates)
             self.residuals_px.append(float(np.median(model.residual_px[valid])) if valid.any() else np.inf)
 
     def announce(self, about: About, shareable: Collection[str] = ()) -> None:

@@ -93,3 +93,12 @@ def test_the_progress_shows_spans_and_what_is_missing() -> None:
         "12 s, 2 frames, v 0.10 to 0.30 m/s, omega 0.00 to 0.50 rad/s, residual 0.051 px, "
         "no turn to the right was driven"
     )
+
+
+def test_what_was_driven_after_the_newest_model_is_not_taught() -> None:
+    found = taught(*10 * BOTH[:2], residuals_px=(0.1, 0.1))
+    for k in range(10):
+        found.write("robot.motion", k, encode(Motion(0.02, 0.0, -0.05, 100_000), k, k))
+    assert not Coverage(0.3, 0.5).is_reached(found)
+    found.write("teach.planar_model", 10, encode(model(0.1), 10, 10))
+    assert Coverage(0.3, 0.5).is_reached(found)
