@@ -13,6 +13,7 @@ from typing import Any
 
 from graphnav.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
+from graphnav.interrupts import ctrl_c_not_lost
 from graphnav.machine.escaped_output import escaped_output
 from graphnav.machine.pins import unpin
 from graphnav.machine.single_thread import ONE_THREAD
@@ -123,7 +124,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complete()
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
-    with lasting_output(for_a_reader=chosen in FOR_A_READER), escaped_output():
+    with lasting_output(for_a_reader=chosen in FOR_A_READER), escaped_output(), ctrl_c_not_lost():
         return _status_of(words, chosen if chosen in COMMANDS else None, owns_process=argv is None)
 
 
@@ -165,7 +166,19 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
         where = f": {error.filename}" if error.filename else ""
         print(f"stopped: {error.strerror or error}{where}", file=sys.stderr)
         return FAILED
+    except Exception as error:
+        if not _is_after_ctrl_c(error):
+            raise
+        print("stopped", file=sys.stderr)
+        return INTERRUPTED
     return status
+
+
+def _is_after_ctrl_c(error: BaseException | None) -> bool:
+    """Whether an error came while Ctrl-C was ending the command, as at a second one in the code of a library."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__context__
+    return error is not None
 
 
 def _require_working_folder() -> None:

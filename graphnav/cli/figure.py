@@ -45,6 +45,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.cli.damaged_log import damage_told
     from graphnav.loginfo import unfinished
     from graphnav.record import Recording, find_log
+    from graphnav.report.folder import removed_if_empty
     from graphnav.report.pictures import draw_all, draw_frames, draw_rows, draw_sheet
 
     if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):
@@ -61,13 +62,14 @@ def main(args: argparse.Namespace) -> int:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             drawn: list[Path] = []
-            if args.times_s:
-                draw = draw_rows if args.rows else draw_frames
-                drawn += draw(catalog, recording, args.times_s, folder, suffix)
-            if args.every_s is not None:
-                drawn += draw_sheet(catalog, recording, args.every_s, (args.from_s, args.until_s), folder, suffix)
-            if (not args.times_s and args.every_s is None) or args.video:
-                drawn += draw_all(catalog, recording, folder, suffix, video=args.video)
+            with removed_if_empty(folder):
+                if args.times_s:
+                    draw = draw_rows if args.rows else draw_frames
+                    drawn += draw(catalog, recording, args.times_s, folder, suffix)
+                if args.every_s is not None:
+                    drawn += draw_sheet(catalog, recording, args.every_s, (args.from_s, args.until_s), folder, suffix)
+                if (not args.times_s and args.every_s is None) or args.video:
+                    drawn += draw_all(catalog, recording, folder, suffix, video=args.video)
         except OSError as error:
             raise UserError.of(
                 f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"

@@ -73,6 +73,7 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
     import asyncio
 
     from graphnav.catalog import Catalog
+    from graphnav.interrupts import plain_ctrl_c
     from graphnav.view import LiveSource, LogSource, PageServer
 
     source = LiveSource(feed) if feed.is_live else LogSource(feed.path)
@@ -88,14 +89,14 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
 
     source.start()
     try:
-        asyncio.run(PageServer(source, Catalog()).serve(host, port, ready))
+        with plain_ctrl_c():
+            asyncio.run(PageServer(source, Catalog()).serve(host, port, ready))
     finally:
         source.close()
 
 
 def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
     """Serve Foxglove's protocol until Ctrl-C, SIGTERM or SIGHUP."""
-    import signal
     import threading
 
     from graphnav.catalog import Catalog
@@ -106,10 +107,7 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
         if not source.n_events:
             raise feed.silence(None)
         _print_notice_of(source.recording.completion_notice())
-    server, ending = FoxgloveServer(source, Catalog()), threading.Event()
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) != signal.SIG_IGN:  # as it is under nohup
-            signal.signal(number, lambda *_: ending.set())
+    server = FoxgloveServer(source, Catalog())
 
     def ready(url: str, app_url: str) -> None:
         print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C exits)", flush=True)
@@ -118,7 +116,7 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
 
     source.start()
     try:
-        server.serve(host, port, ready, ending)
+        server.serve(host, port, ready, threading.Event())
     finally:
         source.close()
 

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from graphnav.interrupts.user_ends import raise_ctrl_c
+from graphnav.interrupts.ctrl_c import raise_ctrl_c
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 

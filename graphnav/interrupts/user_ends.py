@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-from types import FrameType
-from typing import NoReturn
-
 
 class CtrlC(KeyboardInterrupt):
     """The user ends the program by a signal; a plain KeyboardInterrupt out of a plugin is an error of the plugin."""
@@ -17,8 +13,3 @@ class Terminated(SystemExit):
 
 USER_ENDS = (CtrlC, Terminated)
 """The exceptions that no handler of a plugin's errors may keep."""
-
-
-def raise_ctrl_c(_number: int = signal.SIGINT, _frame: FrameType | None = None) -> NoReturn:
-    """Raise `CtrlC`; a signal handler."""
-    raise CtrlC

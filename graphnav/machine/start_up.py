@@ -23,7 +23,7 @@ def end_at_interrupt() -> None:
     """Let Ctrl-C, SIGTERM and SIGHUP end the process at once, unless they are ignored or handled otherwise."""
     if not _is_main_thread():
         return
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    if signal.getsignal(signal.SIGINT) in {signal.default_int_handler, raise_ctrl_c}:
         signal.signal(signal.SIGINT, _end)
     for number in _ENDING:
         if signal.getsignal(number) is raise_ctrl_c:
@@ -31,11 +31,11 @@ def end_at_interrupt() -> None:
 
 
 def raise_at_interrupt() -> None:
-    """Let Ctrl-C raise KeyboardInterrupt after `end_at_interrupt`, and SIGTERM and SIGHUP its subclass `CtrlC`."""
+    """Let Ctrl-C, SIGTERM and SIGHUP raise `CtrlC` after `end_at_interrupt`."""
     if not _is_main_thread():
         return
     if signal.getsignal(signal.SIGINT) is _end:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGINT, raise_ctrl_c)
     for number in _ENDING:
         if signal.getsignal(number) == signal.SIG_DFL:
             signal.signal(number, raise_ctrl_c)

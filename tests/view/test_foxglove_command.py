@@ -19,10 +19,8 @@ from .foxglove_client import FoxgloveClient
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 
 
-@pytest.mark.parametrize(("number", "status", "said"), [(signal.SIGINT, 130, "stopped\n"), (signal.SIGTERM, 0, "")])
-def test_it_prints_where_it_serves_and_ends_when_it_is_asked_to(
-    log: Path, number: signal.Signals, status: int, said: str
-) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_prints_where_it_serves_and_ends_when_it_is_asked_to(log: Path, number: signal.Signals) -> None:
     command = [GRAPHNAV, "view", "--foxglove", str(log), "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
@@ -36,7 +34,7 @@ def test_it_prints_where_it_serves_and_ends_when_it_is_asked_to(
             client.until(lambda: client.of("/control/twist"))
             process.send_signal(number)
             output, error = process.communicate(timeout=30)
-    assert (process.returncode, output, error) == (status, "", said)
+    assert (process.returncode, output, error) == (130, "", "stopped\n")
 
 
 def test_a_port_that_is_taken(log: Path, capsys: pytest.CaptureFixture[str]) -> None:

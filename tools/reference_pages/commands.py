@@ -16,8 +16,12 @@ Every command prints this with `--help`. `graphnav --version` prints the version
 | 0 | done |
 | 1 | the run failed, or something differs that was compared |
 | 2 | what was asked for is wrong: the message says where, what, and what to do |
-| 130 | stopped by Ctrl-C, SIGTERM or SIGHUP; the latter two end `spy` and `teleop` with 128 plus their number |
-| 141 | the program that reads the output has gone |"""
+| 130 | stopped by Ctrl-C, SIGTERM or SIGHUP |
+| 141 | the program that reads the output has gone |
+
+While a command starts, and after its last output, SIGTERM and SIGHUP end it as they end any program: a shell shows
+128 plus their number. They do so in `spy`, `teleop` and `play`, too, where these hold a terminal. `record` ends with 0,
+since a signal is how a recording ends; so does `spy` at Ctrl-C."""
 
 
 def commands_page() -> str:

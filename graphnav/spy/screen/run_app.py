@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import signal
 
+from graphnav.interrupts import plain_ctrl_c
 from graphnav.spy.screen.app import SpyApp
 
 
@@ -13,7 +14,8 @@ def run_app(app: SpyApp) -> int:
 
     After SIGTERM and SIGHUP the terminal is restored. A second signal ends the program immediately.
     """
-    asyncio.run(_run(app))
+    with plain_ctrl_c():
+        asyncio.run(_run(app))
     return app.return_code or 0
 
 
