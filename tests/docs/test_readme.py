@@ -6,11 +6,13 @@ import os
 import re
 import subprocess
 import sysconfig
+import tomllib
 from pathlib import Path
 
 import pytest
 import yaml
 
+from graphnav import __version__
 from graphnav.cli import COMMANDS
 from graphnav.graph import shipped_graphs
 
@@ -63,3 +65,11 @@ def test_the_pictures_are_there() -> None:
 def test_the_changelog_names_every_command() -> None:
     changelog = (ROOT / "CHANGELOG.md").read_text()
     assert all(re.search(rf"`{command}\b", changelog) for command in COMMANDS)
+
+
+def test_every_file_names_the_same_version() -> None:
+    changelog = (ROOT / "CHANGELOG.md").read_text()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert project["version"] == citation["version"] == __version__
+    assert f"# Changelog\n\n## {__version__} ({citation['date-released']})\n" in changelog
