@@ -13,7 +13,7 @@ from types import FrameType
 from graphnav.interrupts.user_ends import CtrlC
 
 _AGAIN_S = 0.02
-_PATIENCE_S = 2.0
+_PATIENCE_S = 5.0
 _IMPORTS = "<frozen importlib"
 _waits_until_s = 0.0
 _raised_for: int = signal.SIGINT
@@ -22,7 +22,7 @@ _raised_for: int = signal.SIGINT
 def raise_ctrl_c(number: int = signal.SIGINT, frame: FrameType | None = None) -> None:
     """Raise `CtrlC`; a signal handler.
 
-    Within an import it is raised after that, at the latest after 2 s: compiled modules turn exceptions into an
+    Within an import it is raised after that, at the latest after 5 s: compiled modules turn exceptions into an
     ImportError, or abort the process.
     """
     global _waits_until_s, _raised_for  # noqa: PLW0603, signals are of the process
