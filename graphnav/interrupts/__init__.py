@@ -1,6 +1,6 @@
 """Ctrl-C and SIGTERM by the user, and code of plugins that may raise the same."""
 
-from graphnav.interrupts.ctrl_c import ctrl_c_not_lost, plain_ctrl_c, raise_ctrl_c
+from graphnav.interrupts.ctrl_c import ctrl_c_later, ctrl_c_not_lost, plain_ctrl_c, raise_ctrl_c
 from graphnav.interrupts.third_party import third_party_code, working_folder_restored
 from graphnav.interrupts.user_ends import USER_ENDS, CtrlC, Terminated
 
@@ -8,6 +8,7 @@ __all__ = [
     "USER_ENDS",
     "CtrlC",
     "Terminated",
+    "ctrl_c_later",
     "ctrl_c_not_lost",
     "plain_ctrl_c",
     "raise_ctrl_c",

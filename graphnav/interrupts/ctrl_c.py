@@ -56,6 +56,16 @@ def ctrl_c_not_lost() -> Iterator[None]:
 
 
 @contextmanager
+def ctrl_c_later() -> Iterator[None]:
+    """Let SIGINT, SIGTERM and SIGHUP wait for the end of the block, so that it makes its objects completely."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
 def plain_ctrl_c() -> Iterator[None]:
     """Let SIGINT raise a KeyboardInterrupt in the block, which asyncio then turns into the end of its task."""
     if signal.getsignal(signal.SIGINT) is not raise_ctrl_c:

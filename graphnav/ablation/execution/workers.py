@@ -6,7 +6,7 @@ import logging
 import socket
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import lru_cache
 from typing import Any, Protocol
 from urllib.parse import urlsplit
@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 from graphnav.ablation.execution.process_pool import ProcessPool
 from graphnav.ablation.worker import Result, Task
 from graphnav.errors import GraphnavError, UserError
+from graphnav.interrupts import ctrl_c_later
 from graphnav.machine.extras import install_command
 
 _PATIENCE_S = 5
@@ -76,13 +77,14 @@ def cluster_workers(address: str) -> Iterator[Workers]:
     for name in logging.root.manager.loggerDict:
         if name.startswith("distributed"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are reported once, by graphnav
-    try:
-        _knock(address)
-        client = Client(address, timeout=_PATIENCE_S, set_as_default=False)
-    except (OSError, ValueError) as error:
-        hint = "give the address that 'dask scheduler' prints, as tcp://host:8786"
-        raise UserError.of(f"--cluster {address}: no scheduler answers there", hint) from error
-    with client:
+    with ExitStack() as closing:
+        try:
+            _knock(address)
+            with ctrl_c_later():  # a client that is made half cannot be closed
+                client = closing.enter_context(Client(address, timeout=_PATIENCE_S, set_as_default=False))
+        except (OSError, ValueError) as error:
+            hint = "give the address that 'dask scheduler' prints, as tcp://host:8786"
+            raise UserError.of(f"--cluster {address}: no scheduler answers there", hint) from error
         yield ClusterWorkers(client, address)
 
 

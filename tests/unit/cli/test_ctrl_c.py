@@ -58,6 +58,19 @@ try:
 except CtrlC:
     print("raised")
 """
+IN_A_CONSTRUCTOR = """
+import os, signal
+from graphnav.interrupts import CtrlC, ctrl_c_later, raise_ctrl_c
+
+signal.signal(NUMBER, raise_ctrl_c)
+try:
+    with ctrl_c_later():
+        os.kill(os.getpid(), NUMBER)
+        print("made")
+    print("lost")
+except CtrlC:
+    print("raised")
+"""
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
 
@@ -78,6 +91,12 @@ def test_a_signal_in_an_import_is_obeyed_after_it(tmp_path: Path, number: int) -
 def test_a_signal_in_a_callback_is_obeyed_after_it(tmp_path: Path, number: int) -> None:
     done = python(IN_A_CALLBACK.replace("NUMBER", str(int(number))), tmp_path)
     assert (done.stdout, done.stderr) == ("raised\n", "")
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_waits_for_the_end_of_a_constructor(tmp_path: Path, number: int) -> None:
+    done = python(IN_A_CONSTRUCTOR.replace("NUMBER", str(int(number))), tmp_path)
+    assert (done.stdout, done.stderr) == ("made\nraised\n", "")
 
 
 def test_a_signal_ends_an_import_that_hangs(tmp_path: Path) -> None:
