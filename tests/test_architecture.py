@@ -6,11 +6,9 @@ import ast
 import os
 import re
 import shutil
-import statistics
 import subprocess
 import sysconfig
 import tomllib
-from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -112,7 +110,7 @@ def test_a_broken_contract_is_seen(tree: Path, name: str) -> None:
 
 
 CORE = sorted((ROOT / "graphnav").rglob("*.py"))
-MAX_FUNCTION_LINES, MAX_MODULES, MAX_MEDIAN_LINES = 50, 15, 90
+MAX_FUNCTION_LINES = 50
 
 
 def test_functions_of_the_core_are_short() -> None:
@@ -124,16 +122,6 @@ def test_functions_of_the_core_are_short() -> None:
         if node.end_lineno - node.lineno >= MAX_FUNCTION_LINES
     ]
     assert not long, f"split them; the docstring counts, too: {long}"
-
-
-def test_folders_of_the_core_are_small() -> None:
-    modules = Counter(str(path.parent.relative_to(ROOT)) for path in CORE)
-    del modules["graphnav/cli"]  # a module a command
-    assert {folder: n for folder, n in modules.items() if n > MAX_MODULES} == {}
-
-
-def test_the_median_file_of_the_core_is_short() -> None:
-    assert statistics.median(len(path.read_text(encoding="utf-8").splitlines()) for path in CORE) <= MAX_MEDIAN_LINES
 
 
 def test_every_package_that_ships_is_typed() -> None:
