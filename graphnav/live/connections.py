@@ -2,22 +2,82 @@
 
 from __future__ import annotations
 
+import math
+import os
+import signal
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
 from graphnav.bus import Bus
-from graphnav.errors import BusError
-from graphnav.graph import Graph
+from graphnav.errors import BusError, GraphnavError
+from graphnav.graph import Graph, OutputChannel
 from graphnav.live.health.observer import Observer
 from graphnav.live.inputs.receiver import Receiver, Takes
 from graphnav.live.live_runner import LiveRunner
 from graphnav.live.outlet import Outlet, bus_send, motor_channel
+from graphnav.motors.schedule import STOP_FOR_S, STOP_PERIOD_S
 from graphnav.motors.sender import MotorSender
+from graphnav.motors.stop_message import StopMessage
 
-_STOPS_S = 1.0
-_STOP_PERIOD_S = 0.02
+
+class MotorLink:
+    """The process that sends the motor channels, and the stops that the run sends in its place if it cannot.
+
+    Raises BusError if LCM cannot be opened.
+    """
+
+    def __init__(self, url: str, targets: list[OutputChannel], observer: Observer) -> None:
+        channels = [motor_channel(target) for target in targets]
+        self._bus = Bus(url)
+        self._stops = [(channel.name, StopMessage(channel)) for channel in channels]
+        self._max_age_s = min(channel.max_age_s for channel in channels)
+        self._observer = observer
+        self._due_s = -math.inf
+        self.sender = observer.traffic.motors = MotorSender(url, channels)
+
+    def check(self) -> None:
+        """Send a stop if the process has left commands unread for ``max_age_s``; called at every turn.
+
+        Raises
+        ------
+        GraphnavError
+            The process has died; this process has sent stops for a second.
+        """
+        if not self.sender.alive:
+            self._stop_for_a_second()
+            raise GraphnavError("the process that sends the motor channels has died: the run cannot go on")
+        now_s = time.monotonic()
+        if now_s >= self._due_s and self.sender.unread_s(now_s) > self._max_age_s:
+            self._due_s = now_s + STOP_PERIOD_S
+            self._stop(now_s)
+
+    def close(self) -> None:
+        """Stop the motors and end the process; one that does not react is killed after stops from this process."""
+        is_stalled = self.sender.alive and self.sender.unread_s(time.monotonic()) > 0.0
+        self.sender.close(wait=not is_stalled)
+        if self.sender.alive:
+            self._observer.tell(
+                f"motors: the process that sends the motor channels (pid {self.sender.pid}) does not react at the end: "
+                "the run sends the stops itself"
+            )
+            self._stop_for_a_second()
+            with suppress(ProcessLookupError):
+                os.kill(self.sender.pid, signal.SIGKILL)
+        self._bus.close()
+
+    def _stop_for_a_second(self) -> None:
+        end_s = time.monotonic() + STOP_FOR_S
+        while (now_s := time.monotonic()) < end_s:
+            self._stop(now_s)
+            time.sleep(STOP_PERIOD_S)
+
+    def _stop(self, now_s: float) -> None:
+        for name, message in self._stops:
+            with suppress(BusError):
+                self._bus.publish(name, message.stop(now_s))
+                self._observer.traffic.substituted += 1
 
 
 @contextmanager
@@ -27,10 +87,10 @@ def opened(
     url: str,
     wake: threading.Event,
     observer: Observer,
-) -> Iterator[MotorSender | None]:
-    """Open inputs and outputs; yield the sender of the motor channels, None if there are none.
+) -> Iterator[MotorLink | None]:
+    """Open inputs and outputs; yield the link to the motor channels, None if there are none.
 
-    On exit the motors are always stopped first. ``observer`` counts all messages on the motor channels.
+    On exit the motors are always stopped first. ``observer`` watches the motor channels.
     Raises BusError if LCM cannot be opened.
     """
     with ExitStack() as cleanup:
@@ -47,20 +107,7 @@ def opened(
             runner.outlets |= {ref: Outlet(target, runner.clock, send) for ref, target in others.items()}
         motors = None
         if motor:
-            motors = observer.traffic.motors = MotorSender(url, [motor_channel(target) for target in motor.values()])
+            motors = MotorLink(url, list(motor.values()), observer)
             cleanup.callback(motors.close)
-            runner.outlets |= {ref: Outlet(target, runner.clock, motors.send) for ref, target in motor.items()}
+            runner.outlets |= {ref: Outlet(target, runner.clock, motors.sender.send) for ref, target in motor.items()}
         yield motors
-
-
-def send_stops(graph: Graph, url: str) -> None:
-    """Send the stops of all motor channels from this process for a second, as a last resort; never raises."""
-    channels = [motor_channel(target) for target in graph.outputs.values() if target.motor]
-    with suppress(BusError):
-        bus = Bus(url)
-        end_s = time.monotonic() + _STOPS_S
-        while time.monotonic() < end_s:
-            for channel in channels:
-                bus.publish(channel.name, channel.stop)
-            time.sleep(_STOP_PERIOD_S)
-        bus.close()

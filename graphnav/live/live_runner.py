@@ -272,7 +272,7 @@ class LiveRunner:
         except EncodeError as error:
             raise ValueError(str(error)) from error
         if (outlet := self.outlets.get(channel.ref)) is not None:
-            outlet.publish(message, data, utime, self._firing.origin_s)
+            outlet.publish(message, data, utime, self._firing.birth_s, self._firing.origin_s)
         if channel.name in self._readers:
             self._bus.publish(channel.name, data)
         self.record(channel.name, data)

@@ -21,8 +21,8 @@ from graphnav.runner.durations import Durations
 class Send(Protocol):
     """A function that sends encoded messages on a channel."""
 
-    def __call__(self, channel: str, data: bytes) -> bool:
-        """Send a message; return whether it was accepted."""
+    def __call__(self, channel: str, data: bytes, made_s: float) -> bool:
+        """Send a message, decided at the monotonic time ``made_s``; return whether it was accepted."""
 
 
 class Outlet:
@@ -37,8 +37,8 @@ class Outlet:
         self.max_latency_s = 0.0
         self._clock, self._send = clock, send
 
-    def publish(self, message: Message, data: bytes, utime: int, origin_s: float) -> None:
-        """Send a message; ``data``: its bytes in graphnav's own type; ``origin_s``: see `LiveUnit`.
+    def publish(self, message: Message, data: bytes, utime: int, birth_s: float, origin_s: float) -> None:
+        """Send a message; ``data``: its bytes in graphnav's own type; ``birth_s``, ``origin_s``: see `LiveUnit`.
 
         Raises
         ------
@@ -47,7 +47,7 @@ class Outlet:
         """
         if self.target.adapter is not None:
             data = adapted(self.target, message, utime)
-        if not self._send(self.target.name, data):
+        if not self._send(self.target.name, data, birth_s):
             self.refused += 1
             return
         self.sent += 1
@@ -79,7 +79,7 @@ def bus_send(bus: Bus, notice: Callable[[str], None]) -> Send:
     """Return a function that sends on a bus; refused messages are counted, and reported once."""
     told = False
 
-    def send(channel: str, data: bytes) -> bool:
+    def send(channel: str, data: bytes, made_s: float) -> bool:  # noqa: ARG001
         nonlocal told
         try:
             bus.publish(channel, data)

@@ -14,7 +14,7 @@ from graphnav.graph import Graph
 from graphnav.interrupts import CtrlC, working_folder_restored
 from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
-from graphnav.live.connections import opened, send_stops
+from graphnav.live.connections import opened
 from graphnav.live.health.observer import Observer
 from graphnav.live.health.watchdog import Watchdog
 from graphnav.live.inputs.intake import Intake
@@ -22,7 +22,6 @@ from graphnav.live.inputs.playback import Playback
 from graphnav.live.live_runner import LiveRunner
 from graphnav.live.url import live_url
 from graphnav.messages import Status
-from graphnav.motors.sender import MotorSender
 from graphnav.notices import print_notice
 from graphnav.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.runner.interrupt import Interrupt
@@ -172,7 +171,10 @@ class _LiveRun:
             def keep_going() -> bool:
                 if observer.look():
                     on_time(self._clock.run_s())
-                _check_helpers(graph, self._url, motors, playback)
+                if motors is not None:
+                    motors.check()
+                if playback.failure:
+                    raise GraphnavError(playback.failure)
                 return not should_stop()
 
             try:
@@ -215,15 +217,6 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
     return [
         ChannelsExcept(tap, {graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)} if is_shared else ())
     ]
-
-
-def _check_helpers(graph: Graph, url: str, motors: MotorSender | None, playback: Playback) -> None:
-    """Raise GraphnavError if the motor process or the playback has failed."""
-    if motors is not None and not motors.alive:
-        send_stops(graph, url)
-        raise GraphnavError("the process that sends the motor channels has died: the run cannot go on")
-    if playback.failure:
-        raise GraphnavError(playback.failure)
 
 
 def _is_over(graph: Graph, playback: Playback) -> bool:

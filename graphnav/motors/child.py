@@ -72,28 +72,39 @@ class Child:
             shared.write(self.counts)
 
     def _take(self) -> None:
-        """Handle the frames in the pipe; of several pending commands of a channel only the newest is forwarded."""
+        """Handle the frames in the pipe; of several pending commands of a channel only the newest is forwarded.
+
+        None of them is if the oldest one is late: nothing was forwarded for that long, and the robot has to stop first.
+        """
         try:
             data = os.read(self._commands_fd, _CHUNK_BYTES)
             frames = self._reader.feed(data)
         except (OSError, ValueError):
             data, frames = b"", []
-        newest: dict[int, Frame] = {}
+        pending: dict[int, list[Frame]] = {}
         for frame in frames:
             if frame.kind == Kind.COMMAND:
-                self._overtaken += frame.channel in newest
-                newest[frame.channel] = frame
+                pending.setdefault(frame.channel, []).append(frame)
             else:
-                self._overtaken += len(newest)
-                newest = {}
+                self._overtaken += sum(map(len, pending.values()))
+                pending = {}
                 if frame.kind == Kind.END:
                     self._end()
                     return
                 self._order_stops()
-        for frame in newest.values():
-            self._motors[frame.channel].command(frame.payload, frame.sent_s, time.monotonic())
+        for channel, commands in pending.items():
+            self._command(self._motors[channel], commands)
         if not data:
             self._end()
+
+    def _command(self, motor: Motor, commands: Sequence[Frame]) -> None:
+        """Forward the newest of the pending commands of a channel, or stop if they were not read in time."""
+        oldest, newest, now_s = commands[0], commands[-1], time.monotonic()
+        if motor.is_late(oldest.sent_s, now_s):
+            motor.resume(len(commands), now_s)
+        else:
+            self._overtaken += len(commands) - 1
+            motor.command(newest.payload, newest.sent_s, now_s)
 
     def _end(self) -> None:
         """Stop reading commands and send the final stops."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from graphnav.bus import Bus
 from graphnav.errors import BusError
 from graphnav.motors.channel import MotorChannel
@@ -21,19 +23,33 @@ class Motor:
         self._bus = bus
         self._schedule = StopSchedule(channel.max_age_s)
         self._message = StopMessage(channel)
+        self._resumed_s = -math.inf
 
     @property
     def due_s(self) -> float:
         """Time at which the next stop is due."""
         return self._schedule.due_s
 
+    def is_late(self, sent_s: float, now_s: float) -> bool:
+        """Return whether a command is older than ``max_age_s``, or was sent before the process was resumed."""
+        return now_s - sent_s > self._max_age_s or sent_s < self._resumed_s
+
     def command(self, data: bytes, sent_s: float, now_s: float) -> None:
-        """Forward a command, unless it is older than ``max_age_s``."""
-        if now_s - sent_s > self._max_age_s:
+        """Forward a command, unless it is late."""
+        if self.is_late(sent_s, now_s):
             self.late += 1
             return
         self._schedule.command(sent_s)
         self.forwarded += self._publish(self._message.forward(data, sent_s))
+
+    def resume(self, n_late: int, now_s: float) -> None:
+        """Stop, and forward only what is sent from now on: ``n_late`` commands were not read in time.
+
+        This process was suspended or starved: what was decided meanwhile belongs to a robot that did not obey.
+        """
+        self.late += n_late
+        self._resumed_s = now_s
+        self.order_stops(now_s)
 
     def order_stops(self, now_s: float) -> None:
         """Send a stop, and repeat it for one second."""

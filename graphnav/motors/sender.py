@@ -23,7 +23,8 @@ __all__ = ["MotorChannel", "MotorSender"]
 _MODULE = "graphnav.motors.child"
 _READY_S = 10.0
 _ENDED_S = 2.0
-_STALLED_S = 0.25
+_STALLED_S = 0.04
+"""How long the process may leave a command unread: a period of a fast guard; it reads within a millisecond."""
 _MAX_SETUP_BYTES = 60_000
 """Capacity of an empty pipe."""
 
@@ -33,7 +34,8 @@ class MotorSender:
 
     A stop is sent at once and repeated at 50 Hz for one second when this process ends, for whatever reason; when `stop`
     or `close` is called; and when a channel that had a command gets none for its ``max_age_s`` (then again every
-    ``max_age_s`` while it stays silent). A later command is forwarded at once and ends the stops.
+    ``max_age_s`` while it stays silent). A later command is forwarded at once and ends the stops. If the process itself
+    was suspended for longer than that, it sends stops first and forwards only commands that were decided afterwards.
 
     The constructor returns when the process is ready (about 0.1 s). Raises BusError, with the reason, if it cannot be
     started or does not open LCM within 10 s; ValueError if two channels have the same name.
@@ -84,12 +86,22 @@ class MotorSender:
         """Number of stops sent, over all channels."""
         return self.counts.stops
 
-    def send(self, channel: str, data: bytes) -> bool:
-        """Forward an encoded command; never waits.
+    def unread_s(self, now_s: float) -> float:
+        """Return for how long the process has left commands unread, monotonic seconds; 0 below 0.04 s.
+
+        It is then suspended or starved, and nothing is sent. Never waits.
+        """
+        if not self._writer.unread_bytes:
+            self._taken_s = now_s
+        unread_s = now_s - self._taken_s
+        return unread_s if unread_s >= _STALLED_S else 0.0
+
+    def send(self, channel: str, data: bytes, made_s: float | None = None) -> bool:
+        """Forward an encoded command, decided at the monotonic time ``made_s`` (None: now); never waits.
 
         Return False, and count it in ``refused``, if the process does not accept commands: it ended, or has not read
-        its pipe for a quarter of a second. The newest command of each channel then stays pending for ``max_age_s``.
-        Also False for more than 1 MiB. Raises KeyError for a channel that the constructor did not get.
+        its pipe for 0.04 s. The newest command of each channel then stays pending for ``max_age_s``. Also False for
+        more than 1 MiB. Raises KeyError for a channel that the constructor did not get.
         """
         index = self._indices[channel]
         if self._is_closed or len(data) > MAX_PAYLOAD_BYTES:
@@ -97,8 +109,8 @@ class MotorSender:
             return False
         now_s = time.monotonic()
         try:
-            is_taken = self._is_taken(now_s)
-            is_sent = self._writer.command(index, now_s, data) and is_taken
+            is_taken = not self.unread_s(now_s)
+            is_sent = self._writer.command(index, now_s if made_s is None else min(made_s, now_s), data) and is_taken
         except OSError:
             is_sent = False
         self.refused += not is_sent
@@ -111,7 +123,7 @@ class MotorSender:
         """
         if not self._is_closed:
             with contextlib.suppress(OSError):
-                self._is_taken(time.monotonic())
+                self.unread_s(time.monotonic())
                 self._writer.order(Kind.STOP, time.monotonic())
 
     def close(self, wait: bool = True) -> None:  # noqa: FBT001, FBT002
@@ -134,12 +146,6 @@ class MotorSender:
         """Wait for the end of the process and release its resources; raises subprocess.TimeoutExpired."""
         self._process.wait(timeout_s)
         self._counts.close()
-
-    def _is_taken(self, now_s: float) -> bool:
-        """Return whether the process reads: it has just read everything that was written before."""
-        if not self._writer.unread_bytes:
-            self._taken_s = now_s
-        return now_s - self._taken_s < _STALLED_S
 
     def _set_up(self, url: str, channels: Sequence[MotorChannel]) -> None:
         """Send the set-up to the process and wait until it is ready; raises BusError."""

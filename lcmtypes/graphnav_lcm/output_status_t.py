@@ -9,11 +9,11 @@ import struct
 
 class output_status_t(object):
 
-    __slots__ = ["name", "channel", "motor", "sent", "latency_p50_ms", "latency_p99_ms", "latency_max_ms"]
+    __slots__ = ["name", "channel", "motor", "sent", "refused", "fault", "latency_p50_ms", "latency_p99_ms", "latency_max_ms"]
 
-    __typenames__ = ["string", "string", "boolean", "int64_t", "double", "double", "double"]
+    __typenames__ = ["string", "string", "boolean", "int64_t", "int64_t", "string", "double", "double", "double"]
 
-    __dimensions__ = [None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None]
 
     def __init__(self):
         self.name = ""
@@ -32,6 +32,18 @@ class output_status_t(object):
         """ LCM Type: boolean """
         self.sent = 0
         """ LCM Type: int64_t """
+        self.refused = 0
+        """
+        Messages that were not accepted: by the process that sends motor channels, or by LCM.
+        LCM Type: int64_t
+        """
+
+        self.fault = ""
+        """
+        Why nothing is sent, empty if messages are sent.
+        LCM Type: string
+        """
+
         self.latency_p50_ms = 0.0
         """
         Time from the arrival of the input to the publication of the output made from it.
@@ -58,7 +70,12 @@ class output_status_t(object):
         buf.write(struct.pack('>I', len(__channel_encoded)+1))
         buf.write(__channel_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">bqddd", self.motor, self.sent, self.latency_p50_ms, self.latency_p99_ms, self.latency_max_ms))
+        buf.write(struct.pack(">bqq", self.motor, self.sent, self.refused))
+        __fault_encoded = self.fault.encode('utf-8')
+        buf.write(struct.pack('>I', len(__fault_encoded)+1))
+        buf.write(__fault_encoded)
+        buf.write(b"\0")
+        buf.write(struct.pack(">ddd", self.latency_p50_ms, self.latency_p99_ms, self.latency_max_ms))
 
     @staticmethod
     def decode(data: bytes):
@@ -78,13 +95,16 @@ class output_status_t(object):
         __channel_len = struct.unpack('>I', buf.read(4))[0]
         self.channel = buf.read(__channel_len)[:-1].decode('utf-8', 'replace')
         self.motor = bool(struct.unpack('b', buf.read(1))[0])
-        self.sent, self.latency_p50_ms, self.latency_p99_ms, self.latency_max_ms = struct.unpack(">qddd", buf.read(32))
+        self.sent, self.refused = struct.unpack(">qq", buf.read(16))
+        __fault_len = struct.unpack('>I', buf.read(4))[0]
+        self.fault = buf.read(__fault_len)[:-1].decode('utf-8', 'replace')
+        self.latency_p50_ms, self.latency_p99_ms, self.latency_max_ms = struct.unpack(">ddd", buf.read(24))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if output_status_t in parents: return 0
-        tmphash = (0x531946007d6809e2) & 0xffffffffffffffff
+        tmphash = (0xe59d8f30ba637173) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

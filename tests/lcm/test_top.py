@@ -57,6 +57,8 @@ OUTPUT = {
     "channel": "BASE_CMD",
     "motor": True,
     "sent": 240,
+    "refused": 3,
+    "fault": "",
     "latency_p50_ms": 22.0,
     "latency_p99_ms": 41.5,
     "latency_max_ms": 60.25,
@@ -109,8 +111,8 @@ def test_a_person_reads_all_of_a_status() -> None:
         "run run-a robot live, 12.3 s of wall time, 0.04 s behind, 152 MB, dropped: tap 1, log 2",
         "input channel accepted lost rate age / max offset fault rejected",
         "camera.image CAMERA 121 4 10.0 Hz 0.04 / 0.50 s -0.012 s undecodable 2, repeated 5",
-        "output channel sent latency p50 p99 max",
-        "guard.twist BASE_CMD motor 240 22.0 ms 41.5 ms 60.2 ms",
+        "output channel sent refused latency p50 p99 max fault",
+        "guard.twist BASE_CMD motor 240 3 22.0 ms 41.5 ms 60.2 ms",
         "stage uses rate p50 p99 deadline missed overtaken",
         "flow flow.dis 10.0 Hz 12.2 ms 31.5 ms 80 ms 3 7",
         "overtaken on edges: plane.flow 4",
@@ -134,9 +136,9 @@ def test_80_columns_and_24_lines_show_what_matters_most() -> None:
         "─" * 62,
         "image  121       4     10.0 Hz  0.04 / 0.50 s",
         "stop   121       4     10.0 Hz  0.04 / 0.50 s",
-        "output       channel          sent  latency p50  p99      max",
-        "─" * 65,
-        "guard.twist  BASE_CMD  motor  240   22.0 ms      41.5 ms  60.2 ms",
+        "output              sent  refused  latency p50  p99      fault",
+        "─" * 62,
+        "guard.twist  motor  240   3        22.0 ms      41.5 ms",
         "stage                     rate     p50      p99      missed  overtaken",
         "─" * 70,
         "a_stage_of_a_long_name_0  10.0 Hz  12.2 ms  31.5 ms  3       7",
@@ -174,6 +176,20 @@ def test_silence_is_shown_as_silence() -> None:
     assert "flow.dis" not in text_of(health), "what was long ago is told in one line"
     health.receive(Received("graphnav.status", encode(STATUS, 0, 1), 90.0))
     assert "no status" not in text_of(health)
+
+
+def test_a_guard_whose_commands_are_not_sent_does_not_look_as_if_the_robot_may_move() -> None:
+    health = Health()
+    output = {**OUTPUT, "fault": "not taken for 0.1 s: nothing is sent"}
+    health.receive(Received("graphnav.status", encode(replace(STATUS, outputs=(output,)), 0, 0), 0.0))
+    for name in ("guard", "other"):
+        health.receive(Received(f"{name}.state", encode(replace(STOPPED, may_move=True, may_advance=True), 0, 0), 0.0))
+    lines = text_of(health).splitlines()
+    assert (
+        "guard guard.state  may move, but not taken for 0.1 s: nothing is sent, stopped until it is armed again"
+        in lines
+    )
+    assert "guard other.state  may move, stopped until it is armed again" in lines
 
 
 def test_a_run_that_was_only_announced_has_no_status() -> None:

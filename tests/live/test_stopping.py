@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from graphnav import Recording
+from graphnav import Recording, Status
 from tests.live.stages import Trouble
 
 if TYPE_CHECKING:
@@ -161,6 +161,34 @@ def test_a_run_that_is_suspended_stops_the_robot_and_drives_it_on(driven: Driven
     driven.drive()
     driven.process.send_signal(signal.SIGTERM)
     driven.end()
+
+
+def test_a_motor_process_that_is_suspended_is_reported_and_stops_before_it_drives_on(driven: Driven) -> None:
+    os.kill(driven.motors, signal.SIGSTOP)
+    driven.show_until_stopped(100)  # by the run itself
+    assert f"(pid {driven.motors}) has not taken commands for 0." in driven.output.read_text()
+    n_before, resumed_us = len(driven.program.speeds("BASE")), time.time_ns() // 1000
+    os.kill(driven.motors, signal.SIGCONT)
+    driven.drive()
+    after = driven.program.speeds("BASE")[n_before:]
+    assert after[0][1] == 0.0
+    assert next(utime for utime, v in after if v > 0) >= resumed_us
+    assert "commands are taken again, after " in driven.output.read_text()
+    driven.process.send_signal(signal.SIGTERM)
+    driven.end()
+    output = driven.summary()["live"]["outputs"][0]
+    assert output["refused"] > 0
+    assert not output["fault"]
+    with Recording(driven.folder / "run.lcmlog") as log:
+        faults = {one.outputs[0]["fault"] for _, _, one in log.messages("graphnav.status") if isinstance(one, Status)}
+    assert any(fault.startswith("not taken for ") for fault in faults)
+
+
+def test_a_run_whose_motor_process_is_suspended_sends_the_stops_at_its_end(driven: Driven) -> None:
+    os.kill(driven.motors, signal.SIGSTOP)
+    driven.process.send_signal(signal.SIGTERM)
+    assert driven.end() == 130
+    assert "does not react at the end: the run sends the stops itself" in driven.output.read_text()
 
 
 def test_a_motor_process_that_dies_fails_the_run(driven: Driven) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
+from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.live_runner import LiveRunner
 
@@ -14,17 +15,19 @@ _MIN_LOST = 3
 """Fewer lost messages are counted, but not reported."""
 _MIN_FOREIGN = 5
 """A larger excess of messages on a motor channel comes from another program, not from counting at two times."""
+_MIN_REFUSED = 3
+"""Fewer refused commands are counted, but not reported."""
 _SILENT_S = 2.0
 
 
 class Alarms:
     """Yields notices, once a second; each problem is reported at first, and again when its count has doubled.
 
-    ``motor_counts`` returns the number of messages on the motor channels, and how many of them this run has sent.
+    ``traffic`` counts the messages on the motor channels.
     """
 
-    def __init__(self, runner: LiveRunner, motor_counts: Callable[[], tuple[int, int]]) -> None:
-        self._runner, self._motor_counts = runner, motor_counts
+    def __init__(self, runner: LiveRunner, traffic: MotorTraffic) -> None:
+        self._runner, self._traffic = runner, traffic
         self._told: dict[str, int] = {}
         self._overtaken: Counter[str] = Counter()
         self._busy_s: dict[str, float] = {}
@@ -37,7 +40,15 @@ class Alarms:
         yield from self._late(elapsed_s)
         for intake in self._runner.intakes.values():
             yield from self._lost(intake, now_s)
-        heard, sent = self._motor_counts()
+        for outlet in self._runner.outlets.values():
+            ref, channel = outlet.target.channel.ref, outlet.target.name
+            if self._is_news(f"{ref} refused", outlet.refused, _MIN_REFUSED):
+                taker = "by the process that sends the motor channels" if outlet.target.motor else "by LCM"
+                yield f"not sent: {outlet.refused} messages of {ref} on {channel} were not taken {taker}"
+        late = self._traffic.late
+        if self._is_news("motors late", late, _MIN_REFUSED):
+            yield f"not sent: {late} commands were older than max_age_s before the motor process had read them"
+        heard, sent = self._traffic.counts()
         if self._is_news("foreign", heard - sent, _MIN_FOREIGN):
             channels = ", ".join(outlet.target.name for outlet in self._runner.outlets.values() if outlet.target.motor)
             yield (

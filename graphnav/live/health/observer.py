@@ -28,8 +28,8 @@ class Observer:
         self.told: list[str] = []
         self.traffic = MotorTraffic()
         self._runner, self._notice = runner, notice
-        self._alarms = Alarms(runner, self.traffic.counts)
-        self._reporter = StatusReporter(runner, run_id, dropped)
+        self._alarms = Alarms(runner, self.traffic)
+        self._reporter = StatusReporter(runner, run_id, dropped, self.traffic)
         self.status = self._reporter.make()
 
     def tell(self, line: str) -> None:
@@ -39,10 +39,16 @@ class Observer:
         self._notice(line)
 
     def look(self) -> bool:
-        """If the last status is a second old, publish a new one and report new alarms; return whether it did."""
-        if not self._reporter.is_due():
-            return False
+        """If the last status is a second old, publish a new one and report new alarms; return whether it did.
+
+        A motor process that takes no commands, or takes them again, is reported at once.
+        """
         runner = self._runner
+        changes = list(self.traffic.look(runner.clock.now_s()))
+        for line in changes:
+            self.tell(line)
+        if not (changes or self._reporter.is_due()):
+            return False
         self.status = self._reporter.make()
         runner.record(STATUS, encode(self.status, runner.clock.now(), runner.next_seq(STATUS)))
         for line in self._alarms.look():

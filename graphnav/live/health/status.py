@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.live_runner import LiveRunner
 from graphnav.live.outlet import Outlet
@@ -17,8 +18,10 @@ _PERIOD_S = 1.0
 class StatusReporter:
     """Builds a status once a second; ``dropped`` returns the messages dropped by the tap and the log."""
 
-    def __init__(self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]]) -> None:
-        self._runner, self._run_id, self._dropped = runner, run_id, dropped
+    def __init__(
+        self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]], traffic: MotorTraffic
+    ) -> None:
+        self._runner, self._run_id, self._dropped, self._traffic = runner, run_id, dropped, traffic
         self._due_s = runner.clock.now_s() + _PERIOD_S
         self._last_s = runner.clock.now_s()
         self._rates = Rates()
@@ -47,7 +50,7 @@ class StatusReporter:
             log_dropped=log_dropped,
             stages=stage_statuses(self._runner.units, self._rates, elapsed_s),
             inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._runner.intakes.values()),
-            outputs=tuple(_output(one) for one in self._runner.outlets.values()),
+            outputs=tuple(_output(one, self._traffic) for one in self._runner.outlets.values()),
             edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),
         )
 
@@ -69,12 +72,14 @@ class StatusReporter:
         }
 
 
-def _output(outlet: Outlet) -> dict[str, Any]:
+def _output(outlet: Outlet, traffic: MotorTraffic) -> dict[str, Any]:
     return {
         "name": outlet.target.channel.ref,
         "channel": outlet.target.name,
         "motor": outlet.target.motor,
         "sent": outlet.sent,
+        "refused": outlet.refused,
+        "fault": traffic.fault if outlet.target.motor else "",
         "latency_p50_ms": outlet.latency.quantile_s(0.5) * 1e3,
         "latency_p99_ms": outlet.latency.quantile_s(0.99) * 1e3,
         "latency_max_ms": outlet.max_latency_s * 1e3,

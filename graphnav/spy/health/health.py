@@ -101,6 +101,15 @@ class Health:
         limit_s = STATUS_SILENT_S if isinstance(of, RunHealth) else GUARD_SILENT_S
         return (self.silent_s(of) or 0.0) > limit_s
 
+    def motor_fault(self, guard: GuardHealth) -> str:
+        """Return why the motor output of a guard's stage gets nothing, empty if it does or no status tells."""
+        stage = guard.channel.rpartition(".")[0]
+        for run in self.runs.values():
+            for output in () if run.status is None or self.is_silent(run) else run.status.outputs:
+                if output["motor"] and output["fault"] and output["name"].rpartition(".")[0] == stage:
+                    return str(output["fault"])
+        return ""
+
     def _bound(self, newest_last: dict[str, Any]) -> None:
         """Drop the oldest entries."""
         while len(newest_last) > MAX_RUNS:

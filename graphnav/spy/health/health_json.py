@@ -44,5 +44,6 @@ def _guard(health: Health, guard: GuardHealth) -> dict[str, Any]:
         "may_advance": state.may_advance,
         "overridden": state.overridden,
         "stopped": state.stopped,
+        "motor_fault": health.motor_fault(guard),
         "causes": [plain(dict(zip(("cause", "port", "value", "limit"), cause, strict=True))) for cause in causes],
     }

@@ -17,13 +17,13 @@ from graphnav.spy.health.health import MAX_RUNS, GuardHealth, Health, RunHealth
 _FORGET_S = 10.0
 """A run that is silent for longer is shown in one line."""
 _INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
-_OUTPUT = ("output", "channel", "", "sent", "latency p50", "p99", "max")
+_OUTPUT = ("output", "channel", "", "sent", "refused", "latency p50", "p99", "max", "fault")
 _STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
 _STRINGS = {"stage", "uses", "input", "channel", "output", "fault", "rejected"}
 """Columns that shrink if a table is too wide; numbers are never cut."""
 _WIDE_COLS = 100
 """Narrower terminals show fewer columns."""
-_WIDE_ONLY = {_INPUT: {"channel", "offset"}, _STAGE: {"uses", "deadline"}}
+_WIDE_ONLY = {_INPUT: {"channel", "offset"}, _OUTPUT: {"channel", "max"}, _STAGE: {"uses", "deadline"}}
 _WRAPPED = {"fault", "rejected"}
 
 
@@ -120,7 +120,9 @@ def _output(one: Mapping[str, Any]) -> Sequence[Text]:
         Text(shown_name(one["channel"])),
         Text("motor" if one["motor"] else ""),
         Text(str(one["sent"])),
+        _count(one["refused"]),
         *(_ms(one[f"latency_{name}_ms"]) for name in ("p50", "p99", "max")),
+        Text(shown_name(one["fault"]), "red"),
     )
 
 
@@ -132,6 +134,8 @@ def _guard(health: Health, guard: GuardHealth) -> Text:
         return text.append(f"no state for {health.silent_s(guard):.1f} s", "bold red")
     move, advance = ("may move", "green"), ("may turn, not advance", "yellow")
     text.append(*(("may not move", "bold red") if not state.may_move else move if state.may_advance else advance))
+    if fault := health.motor_fault(guard):
+        text.append(f", but {shown_name(fault)}", "bold red")
     text.append(", override active" if state.overridden else "")
     text.append(", stopped until it is armed again" if state.stopped else "")
     for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):

@@ -84,6 +84,7 @@ function guardNotice(guard) {
   if (guard.silent) return [`${guard.channel}: no state for ${format.seconds(guard.silent_s)}`, true];
   const may = !guard.may_move ? "may not move" : guard.may_advance ? "may move" : "may turn, not advance";
   const causes = guard.causes.map(({ cause, port }) => `${cause} ${port}`);
-  const more = [guard.overridden ? "override active" : "", guard.stopped ? "stopped until armed again" : "", ...causes];
-  return [`${guard.channel}: ${[may, ...more.filter(Boolean)].join(", ")}`, !guard.may_advance];
+  const fault = guard.motor_fault ? `but ${guard.motor_fault}` : "";
+  const more = [fault, guard.overridden ? "override active" : "", guard.stopped ? "stopped until armed again" : "", ...causes];
+  return [`${guard.channel}: ${[may, ...more.filter(Boolean)].join(", ")}`, !guard.may_advance || fault !== ""];
 }
