@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
 from graphnav import Age, GuardState, Image, Latest, Plane, Stage, Stamp, Stop, Twist, param
-from graphnav_control.causes import Cause, contrast, judged_ratio, lost
+from graphnav_control.causes import Cause, Staleness, contrast, judged_ratio, lost
 from graphnav_control.limits import limited
 
 STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
@@ -26,11 +26,12 @@ class Guard(Stage):
     """Lets a command through to the motors while the robot sees, and stops it otherwise.
 
     The robot stands while a wired input among ``command``, ``plane`` and ``image`` has not arrived yet ("waiting"), is
-    older than ``max_age_s`` ("stale"), or has implausible stamps or values that are not finite ("fault"). It also
-    stands while too little of the plane could be judged or the image is blank ("blind"): unknown is not free.
-    While nearly all judged cells are obstacle ("obstacle") it may turn and drive backward, but not forward. The same
-    holds by default while more than ``max_unknown_ratio`` of the cells inside the picture's rim were not judged
-    ("unknown", see `Plane.unknown`), as before a white wall; ``unjudged`` chooses another reaction.
+    older than ``max_age_s`` ("stale", until for as long its age has stayed below 0.8 of that), or has implausible
+    stamps or values that are not finite ("fault"). It also stands while too little of the plane could be judged or the
+    image is blank ("blind"): unknown is not free. While nearly all judged cells are obstacle ("obstacle") it may turn
+    and drive backward, but not forward. The same holds by default while more than ``max_unknown_ratio`` of the cells
+    inside the picture's rim were not judged ("unknown", see `Plane.unknown`), as before a white wall; ``unjudged``
+    chooses another reaction.
 
     A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
     published. When it ends, the command drives again. An override with implausible stamps stops the robot.
@@ -104,6 +105,7 @@ class Guard(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, armed."""
         self._is_stopped = False
+        self._staleness = {port: Staleness() for port in ("command", "plane", "image")}
         self._turnable = {"obstacle"} if self.unjudged == "hold" else {"obstacle", "unknown"}
         self._passable = {"unknown"} if self.unjudged == "brake" else set[str]()
         self._last = STANDSTILL
@@ -128,7 +130,7 @@ class Guard(Stage):
             self._begin = self._before = utime
         waited_s = (utime - self._begin) * 1e-6
         causes = [
-            *lost("command", Latest(command, command_age_s), self.max_age_s, waited_s),
+            *self._lost("command", Latest(command, command_age_s), waited_s),
             *self._of_plane(plane, waited_s),
             *self._of_image(image, waited_s),
         ]
@@ -160,8 +162,11 @@ class Guard(Stage):
             ),
         )
 
+    def _lost(self, port: str, input: Latest[Any], waited_s: float) -> list[Cause]:  # noqa: A002
+        return lost(port, input, self._staleness[port], self.max_age_s, waited_s)
+
     def _of_plane(self, plane: Latest[Plane], waited_s: float) -> list[Cause]:
-        causes = lost("plane", plane, self.max_age_s, waited_s)
+        causes = self._lost("plane", plane, waited_s)
         if causes or plane.value is None:
             return causes
         if self._seen[0] is not plane.value:
@@ -176,7 +181,7 @@ class Guard(Stage):
         return causes
 
     def _of_image(self, image: Latest[Image], waited_s: float) -> list[Cause]:
-        causes = lost("image", image, self.max_age_s, waited_s)
+        causes = self._lost("image", image, waited_s)
         if causes or image.value is None:
             return causes
         if self._contrast[0] is not image.value:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import random
 from dataclasses import replace
 from typing import Any
 
@@ -139,8 +141,33 @@ def test_it_stops_for_what_is_too_old_and_goes_on_after_it(late: dict[str, Any],
     assert causes(outputs) == [("stale", port)]
     assert outputs.state.values == pytest.approx([LATE_S])
     assert outputs.state.limits == pytest.approx([0.5])
-    assert speeds(guard()) == (0.3, -0.4)
+    again = [guard() for _ in range(12)]
+    assert [speeds(outputs) for outputs in again[:9]] == [(0.0, 0.0)] * 9
+    assert speeds(again[-1]) == (0.3, -0.4)
+    assert causes(again[0]) == [("stale", port)]
+    assert again[0].state.values == pytest.approx([LATE_S])
+    assert again[0].state.limits == pytest.approx([0.4])
     assert speeds(Driven(max_age_s=LATE_S)(**late)) == (0.3, -0.4)
+
+
+@pytest.mark.parametrize("offset_s", [0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7])
+def test_an_age_near_the_limit_does_not_make_the_robot_jerk(offset_s: float) -> None:
+    guard, noise = Driven(), random.Random(1)
+    moves, born_s = [], 0.0
+    for k in range(200):
+        if k % 2 == 0:  # images at 10 Hz, the guard at 20 Hz
+            born_s = 0.05 * k - offset_s - noise.uniform(0.0, 0.03)
+        moves.append(guard(image=Latest(textured(), 0.05 * k - born_s)).state.may_move)
+    assert sum(a != b for a, b in itertools.pairwise(moves)) <= 2
+    assert moves[-1] == (offset_s <= 0.4)
+
+
+def test_an_input_that_is_always_near_the_limit_recovers() -> None:
+    guard = Driven()
+    guard(image=Latest(textured(), LATE_S))
+    moves = [guard(image=Latest(textured(), 0.45)).state.may_move for _ in range(202)]
+    assert not any(moves[:199])
+    assert moves[-1]
 
 
 @pytest.mark.parametrize(
@@ -336,7 +363,7 @@ def test_ramps_hold_where_the_robot_speeds_up_and_never_delay_a_stop() -> None:
     assert [omega for _, omega in driven] == pytest.approx([0.0, 0.2, 0.4, 0.5, 0.5, 0.5, 0.5, 0.5])
     assert speeds(guard(command=Twist(v_mps=0.1, omega_radps=0.2))) == (0.1, 0.2)
     assert speeds(guard(command=back)) == pytest.approx((-0.05, -0.2))
-    assert speeds(guard(image=Latest(textured(), LATE_S))) == (0.0, 0.0)
+    assert speeds(guard(image=Latest(textured(), FRESH_S, "stamps repeat"))) == (0.0, 0.0)
     assert speeds(guard(command=ahead)) == pytest.approx((0.05, 0.2))
     assert speeds(guard(stop=fresh(Stop(engaged=True)))) == (0.0, 0.0)
 
