@@ -7,6 +7,7 @@ import re
 import sys
 import traceback
 from collections.abc import Callable, Iterator
+from importlib.machinery import SourceFileLoader
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -20,6 +21,7 @@ from graphnav.errors import CatalogError, DeclarationError, Hint, did_you_mean, 
 from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.messages import snake_case
 from graphnav.stage import Role, Source, Stage, former_names, metrics_of, params_of, ports_of
+from graphnav.trust import Trust, read_plugin
 
 GROUP = "graphnav"
 """Entry point group: the name of an entry point is a family, its value a module with hooks."""
@@ -31,9 +33,13 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 class Catalog:
-    """Finds stage classes; imports only the requested families."""
+    """Finds stage classes; imports only the requested families.
 
-    def __init__(self) -> None:
+    ``trust``: which plugin files may run that graphs name; by default what the user has trusted before.
+    """
+
+    def __init__(self, trust: Trust | None = None) -> None:
+        self.trust = trust or Trust()
         self._plugins = pluggy.PluginManager(graphnav.hooks.PROJECT)
         self._plugins.add_hookspecs(graphnav.hooks)
         self._entry_points: dict[str, list[EntryPoint]] = {}
@@ -108,6 +114,10 @@ class Catalog:
         )
         return cls
 
+    def has(self, use: str) -> bool:
+        """Return whether a loaded family or file has this stage."""
+        return use in self._origins
+
     def origin(self, use: str) -> str:
         """Return the package or file that a loaded stage comes from."""
         return self._origins[use]
@@ -142,10 +152,14 @@ class Catalog:
             self._register(family, module, origin)
         self._loaded.add(family)
 
-    def add_file(self, path: Path) -> str:
+    def holds_file(self, path: Path) -> bool:
+        """Return whether a one-file plugin was added, by any path."""
+        return any(str(path.resolve()) in files for files in self._files.values())
+
+    def add_file(self, path: Path, source: bytes | None = None) -> str:
         """Add the stages of a one-file plugin; return its family: its constant ``FAMILY``, else the file's stem.
 
-        Adding the same file again, by any path, has no effect.
+        Adding the same file again, by any path, has no effect. ``source``: its content, if it was read already.
 
         Raises
         ------
@@ -156,7 +170,7 @@ class Catalog:
         for known, files in self._files.items():
             if file in files:
                 return known
-        module = _import_file(path)
+        module = _import_file(path, source)
         family = self.called(str(path), "FAMILY", lambda: getattr(module, "FAMILY", path.stem))
         if not isinstance(family, str) or not _NAME.fullmatch(family):
             raise CatalogError(
@@ -303,16 +317,18 @@ def _real_file(path: Path) -> str:
     raise CatalogError(f"plugin {path}: there is no such file", near)
 
 
-def _import_file(path: Path) -> ModuleType:
+def _import_file(path: Path, source: bytes | None) -> ModuleType:
+    """Return the module of a file, made from its source: a compiled file beside it might come from elsewhere."""
     name = f"graphnav_plugin_{path.stem}_{len(sys.modules)}"
     spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
+    if spec is None or not isinstance(spec.loader, SourceFileLoader):
         raise CatalogError(f"plugin {path}: not a Python file", "give it the suffix .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
+        code = spec.loader.source_to_code(read_plugin(path) if source is None else source, str(path))
         with third_party_code():
-            spec.loader.exec_module(module)
+            exec(code, module.__dict__)  # noqa: S102 - the plugin, which the user named or trusts
     except SyntaxError as error:
         where = f"{path}:{error.lineno}" if error.lineno else str(path)
         raise CatalogError(f"plugin {where}: {error.msg}") from error

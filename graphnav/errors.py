@@ -16,8 +16,9 @@ from graphnav.interrupts import USER_ENDS
 _MAX_LINE = 1000
 """The longest line that is made of what a plugin raised or returned, characters."""
 
-ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate"]
-"""A name that is not known, several candidates for one wire, something given twice; ``wrong``: anything else."""
+ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate", "untrusted"]
+"""A name that is not known, several candidates for one wire, something given twice, code that is not trusted and so did
+not run; ``wrong``: anything else."""
 
 
 @dataclass(frozen=True, order=True)

@@ -7,6 +7,8 @@ from pathlib import Path
 LOG = "run.lcmlog"
 GRAPH = "graph.yaml"
 """The graph as it ran, which runs again."""
+PLUGINS = "plugins"
+"""The folder of the copies of its one-file plugins."""
 
 
 def is_graph_of_run(path: Path) -> bool:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import resource
+import shutil
 import signal
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
@@ -20,16 +22,22 @@ _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % 
 
 
 def pytest_configure() -> None:
-    """Keep tests that run at the same time apart; let what tests start be interrupted.
+    """Keep tests that run at the same time, and the user's trust, apart; let what tests start be interrupted.
 
     A background job ignores these signals, and hands that on. Property tests try the same examples in every run.
     """
     os.environ["LCM_DEFAULT_URL"] = _URL
+    os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="graphnav-state-")
     hypothesis.settings.register_profile("any machine", deadline=None, derandomize=True)
     hypothesis.settings.load_profile("any machine")
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+
+
+def pytest_unconfigure() -> None:
+    """Remove what the tests trusted."""
+    shutil.rmtree(os.environ["XDG_STATE_HOME"], ignore_errors=True)
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from graphnav.api.parameters import documented
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph
 from graphnav.render import dot_of, mermaid_of, svg_of, text_of
+from graphnav.trust import Trust
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -25,6 +26,7 @@ def draw(
     *,
     set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
     plugins: Sequence[PathLike] = (),
+    trust: bool = False,
 ) -> Drawing:
     """Return the drawing of a graph: a picture in a notebook, boxes in a terminal.
 
@@ -33,7 +35,7 @@ def draw(
     UserError
         All errors of the graph.
     """
-    return Drawing(loaded(graph, set, plugins, Catalog()))
+    return Drawing(loaded(graph, set, plugins, Catalog(Trust(runs_all=trust))))
 
 
 class Drawing:

@@ -13,6 +13,7 @@ from graphnav.catalog import Catalog
 from graphnav.errors import ParamError, Problem, UserError
 from graphnav.graph import Graph, Override, RunOptions, load_graph
 from graphnav.stage import params_of
+from graphnav.trust import Trust
 
 
 @documented
@@ -21,6 +22,7 @@ def load(
     *,
     set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
     plugins: Sequence[PathLike] = (),
+    trust: bool = False,
 ) -> Graph:
     """Return the checked graph of a file, or of the name of a shipped one.
 
@@ -29,7 +31,7 @@ def load(
     UserError
         All errors, with file, line and column: ``error.problems``.
     """
-    checked = loaded(graph, set, plugins, Catalog())
+    checked = loaded(graph, set, plugins, Catalog(Trust(runs_all=trust)))
     checked.make_stages()
     return checked
 
@@ -40,6 +42,7 @@ def check(
     *,
     set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
     plugins: Sequence[PathLike] = (),
+    trust: bool = False,
 ) -> list[Problem]:
     """Return all errors of a graph, sorted by line; an empty list if there are none.
 
@@ -57,7 +60,9 @@ def check(
     name = None if isinstance(graph, Graph) else path_of(graph, "graph", "corridor_ccw")
     try:
         found = (
-            graph if isinstance(graph, Graph) else load_with(add_plugins(Catalog(), files), str(name), overrides, files)
+            graph
+            if isinstance(graph, Graph)
+            else load_with(add_plugins(Catalog(Trust(runs_all=trust)), files), str(name), overrides, files)
         )
         found.make_stages()
     except UserError as error:
@@ -105,17 +110,20 @@ def load_with(
     overrides: Sequence[Override],
     plugins: Sequence[Path],
     problems: Sequence[Problem] = (),
+    *,
+    partial: bool = False,
 ) -> Graph:
     """Return a checked graph; ``catalog`` holds the ``plugins`` already, and the run's folder gets copies of them.
 
-    ``problems``: what is wrong with options that were read before, to be reported with the graph's.
+    ``problems``: what is wrong with options that were read before, to be reported with the graph's. ``partial``: as of
+    `load_graph`.
 
     Raises
     ------
     UserError
         All errors of the graph.
     """
-    found = load_graph(graph, catalog, overrides, problems)
+    found = load_graph(graph, catalog, overrides, problems, partial=partial)
     return replace(found, plugins=tuple(dict.fromkeys((*found.plugins, *(path.resolve() for path in plugins)))))
 
 

@@ -22,6 +22,8 @@ PARAMETERS = {
     'option of the run, and ``{"twin+": "plane.affine"}`` adds a stage. Lists, numpy scalars, paths and None are '
     "values too.",
     "plugins": "Files with stages of your own, as ``--plugin`` takes them.",
+    "trust": "Run the plugin files that the graph names; otherwise only those that graphnav wrote or whose folder is "
+    "trusted (``graphnav trust``) run, and others are errors. `graphnav.run` and studies run what their graph names.",
     "seed": "Seed of all randomness, in place of the graph's.",
     "seeds": "The worlds, ``range(1000, 1010)``; None: those of the study.",
     "until_s": "When to stop, in place of the graph's: simulated seconds; live, seconds since the start.",

@@ -19,6 +19,7 @@ from graphnav.profiling import NothingMeasuredError, Profile, functions_missing,
 from graphnav.profiling.profile import Clock
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import new_run_id
+from graphnav.trust import Trust
 
 
 @documented
@@ -33,6 +34,7 @@ def profile(
     tap: TapMode = "none",
     clock: Clock = "wall",
     functions: bool = False,
+    trust: bool = False,
 ) -> Profile:
     """Run a graph in lockstep, with its log, and return where the time of its ticks went.
 
@@ -51,7 +53,9 @@ def profile(
     check_tap(tap)
     if clock not in get_args(Clock):
         raise wrong_type("clock", clock, '"wall" or "cpu"', 'write clock="cpu" on a machine that does other work')
-    checked = with_run_options(loaded(graph, set, plugins, Catalog()), {"seed": seed, "until_s": until_s})
+    checked = with_run_options(
+        loaded(graph, set, plugins, Catalog(Trust(runs_all=trust))), {"seed": seed, "until_s": until_s}
+    )
     refuse_live(checked)
     if functions and (missing := functions_missing()):
         raise UserError(missing)

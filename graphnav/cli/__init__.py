@@ -47,6 +47,7 @@ COMMANDS = {
     "types": "list the message types, or describe one; definitions, Java for lcm-spy",
     "lcm-spy": "start lcm-spy of LCM with the types of graphnav",
     "doctor": "check this machine, and what a graph needs of it; print the commands that fix problems",
+    "trust": "list, trust or revoke the folders whose plugin files may run when their graphs are read",
     "completion": "print the script that makes bash, zsh or fish complete commands and names with TAB",
 }
 """Every command and its help; the module ``graphnav.cli.<command>`` has ``add_arguments`` and ``main``."""

@@ -9,10 +9,19 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_former_option, add_plugin_option, add_portable_option, catalog_of, count, seconds
+from graphnav.cli.options import (
+    add_former_option,
+    add_plugin_option,
+    add_portable_option,
+    add_trust_option,
+    catalog_of,
+    count,
+    seconds,
+)
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 from graphnav.machine.start_up import ended_by_interrupt
+from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
     from graphnav.ablation.plan import CheckedStudy, Plan
@@ -43,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_study_options(parser)
     _add_world_options(parser)
     _add_execution_options(parser)
+    add_trust_option(parser)
     parser.add_argument("--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder")
     parser.add_argument(
         "--export",
@@ -194,13 +204,14 @@ def main(args: argparse.Namespace) -> int:
     if args.report:
         plan = read_plan(args.report)
         pairs = parse_pairs(args.contrasts, plan.variants)
-        files = write_study_files(plan, args.report, _catalog_of_usable_plugins(plan))
+        files = write_study_files(plan, args.report, _catalog_of_usable_plugins(args, plan))
         print_outputs(plan, args.report, files, console, pairs)
         if args.export:
             console.print(f"mlflow: {export_to_mlflow(plan, files, args.report)}", markup=False)
         return OK
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
+    args.trust = True
     with ended_by_interrupt(owns_process=args.owns_process):
         catalog = catalog_of(args)
         study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
@@ -209,6 +220,8 @@ def main(args: argparse.Namespace) -> int:
 
 def _refuse_mixtures(args: argparse.Namespace) -> None:
     """Raise UserError if --report or --compare is combined with options of a study that runs."""
+    if args.trust and not args.report:
+        raise UserError.of("--trust is for --report: studies run what they name", "remove it, or add --report DIR")
     if args.fail_if and not args.compare:
         raise UserError.of("--fail-if is for --compare, which compares two studies", "add --compare A B")
     if args.export and not args.report:
@@ -285,14 +298,24 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     return OK
 
 
-def _catalog_of_usable_plugins(plan: Plan) -> Catalog:
-    """Return the catalog with the usable plugin files of a study: only drawings need them."""
+def _catalog_of_usable_plugins(args: argparse.Namespace, plan: Plan) -> Catalog:
+    """Return the catalog with the usable and trusted plugin files of a study: only drawings need them."""
     from graphnav.catalog import Catalog
+    from graphnav.cli.trust import trust_of
+    from graphnav.trust import read_plugin, request_of_plan
 
-    catalog = Catalog()
-    for plugin in plan.plugins:
+    catalog = Catalog(trust_of(args))
+    sources: dict[Path, bytes] = {}
+    for plugin in map(Path, plan.plugins):
+        with suppress(OSError):
+            sources[plugin] = read_plugin(plugin)
+    if sources and not catalog.trust.allows(request_of_plan(args.report, sources)):
+        for plugin in sources:
+            print_notice(f"left out: plugin {plugin}, Python code that is not trusted\n  {catalog.trust.hint}")
+        return catalog
+    for plugin, source in sources.items():
         with suppress(CatalogError):
-            catalog.add_file(Path(plugin))
+            catalog.add_file(plugin, source)
     return catalog
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sized
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_graph_options, load
-from graphnav.cli.status import OK
+from graphnav.cli.status import FAILED, OK
 
 if TYPE_CHECKING:
     from graphnav.cli.tables import TextTable
@@ -26,9 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: load the graph, construct its stages, and let each check its files and devices."""
-    _, graph = load(args)
-    graph.make_stages()
+    """Run the command: load the graph, construct its stages, and let each check its files and devices.
+
+    The exit status is 1 where plugins are not trusted: the rest is checked without them.
+    """
+    _, graph = load(args, partial=not args.resolved)
+    graph.without_left_out().make_stages()
     if args.resolved:
         from graphnav.graph import resolved_yaml
 
@@ -49,7 +52,12 @@ def main(args: argparse.Namespace) -> int:
         _count(graph.channels, "channel"),
         _count(graph.outputs, "output") if graph.outputs else "",
     ]
-    console.print(f"{graph.path.name} is fine: {', '.join(filter(None, parts))}", markup=False)
+    counts = ", ".join(filter(None, parts))
+    if graph.left_out:
+        unknown = ", ".join(node.name for node in graph.nodes if node.is_left_out)
+        console.print(f"{graph.path.name} is fine, except what was left out ({unknown}): {counts}", markup=False)
+        return FAILED
+    console.print(f"{graph.path.name} is fine: {counts}", markup=False)
     return OK
 
 
@@ -84,7 +92,7 @@ def _writes(node: Node) -> list[str]:
 
 
 def _message(channel: Channel) -> str:
-    return f"{channel.ref}: {channel.message.__name__}"
+    return f"{channel.ref}: {channel.type_text}"
 
 
 def _count(things: Sized, noun: str) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from graphnav.errors import Place, Problem, UserError
 from graphnav.machine.start_up import ended_by_interrupt
+from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
@@ -22,13 +23,31 @@ MAX_SEED = 2**32 - 1
 _MAX_DIGITS = 12
 
 
-def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
-    """Declare GRAPH, which may be left out unless ``required``, ``--set`` and ``--plugin``, for `load`."""
+def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True, runs: bool = False) -> None:
+    """Declare GRAPH, which may be left out unless ``required``, ``--set`` and ``--plugin``, for `load`.
+
+    ``runs``: whether the command runs the graph because the user says so, and with it the plugins that the graph names;
+    others get ``--trust``.
+    """
     parser.add_argument(
         "graph", nargs=None if required else "?", metavar="GRAPH", help="a YAML file, or the name of a graph that ships"
     )
     add_set_option(parser)
     add_plugin_option(parser)
+    if runs:
+        parser.set_defaults(trust=True)
+    else:
+        add_trust_option(parser)
+
+
+def add_trust_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--trust``, for `catalog_of`."""
+    parser.add_argument(
+        "--trust",
+        action="store_true",
+        help="run the plugin files that the graph names, without asking (default: only those that graphnav wrote or "
+        "whose folder is trusted; at a terminal, ask)",
+    )
 
 
 def add_set_option(parser: argparse.ArgumentParser) -> None:
@@ -259,15 +278,18 @@ def channels_of(args: argparse.Namespace) -> ChannelFilter:
 
 
 def catalog_of(args: argparse.Namespace) -> Catalog:
-    """Return the catalog with the ``--plugin`` files."""
+    """Return the catalog with the ``--plugin`` files, and the trust that the command has in others."""
     from graphnav.api.load import add_plugins
     from graphnav.catalog import Catalog
+    from graphnav.cli.trust import trust_of
 
-    return add_plugins(Catalog(), args.plugins)
+    return add_plugins(Catalog(trust_of(args)), args.plugins)
 
 
-def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
+def load(args: argparse.Namespace, *, partial: bool = False) -> tuple[Catalog, Graph]:
     """Return the catalog with the ``--plugin`` files and the checked graph with its swaps, seed and end.
+
+    ``partial``: the graph may lack plugins that are not trusted (`Graph.left_out`), which are told.
 
     Raises
     ------
@@ -281,6 +303,8 @@ def load(args: argparse.Namespace) -> tuple[Catalog, Graph]:
         catalog = catalog_of(args)
         problems: list[Problem] = []
         overrides = parse_overrides(args.sets, problems)
-        graph = load_with(catalog, args.graph, overrides, args.plugins, problems)
+        graph = load_with(catalog, args.graph, overrides, args.plugins, problems, partial=partial)
+        for problem in graph.left_out:
+            print_notice(str(problem))
         given = {"seed": getattr(args, "seed", None), "until_s": getattr(args, "until", None)}
         return catalog, with_run_options(graph, given, {"seed": "--seed", "until_s": "--until"})

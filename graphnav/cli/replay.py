@@ -10,7 +10,14 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_plugin_option, add_portable_option, add_set_option, catalog_of, overrides_of
+from graphnav.cli.options import (
+    add_plugin_option,
+    add_portable_option,
+    add_set_option,
+    add_trust_option,
+    catalog_of,
+    overrides_of,
+)
 from graphnav.cli.status import FAILED, OK
 from graphnav.errors import LogError, UserError
 
@@ -29,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_set_option(parser)
     add_plugin_option(parser)
+    add_trust_option(parser)
     parser.add_argument(
         "--play",
         dest="play",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    add_graph_options(parser)
+    add_graph_options(parser, runs=True)
     add_run_options(parser)
     add_portable_option(parser)
     parser.add_argument(

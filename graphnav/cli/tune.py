@@ -60,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_set_option(parser)
     add_plugin_option(parser)
+    parser.set_defaults(trust=True)
     parser.add_argument(
         "--sampler-seed", type=seed, default=0, metavar="N", help="seed of the proposals (default 0); worlds ignore it"
     )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Problem, did_you_mean
 from graphnav.graph.graph import Graph
-from graphnav.graph.node import Channel, Input, Node
+from graphnav.graph.node import Channel, Input, LeftOut, Node
 from graphnav.graph.wiring.channels import channels_of
 from graphnav.graph.wiring.firing_order import firing_order
 from graphnav.graph.wiring.inputs import inputs_of
@@ -17,8 +18,9 @@ from graphnav.graph.wiring.outputs import outputs_of
 from graphnav.graph.wiring.outside_names import check_outside_names
 from graphnav.graph.wiring.settings import SET, run_options, settings_of
 from graphnav.graph.wiring.wires import Wires
+from graphnav.messages import Message
 from graphnav.spec import Spec, StageSpec
-from graphnav.stage import Source, Stage, ports_of
+from graphnav.stage import Port, Source, Stage, ports_of
 
 _NOT_USED = {
     "deploy": "'deploy' is not used: all stages run in one process",
@@ -27,8 +29,13 @@ _NOT_USED = {
 }
 
 
-def classes_of(spec: Spec, catalog: Catalog, problems: list[Problem]) -> dict[str, type[Stage]]:
-    """Return the class of every stage that is known; what is wrong is added to ``problems``."""
+def classes_of(
+    spec: Spec, catalog: Catalog, problems: list[Problem], *, may_lack: bool = False
+) -> dict[str, type[Stage]]:
+    """Return the class of every stage that is known; what is wrong is added to ``problems``.
+
+    ``may_lack``: stages that the catalog does not have are no error, because plugins were left out.
+    """
     classes = {}
     for stage in spec.stages.values():
         if not stage.use:
@@ -36,30 +43,35 @@ def classes_of(spec: Spec, catalog: Catalog, problems: list[Problem]) -> dict[st
         try:
             classes[stage.name] = catalog.stage(stage.use)
         except CatalogError as error:
-            problems.append(Problem(stage.use_place, error.what, error.hint))
+            if catalog.has(stage.use) or not may_lack:
+                problems.append(Problem(stage.use_place, error.what, error.hint))
     return classes
 
 
-def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], notices: list[str]) -> Graph:
-    """Return the graph of a spec, which can be used only if nothing was added to ``problems``."""
-    classes = classes_of(spec, catalog, problems)
+def check(
+    spec: Spec,
+    catalog: Catalog,
+    path: Path,
+    problems: list[Problem],
+    notices: list[str],
+    left_out: tuple[Problem, ...] = (),
+) -> Graph:
+    """Return the graph of a spec, which can be used only if nothing was added to ``problems``.
+
+    ``left_out``: plugins that are not trusted; stages that are not known are taken for theirs.
+    """
+    classes = classes_of(spec, catalog, problems, may_lack=bool(left_out))
     consumed, inputs = inputs_of(spec, catalog, path.parent, problems)
     channels = channels_of(spec, classes, consumed, problems)
-    wires = Wires(spec, classes, channels, problems)
-    nodes = []
-    for name, cls in classes.items():
-        stage = spec.stages[name]
-        settings = settings_of(stage, cls, path.parent, problems, spec.folders)
-        outputs = {port.name: channels[f"{name}.{port.name}"] for port in ports_of(cls).outputs}
-        reads, times = wires.inputs_of(stage), _times_of(stage, cls, problems)
-        nodes.append(
-            Node(name, stage.use, cls, settings, reads, outputs, stage.place, **times, use_note=stage.use_note)
-        )
+    unknown = _unknown_channels(spec, classes) if left_out else {}
+    wires = Wires(spec, classes, channels | unknown, problems)
+    nodes = [_node(spec, cls, name, path.parent, channels, wires, problems) for name, cls in classes.items()]
+    drawn = _with_left_out(spec, nodes, channels | unknown) if left_out else nodes
     is_known = bool(spec.stages) and len(classes) == len(spec.stages)
     if is_known and not spec.inputs and not any(node.is_source for node in nodes):
         what = "the graph has no source: nothing would ever fire"
         problems.append(Problem(spec.stages_place, what, "add a world, a video or another Source"))
-    order = _order(spec, nodes, problems)
+    order = _order(spec, drawn, problems)
     run = run_options(spec.run, problems)
     _check_deploy(spec, problems)
     _check_queues(spec, nodes, problems)
@@ -67,12 +79,14 @@ def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], not
     sent = outputs_of(spec, classes, written, catalog, problems)
     check_outside_names(spec, channels, inputs, sent, problems)
     if inputs:
-        check_stamps([node for node in nodes if node.is_source] + order, inputs, problems, notices)
+        check_stamps(
+            [node for node in nodes if node.is_source] + [n for n in order if n in nodes], inputs, problems, notices
+        )
     notices += [text for key, text in _NOT_USED.items() if getattr(spec, key) and (key == "deploy" or not spec.inputs)]
     return Graph(
         path=path,
         about=spec.about,
-        nodes=tuple(nodes),
+        nodes=tuple(drawn),
         order=tuple(order),
         channels=channels,
         run=run,
@@ -81,7 +95,44 @@ def check(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], not
         inputs=inputs,
         outputs=sent,
         queues={ref: queue.keep for ref, queue in spec.queues.items()},
+        left_out=left_out,
     )
+
+
+def _node(
+    spec: Spec,
+    cls: type[Stage],
+    name: str,
+    folder: Path,
+    channels: Mapping[str, Channel],
+    wires: Wires,
+    problems: list[Problem],
+) -> Node:
+    stage = spec.stages[name]
+    settings = settings_of(stage, cls, folder, problems, spec.folders)
+    outputs = {port.name: channels[f"{name}.{port.name}"] for port in ports_of(cls).outputs}
+    reads, times = wires.inputs_of(stage), _times_of(stage, cls, problems)
+    return Node(name, stage.use, cls, settings, reads, outputs, stage.place, **times, use_note=stage.use_note)
+
+
+def _unknown_channels(spec: Spec, classes: Mapping[str, type[Stage]]) -> dict[str, Channel]:
+    """Return the channels of stages that are not known, by what reads them; their type is not known either."""
+    words = (str(entry.value.data) for stage in spec.stages.values() for entry in stage.wires.values())
+    refs = [ref for ref in words if (name := ref.partition(".")[0]) in spec.stages and name not in classes]
+    full = {ref: ref if "." in ref else f"{ref}.output" for ref in refs}
+    return {ref: Channel(full[ref], full[ref], Message) for ref in refs}
+
+
+def _with_left_out(spec: Spec, nodes: list[Node], channels: Mapping[str, Channel]) -> list[Node]:
+    """Return all stages in the file's order; those that are not known have the ports that wires name."""
+    known = {node.name: node for node in nodes}
+    for name, stage in spec.stages.items():
+        if name not in known:
+            wires = {port: channels.get(str(entry.value.data)) for port, entry in stage.wires.items()}
+            reads = tuple(Input(Port(port, Message), channel) for port, channel in wires.items())
+            writes = {channel.port: channel for channel in channels.values() if channel.stage == name}
+            known[name] = Node(name, stage.use, LeftOut, {}, reads, writes, stage.place)
+    return [known[name] for name in spec.stages]
 
 
 def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]:
@@ -99,7 +150,9 @@ def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]
 
 
 def _plain(node: Node) -> list[tuple[Input, Channel]]:
-    return [(i, i.channel) for i in node.inputs if i.channel is not None and i.port.is_plain]
+    """Return the inputs that fire a stage; none of one that is not known."""
+    inputs = () if node.is_left_out else node.inputs
+    return [(i, i.channel) for i in inputs if i.channel is not None and i.port.is_plain]
 
 
 def _check_deploy(spec: Spec, problems: list[Problem]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,8 @@ class Graph:
     """One-file plugins that it needs, absolute: those that the graph names, and those of ``--plugin``."""
     written_plugins: tuple[str, ...] = ()
     """Those that the graph names, as it names them."""
+    left_out: tuple[Problem, ...] = ()
+    """Plugins that are not trusted and did not run: the graph can be drawn, but not run; their stages are `LeftOut`."""
 
     @property
     def is_live(self) -> bool:
@@ -59,6 +61,11 @@ class Graph:
         """Declared metrics of each stage that reports any, by the names of stage and metric."""
         found = {node.name: metrics_of(node.stage_class) for node in self.nodes}
         return {name: declared for name, declared in found.items() if declared}
+
+    def without_left_out(self) -> Graph:
+        """Return the graph of the stages that are known."""
+        known = tuple(node for node in self.nodes if not node.is_left_out)
+        return replace(self, nodes=known, order=tuple(node for node in self.order if node in known), left_out=())
 
     def node(self, name: str) -> Node:
         """Return the stage called ``name``."""
@@ -78,8 +85,10 @@ class Graph:
         ------
         UserError
             All parameters that cannot be used and all stages that raise, each at its place; or the graph is to run
-            portably, which this process cannot.
+            portably, which this process cannot; or plugins are left out.
         """
+        if self.left_out:
+            raise UserError(self.left_out)
         if self.run.portable:
             require_portable()
         stages: dict[str, Stage] = {}

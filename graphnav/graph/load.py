@@ -22,11 +22,17 @@ from graphnav.spec import parse_spec, read_bytes
 
 
 def load_graph(
-    path_or_name: str | Path, catalog: Catalog, overrides: Sequence[Override] = (), problems: Sequence[Problem] = ()
+    path_or_name: str | Path,
+    catalog: Catalog,
+    overrides: Sequence[Override] = (),
+    problems: Sequence[Problem] = (),
+    *,
+    partial: bool = False,
 ) -> Graph:
     """Return the checked graph of a file, or of the name of one in the working folder or among those that ship.
 
-    ``problems``: what is wrong with options that were read before, to be reported with the graph's.
+    ``problems``: what is wrong with options that were read before, to be reported with the graph's. ``partial``:
+    plugins that are not trusted are not an error; the graph says what it lacks (`Graph.left_out`), and cannot run.
 
     Raises
     ------
@@ -36,7 +42,7 @@ def load_graph(
     path = find_graph(path_or_name)
     source = shown_path(path)
     data, is_record = read_bytes(path, Place(source)), is_graph_of_run(path)
-    return graph_of(data, path, catalog, overrides, source, problems=problems, is_record=is_record)
+    return graph_of(data, path, catalog, overrides, source, problems=problems, is_record=is_record, partial=partial)
 
 
 def graph_of(
@@ -49,11 +55,13 @@ def graph_of(
     problems: Sequence[Problem] = (),
     *,
     is_record: bool = False,
+    partial: bool = False,
 ) -> Graph:
     """Return the checked graph in the bytes of the file ``path``; errors name it ``source``.
 
     ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
     ``is_record``: whether a run wrote it, maybe with an older version: old names of parameters are accepted.
+    ``partial``: as of `load_graph`.
 
     Raises
     ------
@@ -68,16 +76,18 @@ def graph_of(
     spec, more = parse_spec(merged.value)
     problems += more + unusable
     if unusable:
-        raise UserError(_without_repetitions(problems))  # what their stages lack is not worth telling
+        raise UserError(
+            _without_repetitions([*problems, *plugins.left_out])
+        )  # what their stages lack is not worth telling
     spec.folders = {file.source: file.path.parent for file in files}
     if is_record:
         accept_old_names(spec, classes_of(spec, catalog, []))
     rewire_merged(spec, merged, catalog, problems, notices)
     spec = apply_overrides(spec, overrides, catalog, problems, notices)
-    graph = check(spec, catalog, path, problems, notices)
-    if problems:
-        raise UserError(_without_repetitions(problems))
-    paths, written = tuple(plugin.path for plugin in plugins), tuple(plugin.written for plugin in plugins)
+    graph = check(spec, catalog, path, problems, notices, plugins.left_out)
+    if problems or (plugins.left_out and not partial):
+        raise UserError(_without_repetitions([*problems, *plugins.left_out]))
+    paths, written = tuple(plugin.path for plugin in plugins.loaded), tuple(p.written for p in plugins.loaded)
     return replace(graph, plugins=paths, written_plugins=written)
 
 

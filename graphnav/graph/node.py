@@ -34,6 +34,11 @@ class Channel:
         return self.ref.rpartition(".")[0]
 
     @property
+    def type_text(self) -> str:
+        """The name of its message type; a question mark where the stage that writes it is left out."""
+        return "?" if self.message is Message else self.message.__name__
+
+    @property
     def port(self) -> str:
         """The output port that writes it, the port of an input."""
         return self.ref.rpartition(".")[2]
@@ -114,6 +119,13 @@ class Setting:
     """The value's place; that of the stage, for a default."""
 
 
+class LeftOut(Stage):
+    """Takes the place of a stage whose plugin is not trusted and so did not run: only its wires are known."""
+
+    def step(self) -> None:
+        """Never runs."""
+
+
 @dataclass(frozen=True)
 class Node:
     """A stage of a graph."""
@@ -145,6 +157,11 @@ class Node:
     def output_ports(self) -> tuple[Port, ...]:
         """The output ports in the order of declaration."""
         return ports_of(self.stage_class).outputs
+
+    @property
+    def is_left_out(self) -> bool:
+        """Whether its class is not known, because its plugin is not trusted."""
+        return self.stage_class is LeftOut
 
     @property
     def is_source(self) -> bool:

@@ -73,7 +73,7 @@ def _content(box: Box, width: int) -> list[str]:
     ]
     for port in box.outputs:
         alias = f" {'from' if box.kind == 'input' else 'as'} {port.alias}" if port.alias else ""
-        lines.append(f"  ▸ {port.name}: {port.channel.message.__name__}{alias}")
+        lines.append(f"  ▸ {port.name}: {port.channel.type_text}{alias}")
     return lines
 
 

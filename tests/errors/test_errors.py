@@ -28,7 +28,7 @@ def words_of(case: Path) -> list[str]:
     lines = case.read_bytes().decode("utf-8", "replace").splitlines()
     if case.parent != STUDIES:
         options = [word for line in lines if line.startswith(OPTION) for word in ("--set", line.removeprefix(OPTION))]
-        return ["check", case.name, "--plugin", "../stages.py", *options]
+        return ["check", case.name, "--plugin", "../stages.py", "--trust", *options]
     typed = lines[0].removeprefix(COMMAND) if lines and lines[0].startswith(COMMAND) else ". --seeds 0:5"
     words = [case.name if word == "." else word for word in typed.split()]
     return ["ablate", *words, "--plugin", "../stages.py", "--plugin", "stages.py"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -12,11 +13,11 @@ import pytest
 import graphnav
 
 STAGES = Path(__file__).parents[1] / "unit" / "api" / "door_stages.py"
-GRAPH = f"""\
-plugins: [{STAGES}]
+GRAPH = """\
+plugins: [door_stages.py]
 stages:
-  sensor: {{use: door.sensor}}
-  way: {{use: door.way, in: {{twist: sensor.twist}}}}
+  sensor: {use: door.sensor}
+  way: {use: door.way, in: {twist: sensor.twist}}
 """
 
 
@@ -25,6 +26,7 @@ def graph(tmp_path: Path) -> Path:
     """Return the file of a graph that never ends by itself."""
     path = tmp_path / "toy.yaml"
     path.write_text(GRAPH)
+    shutil.copy(STAGES, tmp_path)
     return path
 
 

@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sysconfig
@@ -27,12 +28,12 @@ if TYPE_CHECKING:
 
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 GRAPH = """
-plugins: [{stages}]
-inputs: {{camera.image: {{channel: CAMERA, type: graphnav_lcm.image_t}}}}
+plugins: [stages.py]
+inputs: {camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}}
 stages:
-  trouble: {{use: probe.trouble, in: {{image: camera.image}}}}
-  guard: {{use: probe.pass, every_ms: 20, in: {{command: trouble.twist, image: camera.image}}}}
-outputs: {{guard.twist: {{channel: BASE, motor: true, max_age_s: 0.5}}}}
+  trouble: {use: probe.trouble, in: {image: camera.image}}
+  guard: {use: probe.pass, every_ms: 20, in: {command: trouble.twist, image: camera.image}}
+outputs: {guard.twist: {channel: BASE, motor: true, max_age_s: 0.5}}
 """
 MIN_STOPS = 20
 PATIENCE_S = 60.0
@@ -43,7 +44,8 @@ class Driven:
 
     def __init__(self, folder: Path, url: str, program: Outside) -> None:
         graph = folder / "graph.yaml"
-        graph.write_text(textwrap.dedent(GRAPH).format(stages=Path(__file__).parent / "stages.py"))
+        graph.write_text(textwrap.dedent(GRAPH))
+        shutil.copy(Path(__file__).with_name("stages.py"), folder)
         self.folder = folder / "run"
         self.program = program
         words = ["run", str(graph), "--url", url, "--no-tap", "--no-pictures", "-o", str(self.folder)]

@@ -23,7 +23,7 @@ def resolved(graph: Path, *sets: str) -> str:
     """Return what the command prints, paths from the root of the sources."""
     said = io.StringIO()
     with contextlib.chdir(HERE), contextlib.redirect_stdout(said):
-        assert main(["check", str(graph), "--resolved", *sets]) == 0
+        assert main(["check", str(graph), "--resolved", "--plugin", "../errors/stages.py", *sets]) == 0
     return said.getvalue()
 
 

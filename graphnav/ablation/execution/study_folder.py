@@ -12,6 +12,8 @@ from graphnav.ablation.execution.locked_folder import LockedFolder
 from graphnav.ablation.plan import RUNS, Plan, check_compatible
 from graphnav.errors import GraphnavError, UserError
 from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.saved_graph import copies_of
+from graphnav.trust import read_plugin, remember, remember_written, request_of_plan
 
 PLAN = "plan.json"
 
@@ -47,6 +49,7 @@ class StudyFolder(LockedFolder):
                 check_compatible(old, plan, self.path)
         self.empty_scratch()
         plan.write(written)
+        _remember(self.path, plan)
 
     def holds(self, place: str) -> bool:
         """Return whether ``place`` has a complete run."""
@@ -79,6 +82,14 @@ class StudyFolder(LockedFolder):
         if target.exists():
             shutil.rmtree(target)
         unfinished.rename(target)
+
+
+def _remember(folder: Path, plan: Plan) -> None:
+    """Remember the plugins of a study, and of each of its runs wherever they are made, as those of this user."""
+    sources = {Path(plugin): read_plugin(Path(plugin)) for plugin in plan.plugins if os.path.isfile(plugin)}
+    if sources:
+        remember(request_of_plan(folder, sources))
+        remember_written(copies_of(list(sources)))
 
 
 def read_plan(folder: Path) -> Plan:

@@ -16,6 +16,7 @@ from graphnav.api.studies.study_arguments import execution_of, names_of, seeds_o
 from graphnav.api.studies.study_run import workers_of
 from graphnav.catalog import Catalog
 from graphnav.errors import Problem, UserError
+from graphnav.trust import Trust
 from graphnav.tuning import (
     STUDY,
     TUNING,
@@ -116,7 +117,7 @@ def tune(
         problems=problems,
     )
     options = execution_of(jobs, cluster, 0, keep_logs=False, fail_fast=False)
-    tuning = check_tuning(request, add_plugins(Catalog(), request.plugins), request.command)
+    tuning = check_tuning(request, add_plugins(Catalog(Trust(runs_all=True)), request.plugins), request.command)
     kept = temporary_folder() if folder is None else named_folder(folder)
     return Tuned(tune_into(tuning, kept.path, options.jobs, options.cluster), kept)
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from graphnav.errors import Hint, Place, Problem, did_you_mean
 from graphnav.graph.node import Channel, Input
 from graphnav.graph.wiring.roles import is_of_score, refusal
+from graphnav.messages import Message
 from graphnav.spec import Spec, StageSpec
 from graphnav.stage import Port, Stage, ports_of
 
@@ -53,7 +54,7 @@ class Wires:
         channel = self._channel(str(entry.value.data), entry.value.place)
         if channel is None:
             return None
-        if channel.message is not port.message:
+        if channel.message is not port.message and channel.message is not Message:
             what = (
                 f"'{port.name}' of stage '{stage.name}' ({stage.use}) takes {port.message.__name__}, but "
                 f"{self._writer(channel)} is {channel.message.__name__}"

@@ -7,25 +7,38 @@ from pathlib import Path
 
 from graphnav.errors import UserError
 from graphnav.graph import Graph, resolved_yaml
-from graphnav.run_folder import GRAPH
-
-PLUGINS = "plugins"
-"""The folder of the plugins' copies, below that of the run."""
+from graphnav.run_folder import GRAPH, PLUGINS
+from graphnav.trust import remember_written
 
 
 def save_graph(graph: Graph, folder: Path) -> None:
     """Write ``graph.yaml``, which runs again from any folder, and the plugins that it needs into a run folder.
+
+    The plugins are remembered as written by this user, so that what reads the folder may run them (`graphnav.trust`).
 
     Raises
     ------
     UserError
         The folder cannot be written, or a plugin can no longer be read.
     """
-    names = _unique_names(graph.plugins)
-    for path, name in zip(graph.plugins, names, strict=True):
-        _write(folder / name, _read(path), folder)
-    text = resolved_yaml(graph, portable_paths=False, plugins=names)
+    copies = copies_of(graph.plugins)
+    for name, data in copies.items():
+        _write(folder / name, data, folder)
+    text = resolved_yaml(graph, portable_paths=False, plugins=list(copies))
     _write(folder / GRAPH, text.encode(), folder)
+    if copies:
+        remember_written(copies)
+
+
+def copies_of(plugins: Sequence[Path]) -> dict[str, bytes]:
+    """Return the content of each saved plugin by its path in the run folder.
+
+    Raises
+    ------
+    UserError
+        A plugin can no longer be read.
+    """
+    return {name: _read(path) for name, path in zip(_unique_names(plugins), plugins, strict=True)}
 
 
 def _unique_names(paths: Sequence[Path]) -> list[str]:

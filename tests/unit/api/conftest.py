@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -9,16 +10,17 @@ from pathlib import Path
 import pytest
 
 import graphnav
+from graphnav.trust import Request, remember
 
 STAGES = Path(__file__).parent / "door_stages.py"
-GRAPH = f"""\
+GRAPH = """\
 about: A sensor and what is made of it.
-plugins: [{STAGES}]
-run: {{until_s: 1, seed: 3}}
+plugins: [door_stages.py]
+run: {until_s: 1, seed: 3}
 stages:
-  sensor: {{use: door.sensor}}
-  steer: {{use: door.steerer, in: {{flow: sensor.flow}}}}
-  way: {{use: door.way, in: {{twist: sensor.twist}}}}
+  sensor: {use: door.sensor}
+  steer: {use: door.steerer, in: {flow: sensor.flow}}
+  way: {use: door.way, in: {twist: sensor.twist}}
 """
 
 RunToy = Callable[..., graphnav.Run]
@@ -29,6 +31,8 @@ def graph(tmp_path: Path) -> Path:
     """Return the file of a graph of eleven ticks."""
     path = tmp_path / "toy.yaml"
     path.write_text(GRAPH)
+    shutil.copy(STAGES, tmp_path)
+    remember(Request(tmp_path, ()))
     return path
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
+import shutil
 from pathlib import Path
 
 import pytest
 
 import graphnav
+from graphnav.trust import Request, remember
 
 from .conftest import STAGES
 
@@ -17,9 +19,11 @@ def graph(tmp_path: Path) -> Path:
     """Return the file of a graph of eleven ticks."""
     path = tmp_path / "toy.yaml"
     path.write_text(
-        f"plugins: [{STAGES}]\nrun: {{until_s: 1, seed: 3}}\nstages:\n"
+        "plugins: [door_stages.py]\nrun: {until_s: 1, seed: 3}\nstages:\n"
         "  sensor: {use: door.sensor}\n  steer: {use: door.steerer, in: {flow: sensor.flow}}\n"
     )
+    shutil.copy(STAGES, tmp_path)
+    remember(Request(tmp_path, ()))
     return path
 
 

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import shutil
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
 from graphnav.cli import main
+from graphnav.trust import Request, remember
 
 STAGES = Path(__file__).parents[1] / "api" / "door_stages.py"
-GRAPH = f"""\
-plugins: [{STAGES}]
-run: {{until_s: 9.9, seed: 3}}
+GRAPH = """\
+plugins: [door_stages.py]
+run: {until_s: 9.9, seed: 3}
 stages:
-  sensor: {{use: door.sensor}}
-  steer: {{use: door.steerer, in: {{flow: sensor.flow}}}}
+  sensor: {use: door.sensor}
+  steer: {use: door.steerer, in: {flow: sensor.flow}}
 """
 
 
@@ -26,6 +28,8 @@ def graph(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """Return the file of a graph of a hundred ticks, in the working folder."""
     monkeypatch.chdir(tmp_path)
     Path("toy.yaml").write_text(GRAPH)
+    shutil.copy(STAGES, tmp_path)
+    remember(Request(tmp_path, ()))
     return "toy.yaml"
 
 
@@ -37,7 +41,7 @@ def test_the_tables_and_nothing_else(graph: str, capsys: pytest.CaptureFixture[s
     assert out.splitlines()[0].endswith("; wall time")
     for word in ("door.steerer", "sensor.flow", "the ideal: only the steps", "100.0%", "clock readings a tick"):
         assert word in out
-    assert sorted(path.name for path in Path().iterdir()) == ["toy.yaml"]
+    assert sorted(path.name for path in Path().iterdir()) == ["door_stages.py", "toy.yaml"]
 
 
 def test_the_run_is_that_of_run(graph: str) -> None:
@@ -131,7 +135,7 @@ def test_a_run_without_a_profile_says_why(
 ) -> None:
     assert main(["profile", graph, *options.split()]) == status
     assert capsys.readouterr() == ("", said)
-    assert sorted(path.name for path in Path().iterdir()) == ["toy.yaml"]
+    assert sorted(path.name for path in Path().iterdir()) == ["door_stages.py", "toy.yaml"]
 
 
 def test_a_live_graph_is_refused(

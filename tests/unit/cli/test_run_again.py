@@ -75,9 +75,9 @@ def test_it_gives_the_same_log(graph: Path, tmp_path: Path, monkeypatch: pytest.
 
 def test_files_of_one_name_keep_their_family(tmp_path: Path, graph: Path) -> None:
     for name in ("a", "b"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "same.py").write_text(SOURCE.replace("Dice", f"Dice{name.upper()}"))
-    graph.write_text("plugins: [../a/same.py, ../b/same.py]\nrun: {until_s: 1}\nstages: {x: {use: same.dice_a}}\n")
+        (graph.parent / name).mkdir()
+        (graph.parent / name / "same.py").write_text(SOURCE.replace("Dice", f"Dice{name.upper()}"))
+    graph.write_text("plugins: [a/same.py, b/same.py]\nrun: {until_s: 1}\nstages: {x: {use: same.dice_a}}\n")
     assert main(["run", str(graph), "--set", "y+=same.dice_b", *QUIET, "-o", "first"]) == 0
     text = Path("first/graph.yaml").read_text()
     assert "plugins: [plugins/same.py, plugins/2/same.py]\n" in text
@@ -100,11 +100,11 @@ def test_what_the_log_says_of_itself_is_the_same_wherever_the_files_are(tmp_path
 def test_a_resolved_graph_names_the_plugins_of_the_command_line(
     graph: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["check", str(graph), "--resolved", "--plugin", "mine/two.py", "--set", "coin+=two.coin"]
+    words = ["check", str(graph), "--resolved", "--trust", "--plugin", "mine/two.py", "--set", "coin+=two.coin"]
     assert main(words) == 0
     Path("mine/more/h.yaml").write_text(capsys.readouterr().out)
     monkeypatch.chdir("mine/more")
-    assert main(["check", "h"]) == 0
+    assert main(["check", "h", "--plugin", "../two.py", "--plugin", "../../lib/one.py"]) == 0
     assert f"plugins: [{tmp_path}/lib/one.py, {tmp_path}/mine/two.py]\n" in Path("h.yaml").read_text()
 
 

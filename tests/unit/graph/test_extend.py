@@ -11,6 +11,7 @@ from graphnav.graph import Graph, load_graph, parse_override, resolved_yaml
 from graphnav.graph.read.extend import merge_files
 from graphnav.graph.read.graph_files import GraphFile
 from graphnav.spec import parse_yaml
+from graphnav.trust import Trust
 
 BASE = """\
 stages:
@@ -245,7 +246,7 @@ def test_plugins_of_all_files_are_loaded(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(
         "extends: lib/base.yaml\nplugins: [two.py, ./lib/../two.py]\nstages: {second: {use: two.two}}"
     )
-    graph = load_graph(tmp_path / "mine.yaml", Catalog())
+    graph = load_graph(tmp_path / "mine.yaml", Catalog(Trust(runs_all=True)))
     assert graph.plugins == (tmp_path / "lib" / "one.py", tmp_path / "two.py")
     assert graph.written_plugins == ("one.py", "two.py")
 

@@ -7,6 +7,7 @@ import pytest
 from graphnav.catalog import Catalog
 from graphnav.errors import UserError
 from graphnav.graph import load_graph, parse_override, resolved_yaml
+from graphnav.trust import Trust
 
 PLUGIN = """
 from graphnav import Source, Stage, Twist, hookimpl, param
@@ -23,6 +24,7 @@ class Still(Source):
 def graphnav_stages() -> list[type[Stage]]:
     return [Still]
 """
+TRUST = Trust(runs_all=True)
 GRAPH = "plugins: [stages/mine.py]\nstages: {wheels: {use: mine.still}}\n"
 
 
@@ -37,7 +39,7 @@ def graph(tmp_path: Path) -> Path:
 
 def test_its_stages_are_there_for_the_graph_and_for_swaps(graph: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("/")
-    loaded = load_graph(graph, Catalog(), [*map(parse_override, ("again+=mine.still", "again.speed_mps=1"))])
+    loaded = load_graph(graph, Catalog(TRUST), [*map(parse_override, ("again+=mine.still", "again.speed_mps=1"))])
     assert loaded.node("wheels").params == {"rate_hz": 10.0, "speed_mps": 0.0}
     assert loaded.node("again").params["speed_mps"] == 1.0
     assert (loaded.plugins, loaded.written_plugins) == ((graph.parent / "stages" / "mine.py",), ("stages/mine.py",))
@@ -45,7 +47,7 @@ def test_its_stages_are_there_for_the_graph_and_for_swaps(graph: Path, monkeypat
 
 def test_a_file_given_twice_is_one(graph: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(graph.parent)
-    catalog = Catalog()
+    catalog = Catalog(TRUST)
     catalog.add_file(Path("stages/mine.py"))
     (graph.parent / "linked.py").symlink_to("stages/mine.py")
     graph.write_text(GRAPH.replace("[stages/mine.py]", "[stages/mine.py, linked.py]"))
@@ -53,7 +55,7 @@ def test_a_file_given_twice_is_one(graph: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_the_text_names_it_as_the_graph_does(graph: Path) -> None:
-    loaded = load_graph(graph, Catalog())
+    loaded = load_graph(graph, Catalog(TRUST))
     assert "plugins: [stages/mine.py]\n" in resolved_yaml(loaded)
     assert f"plugins: [{graph.parent}/stages/mine.py]\n" in resolved_yaml(loaded, portable_paths=False)
 
@@ -62,7 +64,7 @@ def test_what_its_stages_lack_is_not_told_when_it_cannot_be_used(graph: Path) ->
     (graph.parent / "stages" / "mine.py").write_text("def\n")
     graph.write_text(GRAPH + "channel: {}\n")
     with pytest.raises(UserError) as caught:
-        load_graph(graph, Catalog())
+        load_graph(graph, Catalog(TRUST))
     assert [problem.what.partition(":")[0] for problem in caught.value.problems] == [
         f"plugin {graph.parent}/stages/mine.py",
         "a graph has no key 'channel'",
@@ -73,4 +75,4 @@ def test_what_its_stages_lack_is_not_told_when_it_cannot_be_used(graph: Path) ->
 def test_a_path_that_cannot_be_one_is_a_users_error(graph: Path, name: str) -> None:
     graph.write_text(GRAPH.replace("stages/mine.py", f'"{name}"'))
     with pytest.raises(UserError):
-        load_graph(graph, Catalog())
+        load_graph(graph, Catalog(TRUST))

@@ -48,8 +48,9 @@ def _drawing(study: StudyResults, cases: list[Case]) -> _Drawing:
     changes += [(stage, f"{', '.join(targets)} varied") for stage, targets in tuned.items()]
     picture, reason = Markup(""), ""
     try:
+        plugins = [Path(plugin).name for plugin in study.plan.plugins]  # those that may run are in the catalog
         graph = study.graphs.get(base.folder) or graph_of(
-            base.graph_yaml.encode(), _FILE, study.catalog, is_record=True
+            base.graph_yaml.encode(), _FILE, study.catalog, replaced=plugins, is_record=True
         )
     except UserError as error:
         reason = str(replace(error.problems[0], hint=""))

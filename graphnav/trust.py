@@ -1,0 +1,236 @@
+"""Trust: whether a plugin file that was read about, not named by the user, may run as Python code.
+
+Folders are trusted by their path, once the user has said so. Folders that graphnav writes (runs, studies) are trusted
+by their content: the digest of all that stands beside their plugins. Both are kept in the user's state folder.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from graphnav.errors import GraphnavError
+from graphnav.machine.atomic_write import write_atomically
+from graphnav.machine.regular_file import read_json, read_regular
+from graphnav.notices import print_notice
+from graphnav.run_folder import PLUGINS, is_graph_of_run
+
+MAX_PLUGIN_BYTES = 16 * 1024**2
+_MAX_BESIDE = 100
+"""How many files may stand beside the plugins of a run."""
+_MAX_DIGESTS = 5000
+"""How many written folders are remembered, the newest; many folders have the same plugins, and so one digest."""
+_FILE = "trust.json"
+
+
+@dataclass(frozen=True)
+class Request:
+    """Plugin files that are to run."""
+
+    folder: Path
+    """The folder of the graph, the run or the study that names them, resolved."""
+    files: tuple[Path, ...]
+    digest: str = ""
+    """Of a folder that graphnav writes: its content. Empty for any other folder, which is trusted by its path."""
+
+
+@dataclass
+class Trust:
+    """Decides which plugin files may run; asks at most once a folder.
+
+    By default those may that the user has trusted before, and those that graphnav itself wrote.
+    """
+
+    runs_all: bool = False
+    """Whether the user named what is to run: everything may."""
+    ask: Callable[[Request], bool] | None = None
+    """Asks the user about files that are not trusted; None: they are left out."""
+    hint: str = "pass trust=True to run it"
+    """The advice on a file that was left out."""
+    _answers: dict[Request, bool] = field(default_factory=dict)
+
+    def allows(self, request: Request) -> bool:
+        """Return whether the files may run; an answer of the user holds for this process, and yes is remembered."""
+        if self.runs_all or is_trusted(request):
+            return True
+        if request not in self._answers:
+            self._answers[request] = self.ask is not None and self.ask(request)
+            if self._answers[request] and (why := remember(request)):
+                print_notice(f"this answer is not remembered: {why}")
+        return self._answers[request]
+
+
+def request_of(graph: Path, files: Mapping[Path, bytes]) -> Request:
+    """Return the request to run the plugin ``files`` that the file ``graph`` names; the bytes are those that will run.
+
+    Of a run folder all that a plugin could import counts: what stands beside it.
+    """
+    folder = graph.parent.resolve()
+    digest = _run_digest(folder, files) if is_graph_of_run(graph) else ""
+    return Request(folder, tuple(files), digest)
+
+
+def request_of_plan(folder: Path, files: Mapping[Path, bytes]) -> Request:
+    """Return the request to run the plugin files that the plan of a study names, by their absolute paths."""
+    return Request(folder.resolve(), tuple(files), _digest({str(path): data for path, data in files.items()}))
+
+
+def read_plugin(path: Path) -> bytes:
+    """Return the source of a plugin file.
+
+    Raises
+    ------
+    OSError
+        It cannot be read, or is not a regular file of at most `MAX_PLUGIN_BYTES`.
+    """
+    return read_regular(path, MAX_PLUGIN_BYTES)
+
+
+def remember_written(files: Mapping[str, bytes]) -> None:
+    """Remember the plugins that are written into a run folder, by their paths in it: they are this user's.
+
+    Where that is not possible, what reads the folder will ask.
+    """
+    _change(lambda known: known.with_digest(_digest(files)))
+
+
+def is_trusted(request: Request) -> bool:
+    """Return whether the user trusts the folder, or graphnav wrote what it holds."""
+    known = _read()
+    return request.digest in known.digests if request.digest else str(request.folder) in known.folders
+
+
+def remember(request: Request) -> str:
+    """Remember that files may run from now on; return why that is not possible, empty if it is."""
+    if request.digest:
+        return _change(lambda known: known.with_digest(request.digest))
+    return _change(lambda known: known.with_folder(str(request.folder)))
+
+
+def forget(folder: Path) -> str:
+    """Trust a folder no longer; return why that is not possible, empty if it is."""
+    return _change(lambda known: _Known(tuple(f for f in known.folders if f != str(folder)), known.digests))
+
+
+def trusted_folders() -> tuple[str, ...]:
+    """Return the folders that the user trusts, sorted."""
+    return tuple(sorted(_read().folders))
+
+
+def state_file() -> Path | None:
+    """Return the file that trust is kept in; None without a home folder."""
+    given = os.environ.get("XDG_STATE_HOME", "")
+    try:
+        return (Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state") / "graphnav" / _FILE
+    except RuntimeError:
+        return None
+
+
+@dataclass(frozen=True)
+class _Known:
+    """The content of the state file."""
+
+    folders: tuple[str, ...] = ()
+    digests: tuple[str, ...] = ()
+
+    def with_folder(self, folder: str) -> _Known:
+        return self if folder in self.folders else _Known((*self.folders, folder), self.digests)
+
+    def with_digest(self, digest: str) -> _Known:
+        return self if digest in self.digests else _Known(self.folders, (*self.digests, digest)[-_MAX_DIGESTS:])
+
+
+def _read() -> _Known:
+    """Return what is remembered; nothing where the file is damaged, or others may write it."""
+    path = state_file()
+    try:
+        if path is None or not (_is_own(path) and _is_own(path.parent)):
+            return _Known()
+        data = read_json(path)
+    except (OSError, ValueError):
+        return _Known()
+    words = data if isinstance(data, dict) else {}
+    return _Known(_strings(words.get("folders")), _strings(words.get("written")))
+
+
+def _is_own(path: Path) -> bool:
+    """Return whether only this user may write a file or folder."""
+    found = path.stat()
+    return found.st_uid == os.geteuid() and not found.st_mode & 0o022
+
+
+def _strings(found: object) -> tuple[str, ...]:
+    return tuple(item for item in found if isinstance(item, str)) if isinstance(found, list) else ()
+
+
+def _change(change: Callable[[_Known], _Known]) -> str:
+    """Apply a change to what is remembered; return why that is not possible, empty if it is."""
+    path = state_file()
+    if path is None:
+        return "there is no home folder"
+    if change(before := _read()) == before:
+        return ""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if not _is_own(path.parent):
+            return f"others may write into {path.parent}"
+        with _locked(path.parent):
+            after = change(_read())
+            write_atomically(path, json.dumps({"folders": after.folders, "written": after.digests}, indent=1) + "\n")
+            path.chmod(0o600)
+    except OSError as error:
+        return f"cannot write {path}: {error.strerror}"
+    except GraphnavError as error:
+        return str(error)
+    return ""
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Keep other processes of this user from changing the state meanwhile; the kernel ends the lock with the file."""
+    lock = os.open(folder / f".{_FILE}.lock", os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(lock)
+
+
+def _run_digest(folder: Path, files: Mapping[Path, bytes]) -> str:
+    """Return the digest of the plugins in a run folder: ``files``, and all that stands in their folder."""
+    found = _files_below(folder / PLUGINS) | dict(files)
+    return _digest({os.path.relpath(path, folder): data for path, data in found.items()})
+
+
+def _files_below(folder: Path) -> dict[Path, bytes]:
+    """Return all that stands below a folder; what cannot be read, or is too much, is told by its name."""
+    found: dict[Path, bytes] = {}
+    for parent, folders, names in os.walk(folder):
+        linked = (name for name in folders if os.path.islink(os.path.join(parent, name)))
+        for name in (*names, *linked):
+            found[Path(parent, name)] = _content(Path(parent, name))
+            if len(found) > _MAX_BESIDE:
+                return found | {folder: b"more"}
+    return found
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_plugin(path)
+    except OSError as error:
+        return f"unreadable: {error.strerror}".encode()
+
+
+def _digest(files: Mapping[str, bytes]) -> str:
+    """Return one hash of files by name; names are hashed too, so that no two sets have the same."""
+    found = hashlib.sha256()
+    for name in sorted(files):
+        found.update(hashlib.sha256(os.fsencode(name)).digest())
+        found.update(hashlib.sha256(files[name]).digest())
+    return found.hexdigest()
