@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import ipaddress
+import os
 import re
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from graphnav.errors import BusError, NoRouteError
-from graphnav.machine.packet_drops import dropped_packets, own_sockets
+from graphnav.large_messages.child import PACKET_BYTES
+from graphnav.large_messages.sender import LargeSender
+from graphnav.machine.packet_drops import dropped_packets, own_sockets, receive_buffer_bytes
 from graphnav.machine.packet_filter import filter_packets
+from graphnav.machine.receive_buffer import RECEIVE_BUFFER_BYTES
+from graphnav.notices import print_notice
 
 Handler = Callable[[str, bytes], None]
 
@@ -22,12 +27,7 @@ GROUP = f"udpm://{_HOST}:{_PORT}?ttl=0"
 MAKE_ROUTE = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo"
 """The commands, run as root, that enable multicast on a machine without a network."""
 
-RECEIVE_BUFFER_BYTES = 2_097_152
-"""The requested receive buffer, sized for messages of many packets; the kernel may grant less."""
-
-FRAGMENT_BYTES = 65_487
-"""The bytes of a fragmented message in one packet; a lost packet loses the message."""
-
+_MAX_TTL = 255
 _SELF_TEST = "LCM_SELF_TEST"
 _ALL = "(?s).*"
 """Also matches names with line breaks, unlike a plain dot."""
@@ -41,10 +41,12 @@ class Bus:
     subscriber. Queued messages are counted, which saves polling an empty queue. On `udpm://` they reach every process
     in the group, this one included.
 
+    ``notice`` is told if the process that `send` uses for large messages fails.
+
     Raises BusError if LCM cannot be opened; without a multicast route the error names the command that adds one.
     """
 
-    def __init__(self, url: str = "memq://") -> None:
+    def __init__(self, url: str = "memq://", notice: Callable[[str], None] = print_notice) -> None:
         import lcm
 
         self.url = with_defaults(url)
@@ -60,15 +62,44 @@ class Bus:
         self._receives_all = False
         self._waiting = 0
         self._sockets: frozenset[str] = frozenset()
+        self._large = _large_sender(self.url, notice) if self.url.startswith("udpm:") else None
 
     def publish(self, channel: str, data: bytes) -> None:
-        """Send a message; raises BusError if the network refuses it."""
+        """Send a message by LCM, all its packets at once; raises BusError if the network refuses it."""
         try:
             self._lcm.publish(channel, data)
         except (OSError, RuntimeError, ValueError) as error:
             raise BusError(f"cannot publish {len(data)} bytes on '{channel}': {error}") from error
         if self._receives_all or channel in self._channels:
             self._waiting += 1
+
+    def send(self, channel: str, data: bytes, *, newest_only: bool = False) -> None:
+        """Send a message; the packets of a large one leave with gaps, so that small receive buffers hold them.
+
+        Returns when it has left. With ``newest_only`` it returns at once, and a large message that is pending when a
+        newer one of its channel comes is dropped and counted in `overtaken`. Messages of a channel stay in order.
+
+        Raises BusError if the network refuses it, or with ``newest_only`` an earlier one.
+        """
+        large = self._large
+        if large is None or (fits_packet(channel, data) and not large.is_sending(channel)):
+            self.publish(channel, data)
+            return
+        if not large.send(channel, data, newest_only=newest_only):
+            self.publish(channel, data)
+        if large.refusal:
+            error, large.refusal = OSError(large.refusal, os.strerror(large.refusal)), 0
+            raise BusError(f"cannot publish {len(data)} bytes on '{channel}': {error}") from error
+
+    def expect_large(self) -> None:
+        """Start the process for large messages before the first one."""
+        if self._large is not None:
+            self._large.start()
+
+    @property
+    def overtaken(self) -> Mapping[str, int]:
+        """The number of large messages of each channel that `send` dropped."""
+        return self._large.overtaken if self._large is not None else {}
 
     def subscribe(self, channel: str, handler: Handler) -> None:
         """Call ``handler(channel, data)`` for each message of exactly this channel."""
@@ -118,11 +149,17 @@ class Bus:
         """Return the number of packets that the kernel dropped for lack of buffer space; 0 on `memq://`."""
         return dropped_packets(self._sockets)
 
+    def receive_buffer_bytes(self) -> int:
+        """Return the receive buffer that the kernel granted, as a URL requests it; 0 on `memq://` and unsubscribed."""
+        return receive_buffer_bytes(self._sockets)
+
     def close(self) -> None:
         """Leave the network; the bus cannot be used afterwards."""
         for subscription in self._subscriptions:
             self._lcm.unsubscribe(subscription)  # otherwise LCM keeps references to the handlers
         self._subscriptions.clear()
+        if self._large is not None:
+            self._large.close()
         del self._lcm
 
     def _subscribe(self, pattern: str, handler: Handler, max_waiting: int = 0) -> None:
@@ -160,6 +197,17 @@ def with_defaults(url: str) -> str:
     return f"udpm://{group}?{urlencode(options)}"
 
 
+def requested_buffer(url: str) -> int:
+    """Return the receive buffer that a URL requests; 0 for the kernel's default, which LCM takes for nonsense."""
+    size = dict(parse_qsl(urlsplit(with_defaults(url)).query)).get("recv_buf_size", "")
+    return int(size) if size.isdecimal() else 0
+
+
+def fits_packet(channel: str, data: bytes) -> bool:
+    """Whether LCM sends a message in one packet."""
+    return len(channel.encode("utf-8", "surrogateescape")) + 1 + len(data) <= PACKET_BYTES
+
+
 def same_group(one: str, other: str) -> bool:
     """Whether two URLs have the same multicast group and port, regardless of their options."""
     return urlsplit(with_defaults(one))[:2] == urlsplit(with_defaults(other))[:2]
@@ -186,6 +234,14 @@ def require_route(url: str) -> None:
             raise NoRouteError(f"no multicast route to {parts.hostname}", f"run as root: {MAKE_ROUTE}") from error
         except ValueError as error:
             raise BusError(f"LCM does not open {url}: {error}") from error
+
+
+def _large_sender(url: str, notice: Callable[[str], None]) -> LargeSender:
+    parts = urlsplit(url)
+    ttl = dict(parse_qsl(parts.query))["ttl"]
+    return LargeSender(
+        parts.hostname or _HOST, parts.port or _PORT, min(int(ttl), _MAX_TTL) if ttl.isdecimal() else 0, notice
+    )
 
 
 def _is_multicast(host: str) -> bool:

@@ -10,15 +10,13 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Literal
 
-from graphnav.bus import Bus, require_route, with_defaults
+from graphnav.bus import Bus, fits_packet, require_route, with_defaults
 from graphnav.codec import decode, encode, message_class_of, type_named
 from graphnav.errors import GraphnavError, shown_name
+from graphnav.large_messages.child import PACKET_BYTES
 from graphnav.messages import About, Message
 from graphnav.notices import print_notice
 from graphnav.record import ABOUT
-
-PACKET_BYTES = 65_499
-"""The maximum size of a message in one UDP packet, including its channel name."""
 
 _MAX_STEP_PX = 64
 _MAX_QUEUED_BYTES = 8 << 20
@@ -42,12 +40,11 @@ class Tap:
     It never blocks or fails the run: ``write`` appends to a bounded queue that drops rather than waits, and failures
     are counted in ``dropped``. A message that is the only one on its channel is repeated every second, like
     ``graphnav.about``, for late subscribers. In mode "thin" grids larger than one packet are sent with every n-th row
-    and column; "full" sends all bytes, which
-    rarely arrive completely with default kernel settings.
+    and column; "full" sends all bytes. What is larger than a packet leaves with gaps (`Bus.send`), the newest of a
+    channel if they come faster than that.
 
     ``notice`` is called once for each other run on the same group that publishes the same channels, for at most 8 runs,
-    and once for all further ones. Raises BusError if
-    there is no multicast route.
+    and once for all further ones. Raises BusError if there is no multicast route.
     """
 
     def __init__(
@@ -72,9 +69,9 @@ class Tap:
         self._put_bytes = self._taken_bytes = 0
         self._dropping = threading.Lock()
         self._closing = threading.Event()
-        self._utime = self._n_abouts = 0
+        self._utime = self._n_abouts = self._overtaken = 0
         self._about_due_s = 0.0
-        bus = Bus(self.url)
+        bus = Bus(self.url, notice)
         bus.subscribe(ABOUT, self._receive)
         self._thread = threading.Thread(target=self._serve, args=(bus,), name="graphnav-tap", daemon=True)
         self._thread.start()
@@ -124,9 +121,8 @@ class Tap:
                     time.sleep(_PAUSE_S)
             elif self._closing.wait(_POLL_S) and not self._waiting:
                 break
-        for _ in self._waiting:
-            self._drop()
         bus.close()
+        self._drop(len(self._waiting) + sum(bus.overtaken.values()) - self._overtaken)
 
     def _announce_again(self, bus: Bus) -> None:
         """Repeat the description, and messages published once (the map), after a second."""
@@ -147,15 +143,19 @@ class Tap:
             self._lone[channel] = time.monotonic(), data
 
     def _send(self, bus: Bus, channel: str, data: bytes) -> int:
-        """Publish a message, thinned if necessary; return the number of bytes sent."""
+        """Send a message, thinned if necessary; return the number of bytes that left at once."""
         try:
-            if self._mode == "thin" and len(data) + len(channel) > PACKET_BYTES:
+            if self._mode == "thin" and not fits_packet(channel, data):
                 data = self._thinned(channel, data)
-            bus.publish(channel, data)
+            bus.send(channel, data, newest_only=True)
         except (GraphnavError, TypeError, ValueError, AttributeError, IndexError):
             self._drop()
             return 0
-        return len(data)
+        overtaken = sum(bus.overtaken.values())
+        if overtaken > self._overtaken:
+            self._drop(overtaken - self._overtaken)
+            self._overtaken = overtaken
+        return len(data) if fits_packet(channel, data) else 0
 
     def _thinned(self, channel: str, data: bytes) -> bytes:
         """Return the message thinned to fit one packet; unchanged if it has no grid."""
@@ -166,7 +166,7 @@ class Tap:
         kind = (channel, len(data))
         for step in range(self._steps.get(kind) or math.isqrt(len(data) // PACKET_BYTES) + 1, _MAX_STEP_PX):
             thinned = encode(message.thin(step), utime, seq)
-            if len(thinned) + len(channel) <= PACKET_BYTES:
+            if fits_packet(channel, thinned):
                 self._steps[kind] = step
                 return thinned
         return data
@@ -194,9 +194,9 @@ class Tap:
             f"on {self.url}: a viewer sees both mixed\n  give one of them --no-tap"
         )
 
-    def _drop(self) -> None:
+    def _drop(self, count: int = 1) -> None:
         with self._dropping:
-            self.dropped += 1
+            self.dropped += count
 
 
 def _cut(name: str) -> str:

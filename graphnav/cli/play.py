@@ -71,7 +71,7 @@ def main(args: argparse.Namespace) -> int:
         player = Player(
             selection,
             recording.at,
-            bus.publish,
+            bus.send,
             PlaybackClock(args.speed),
             loop=args.loop,
             notice=notice,

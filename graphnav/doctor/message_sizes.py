@@ -7,23 +7,25 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from graphnav.bus import Bus
-from graphnav.graph import Graph, InputChannel
+from graphnav.graph import Graph
 from graphnav.interrupts import third_party_code
-from graphnav.record import Recording
 from graphnav.runner import Runner
 
 _TICKS = 3
 """The first tick has no flow, the second has all messages."""
 _MAX_S = 10.0
 _ASSUMED_IMAGE_BYTES = 640 * 480 * 3
-_FROM_LOG = 20
 
 
 class MessageSize(NamedTuple):
-    """The largest message of a channel; ``assumed``: the assumption made if the size is not known in advance."""
+    """The largest message of a channel; ``assumed``: the assumption made if the size is not known in advance.
+
+    ``is_received``: whether other programs send it.
+    """
 
     channel: str
     n_bytes: int
+    is_received: bool = False
     assumed: str = ""
 
 
@@ -42,12 +44,12 @@ def message_sizes(graph: Graph) -> list[MessageSize]:
     """Return the sizes of the messages that a graph receives and sends unthinned, largest first.
 
     In lockstep these are all channels, as sent by ``--tap full``. Sizes are measured: the graph runs for three ticks
-    without log and network. Sizes of inputs are read from their logs.
+    without log and network. Inputs that are played from logs need no network.
 
     Raises
     ------
     GraphnavError
-        A stage fails, or a log cannot be read.
+        A stage fails.
     """
     measured = _measured(graph)
     if not graph.is_live:
@@ -55,7 +57,11 @@ def message_sizes(graph: Graph) -> list[MessageSize]:
     else:
         sent = {output.name: measured.get(output.channel.name) for output in graph.outputs.values()}
         sizes = [MessageSize(channel, n_bytes) for channel, n_bytes in sent.items() if n_bytes is not None]
-        sizes += [size for given in graph.inputs.values() if (size := _of_input(given)) is not None]
+        sizes += [
+            MessageSize(given.name, _ASSUMED_IMAGE_BYTES, is_received=True, assumed="640x480 RGB")
+            for given in graph.inputs.values()
+            if given.log is None and given.channel.message.grid
+        ]
     return sorted(sizes, key=lambda size: size.n_bytes, reverse=True)
 
 
@@ -75,15 +81,3 @@ def _measured(graph: Graph) -> dict[str, int]:
         runner.close()
         bus.close()
     return largest.n_bytes
-
-
-def _of_input(given: InputChannel) -> MessageSize | None:
-    """Return the size in an input's log, an assumed size for a type with a pixel grid, None for small types."""
-    if given.log is not None:
-        with Recording(given.log) as recording:
-            events = range(min(_FROM_LOG, recording.count(given.name)))
-            sizes = [len(recording.event(given.name, index).data) for index in events]
-        return MessageSize(given.name, max(sizes)) if sizes else None
-    if given.channel.message.grid:
-        return MessageSize(given.name, _ASSUMED_IMAGE_BYTES, "640x480 RGB")
-    return None

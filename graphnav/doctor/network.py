@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from urllib.parse import urlsplit
 
-from graphnav.bus import MAKE_ROUTE, RECEIVE_BUFFER_BYTES, Bus
+from graphnav.bus import GROUP, MAKE_ROUTE, Bus, requested_buffer, with_defaults
 from graphnav.doctor.finding import Finding
 from graphnav.doctor.message_sizes import MessageSize, message_sizes
-from graphnav.doctor.receive_buffer import ReceiveBuffer, try_receive_buffer
 from graphnav.errors import BusError, GraphnavError, NoRouteError, UserError
 from graphnav.graph import Graph
 from graphnav.lcm_url import tap_url
+from graphnav.live.url import live_url
+from graphnav.machine.receive_buffer import (
+    RECEIVE_BUFFER_BYTES,
+    ReceiveBuffer,
+    buffer_limit,
+    larger_buffer,
+    needed_buffer,
+    try_receive_buffer,
+)
 from graphnav.runner.recording.log_forecast import size_text
 
-_RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
 _PROBE_PORT = 17667
 _WAIT_S = 1.0
 _SUBJECT = "receive buffer"
@@ -55,45 +61,55 @@ def _comes_back(url: str) -> bool:
 
 
 def receive_buffer(graph: Graph | None) -> Iterator[Finding]:
-    """Measure the receive buffer; compare it with the messages of ``graph``, else with the size graphnav requests.
+    """Measure the receive buffer that the URL requests, and compare it with the messages that ``graph`` receives.
 
-    A buffer too small for a lockstep graph is an extra: without ``--tap full`` every message fits one packet.
+    What graphnav itself sends leaves with gaps, so that every buffer holds it; without a graph the finding is an extra.
     """
+    url = _url(graph)
+    asked_bytes = requested_buffer(url)
     try:
-        limit = int(_RMEM_MAX.read_text())
-        buffer = try_receive_buffer()
-    except (OSError, ValueError) as error:
+        limit = buffer_limit()
+        buffer = try_receive_buffer(asked_bytes)
+    except OSError as error:
         yield Finding(_SUBJECT, fine=False, seen=f"cannot be measured: {error}")
         return
-    holds = f"the kernel buffers messages up to {size_text(buffer.held_bytes)} (net.core.rmem_max is {limit})"
+    holds = (
+        f"holds messages up to {size_text(buffer.held_bytes)} of senders that leave no gaps, with recv_buf_size="
+        f"{asked_bytes} of {url.partition('?')[0]} (net.core.rmem_max is {limit})"
+    )
     if graph is None:
-        fine = limit >= RECEIVE_BUFFER_BYTES
-        lost = "" if fine else "; larger ones, as sent by --tap full, are lost"
-        yield Finding(_SUBJECT, fine, holds + lost, "" if fine else _raise_to(RECEIVE_BUFFER_BYTES))
+        fix = str(larger_buffer(asked_bytes, RECEIVE_BUFFER_BYTES))
+        yield Finding(_SUBJECT, fine=not fix, seen=holds, fix=fix, needed=False)
         return
     try:
         sizes = message_sizes(graph)
     except GraphnavError as error:
         yield Finding(_SUBJECT, fine=False, seen=f"{holds}; the graph's messages cannot be measured: {error}")
         return
-    yield _compared(graph, sizes, buffer, holds)
+    yield _compared(graph, sizes, buffer, asked_bytes, holds)
 
 
-def _compared(graph: Graph, sizes: list[MessageSize], buffer: ReceiveBuffer, holds: str) -> Finding:
-    lost = [size for size in sizes if size.n_bytes > buffer.held_bytes]
-    condition = "" if graph.is_live else " with --tap full"
-    if not lost:
-        largest = f"; {graph.path.stem} needs {_text(sizes[0])}{condition}" if sizes else ""
-        return Finding(_SUBJECT, fine=True, seen=holds + largest)
-    seen = f"{holds}; {graph.path.stem} loses{condition} {', '.join(map(_text, lost))}"
-    needed_bytes = max(RECEIVE_BUFFER_BYTES, buffer.needed_bytes(lost[0].n_bytes))
-    if needed_bytes > RECEIVE_BUFFER_BYTES:
-        seen += f"; its URL, and those of all receivers, also need recv_buf_size={needed_bytes}"
-    return Finding(_SUBJECT, fine=False, seen=seen, fix=_raise_to(needed_bytes), needed=graph.is_live)
+def _url(graph: Graph | None) -> str:
+    """Return the URL on which the graph, or else a viewer, receives."""
+    try:
+        return live_url(graph, None) if graph is not None and graph.is_live else tap_url()
+    except UserError:  # `multicast` reports it
+        return with_defaults(GROUP)
 
 
-def _raise_to(n_bytes: int) -> str:
-    return f"sysctl -w net.core.rmem_max={n_bytes}"
+def _compared(graph: Graph, sizes: list[MessageSize], buffer: ReceiveBuffer, asked_bytes: int, holds: str) -> Finding:
+    name = graph.path.stem
+    lost = [size for size in sizes if size.is_received and size.n_bytes > buffer.held_bytes]
+    if lost:
+        fix = str(larger_buffer(asked_bytes, needed_buffer(lost[0].n_bytes)))
+        seen = f"{holds}; {name} loses {', '.join(map(_text, lost))}"
+        return Finding(_SUBJECT, fine=False, seen=seen, fix=fix)
+    if received := [size for size in sizes if size.is_received]:
+        holds += f"; {name} needs {_text(received[0])}"
+    if with_gaps := [size for size in sizes if size.n_bytes > buffer.held_bytes]:
+        condition = "" if graph.is_live else "with --tap full "
+        holds += f"; {name} sends {condition}{', '.join(map(_text, with_gaps))}, with gaps"
+    return Finding(_SUBJECT, fine=True, seen=holds)
 
 
 def _text(size: MessageSize) -> str:

@@ -98,13 +98,16 @@ def opened(
         listened: list[tuple[str, Takes]] = [(target.name, observer.traffic) for target in motor.values()]
         listened += [(one.source.name, one.mailbox) for one in runner.intakes.values() if one.source.log is None]
         if listened:
-            cleanup.callback(Receiver(url, listened, wake).close)
+            receiver = observer.receiver = Receiver(url, listened, wake)
+            cleanup.callback(receiver.close)
         others = {ref: target for ref, target in graph.outputs.items() if not target.motor}
         if others:
-            bus = Bus(url)
+            bus = Bus(url, observer.tell)
             cleanup.callback(bus.close)
+            if any(target.channel.message.grid for target in others.values()):
+                bus.expect_large()
             send = bus_send(bus, observer.tell)
-            runner.outlets |= {ref: Outlet(target, runner.clock, send) for ref, target in others.items()}
+            runner.outlets |= {ref: Outlet(target, runner.clock, send, bus.overtaken) for ref, target in others.items()}
         motors = None
         if motor:
             motors = MotorLink(url, list(motor.values()), observer)

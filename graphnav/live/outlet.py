@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from graphnav.bus import Bus
@@ -26,16 +26,32 @@ class Send(Protocol):
 
 
 class Outlet:
-    """Encodes the messages of one output in its LCM type and sends them."""
+    """Encodes the messages of one output in its LCM type and sends them.
 
-    def __init__(self, target: OutputChannel, clock: LiveClock, send: Send) -> None:
+    ``overtaken``: by channel, how many messages that ``send`` accepted were not sent, because newer ones were pending.
+    """
+
+    def __init__(
+        self, target: OutputChannel, clock: LiveClock, send: Send, overtaken: Mapping[str, int] | None = None
+    ) -> None:
         self.target = target
-        self.sent = 0
         self.refused = 0
         self.latency = Durations()
         """Durations from the birth of the input that a message derives from to its publication."""
         self.max_latency_s = 0.0
         self._clock, self._send = clock, send
+        self._accepted = 0
+        self._overtaken = {} if overtaken is None else overtaken
+
+    @property
+    def overtaken(self) -> int:
+        """The number of messages that were not sent, because newer ones were pending."""
+        return self._overtaken.get(self.target.name, 0)
+
+    @property
+    def sent(self) -> int:
+        """The number of messages sent, or about to be."""
+        return self._accepted - self.overtaken
 
     def publish(self, message: Message, data: bytes, utime: int, birth_s: float, origin_s: float) -> None:
         """Send a message; ``data``: its bytes in graphnav's own type; ``birth_s``, ``origin_s``: see `LiveUnit`.
@@ -50,7 +66,7 @@ class Outlet:
         if not self._send(self.target.name, data, birth_s):
             self.refused += 1
             return
-        self.sent += 1
+        self._accepted += 1
         latency_s = self._clock.now_s() - origin_s
         if math.isfinite(latency_s):
             self.latency.add(latency_s)
@@ -76,13 +92,13 @@ def motor_channel(target: OutputChannel) -> MotorChannel:
 
 
 def bus_send(bus: Bus, notice: Callable[[str], None]) -> Send:
-    """Return a function that sends on a bus; refused messages are counted, and reported once."""
+    """Return a function that sends on a bus without waiting; refused messages are counted, and reported once."""
     told = False
 
     def send(channel: str, data: bytes, made_s: float) -> bool:  # noqa: ARG001
         nonlocal told
         try:
-            bus.publish(channel, data)
+            bus.send(channel, data, newest_only=True)
         except BusError as error:
             if not told:
                 told = True

@@ -203,7 +203,7 @@ class _LiveRun:
             versions=versions(),
             behind_s=status.behind_s,
             cause=self._failures.cause,
-            live=_live_part(status, self._writer, self._url),
+            live=_live_part(status, self._writer, self._url, self._observer.dropped_packets),
         )
 
 
@@ -237,7 +237,7 @@ def _needs_all(graph: Graph, ref: str) -> bool:
     return False
 
 
-def _live_part(status: Status, writer: ThreadedLogWriter, url: str) -> dict[str, object]:
+def _live_part(status: Status, writer: ThreadedLogWriter, url: str, dropped_packets: int) -> dict[str, object]:
     """Return the part of the summary that only live runs have."""
     return {
         "url": url,
@@ -245,6 +245,7 @@ def _live_part(status: Status, writer: ThreadedLogWriter, url: str) -> dict[str,
         "outputs": list(status.outputs),
         "edges": list(status.edges),
         "missed": {stage["name"]: stage["missed"] for stage in status.stages if stage["deadline_ms"]},
+        "dropped_packets": dropped_packets,
         "memory_mb": status.memory_mb,
         "log_dropped": writer.dropped,
         "log_failure": writer.failure,

@@ -35,7 +35,7 @@ class Publisher:
             self._values["utime"] = self._now_ns() // 1000
         if "seq" in self._filled:
             self._values["seq"] = self.count
-        self._bus.publish(self._channel, self._codec.encode(self._values))
+        self._bus.send(self._channel, self._codec.encode(self._values))
         self.count += 1
 
 

@@ -151,10 +151,10 @@ def live(tmp_path: Path, group: str, load: Callable[[str], Graph]) -> Iterator[C
     """Return a function that begins a live run of a graph's text."""
     runs: list[Live] = []
 
-    def begin(text: str, name: str = "run", **options: Any) -> Live:
+    def begin(text: str, name: str = "run", url: str = group, **options: Any) -> Live:
         folder = tmp_path / name
         folder.mkdir()
-        runs.append(Live(load(text), folder, group, **options))
+        runs.append(Live(load(text), folder, url, **options))
         return runs[-1]
 
     yield begin

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -10,6 +11,8 @@ import pytest
 
 from graphnav import Twist
 from graphnav.errors import UserError
+from graphnav.machine.receive_buffer import RECEIVE_BUFFER_BYTES as NEEDED
+from graphnav.machine.receive_buffer import buffer_limit
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside
@@ -74,6 +77,31 @@ def test_messages_that_never_arrive_are_told_and_counted(live: Begin, outside: P
     summary, _ = run.stop()
     assert summary.live is not None
     assert [one["lost"] for one in summary.live["inputs"] if one["name"] == "camera.image"] == [7]
+
+
+def test_packets_that_the_receive_buffer_does_not_hold_are_told_with_what_helps(
+    live: Begin, outside: Program, group: str
+) -> None:
+    program = outside("BASE")
+    run = live(GUARDED.format(dawdle_s=0, every_ms=50), url=f"{group}&recv_buf_size=16384")
+    program.wait_for(lambda: bool(program.of("BASE")))
+
+    def drops() -> bool:
+        program.show("CAMERA", 1, size=(960, 1280))
+        return told(run, "lost: the kernel dropped ")
+
+    program.wait_for(drops)
+    notice = next(line for line in run.notices if line.startswith("lost: the kernel dropped "))
+    as_root = f"run as root: sysctl -w net.core.rmem_max={NEEDED}; " if buffer_limit() < NEEDED else ""
+    assert re.fullmatch(
+        r"lost: the kernel dropped \d+ packets that the receive buffer of 16384 bytes did not hold; "
+        r"messages of several packets: (1 MB of )?camera.image on CAMERA\n"
+        f"  {as_root}write recv_buf_size={NEEDED} in the URL, and start again",
+        notice,
+    )
+    summary, _ = run.stop()
+    assert summary.live is not None
+    assert summary.live["dropped_packets"] >= 3
 
 
 def test_a_step_that_does_not_end_is_told_while_it_hangs(live: Begin, outside: Program) -> None:

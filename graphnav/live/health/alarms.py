@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
+from graphnav.bus import requested_buffer
+from graphnav.large_messages.child import PACKET_BYTES
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
+from graphnav.live.inputs.receiver import Receiver
 from graphnav.live.live_runner import LiveRunner
+from graphnav.machine.receive_buffer import larger_buffer, needed_buffer
+from graphnav.runner.recording.log_forecast import size_text
 
 _MIN_OVERTAKEN = 3
 """Fewer overtaken messages per second are counted, but not reported."""
@@ -33,18 +38,22 @@ class Alarms:
         self._busy_s: dict[str, float] = {}
         self._asked_s = runner.clock.now_s()
 
-    def look(self) -> Iterator[str]:
-        """Yield the alarms since the last call."""
+    def look(self, receiver: Receiver | None) -> Iterator[str]:
+        """Yield the alarms since the last call; ``receiver``: what listens for the inputs, None before it does."""
         now_s = self._runner.clock.now_s()
         elapsed_s, self._asked_s = max(now_s - self._asked_s, 1e-6), now_s
         yield from self._late(elapsed_s)
         for intake in self._runner.intakes.values():
             yield from self._lost(intake, now_s)
+        if receiver is not None:
+            yield from self._dropped(receiver)
         for outlet in self._runner.outlets.values():
             ref, channel = outlet.target.channel.ref, outlet.target.name
             if self._is_news(f"{ref} refused", outlet.refused, _MIN_REFUSED):
                 taker = "by the process that sends the motor channels" if outlet.target.motor else "by LCM"
                 yield f"not sent: {outlet.refused} messages of {ref} on {channel} were not taken {taker}"
+            if self._is_news(f"{ref} overtaken", outlet.overtaken, 1):
+                yield f"not sent: {outlet.overtaken} messages of {ref} on {channel}: newer ones were pending"
         late = self._traffic.late
         if self._is_news("motors late", late, _MIN_REFUSED):
             yield f"not sent: {late} commands were older than max_age_s before the motor process had read them"
@@ -93,9 +102,42 @@ class Alarms:
                 "  'graphnav doctor' checks whether the receive buffer is large enough"
             )
 
+    def _dropped(self, receiver: Receiver) -> Iterator[str]:
+        """Yield packets that the kernel dropped, with the inputs whose messages have several, and what helps."""
+        loss = receiver.packet_loss()
+        if not self._is_news("packets", loss.packets, _MIN_LOST):
+            return
+        sizes = {
+            f"{intake.source.channel.ref} on {intake.source.name}": intake.mailbox.largest_bytes
+            for intake in self._runner.intakes.values()
+            if intake.source.log is None
+            and (intake.mailbox.largest_bytes > PACKET_BYTES or _is_unheard_picture(intake))
+        }
+        messages = ", ".join(f"{size_text(size)} of {name}" if size else name for name, size in sizes.items())
+        yield (
+            f"lost: the kernel dropped {loss.packets} packets that the receive buffer of {loss.buffer_bytes} bytes did "
+            f"not hold{'; messages of several packets: ' if messages else ''}{messages}\n"
+            f"  {_remedy(receiver.url, max(sizes.values(), default=0))}"
+        )
+
     def _is_news(self, what: str, count: int, minimum: int) -> bool:
         """Whether a count is at minimum ``minimum`` and twice the one reported last."""
         if count < max(minimum, 2 * self._told.get(what, 0)):
             return False
         self._told[what] = count
         return True
+
+
+def _is_unheard_picture(intake: Intake) -> bool:
+    """Whether nothing came on an input whose messages are pictures: perhaps because they are too large."""
+    return not intake.mailbox.largest_bytes and bool(intake.source.channel.message.grid)
+
+
+def _remedy(url: str, message_bytes: int) -> str:
+    command, option = larger_buffer(requested_buffer(url), needed_buffer(message_bytes))
+    steps = [f"run as root: {command}"] if command else []
+    if option:
+        steps.append(f"write {option} in the URL")
+    if not steps:
+        return "the buffer is large enough: this machine is too busy to empty it in time"
+    return f"{'; '.join(steps)}, and start again"

@@ -8,6 +8,7 @@ from graphnav.codec import encode
 from graphnav.live.health.alarms import Alarms
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.health.status import StatusReporter
+from graphnav.live.inputs.receiver import Receiver
 from graphnav.live.live_runner import LiveRunner
 from graphnav.runner.lockstep_status import STATUS
 
@@ -19,7 +20,7 @@ class Observer:
     """Publishes ``graphnav.status`` once a second and reports through ``notice`` what is late, lost or hangs.
 
     ``dropped`` returns the messages dropped by the tap and the log. ``told``: the first 100 notices. ``traffic`` counts
-    the messages on the motor channels. ``status``: the newest status.
+    the messages on the motor channels. ``receiver`` is set when it listens. ``status``: the newest status.
     """
 
     def __init__(
@@ -28,6 +29,7 @@ class Observer:
         self.told: list[str] = []
         self.traffic = MotorTraffic()
         self._runner, self._notice = runner, notice
+        self.receiver: Receiver | None = None
         self._alarms = Alarms(runner, self.traffic)
         self._reporter = StatusReporter(runner, run_id, dropped, self.traffic)
         self.status = self._reporter.make()
@@ -51,13 +53,18 @@ class Observer:
             return False
         self.status = self._reporter.make()
         runner.record(STATUS, encode(self.status, runner.clock.now(), runner.next_seq(STATUS)))
-        for line in self._alarms.look():
+        for line in self._alarms.look(self.receiver):
             self.tell(line)
         return True
 
     def finish(self) -> None:
         """Publish the last status, at the end of the run."""
         self.status = self._reporter.make()
+
+    @property
+    def dropped_packets(self) -> int:
+        """Number of packets for the inputs that the kernel dropped."""
+        return self.receiver.packet_loss().packets if self.receiver is not None else 0
 
     def tell_broken_off(self) -> None:
         """Report the step in which the run was interrupted, if any."""

@@ -34,8 +34,8 @@ class Mailbox:
     ``is_own``: whether a message is from the accepted writer, by its bytes and its arrival. Messages of others, at most
     8, are kept separately, so that they never displace those of the accepted writer.
 
-    One thread fills it, another one empties it. ``wrong_type``, ``overflowed`` and ``flooded`` count dropped messages,
-    the last one those of other writers.
+    One thread fills it, another one empties it. ``largest_bytes``: size of the largest message. ``wrong_type``,
+    ``overflowed`` and ``flooded`` count dropped messages, the last one those of other writers.
     """
 
     def __init__(self, fingerprint: bytes, max_messages: int, is_own: Callable[[bytes, float], bool] = _anyone) -> None:
@@ -47,12 +47,14 @@ class Mailbox:
         self.wrong_type = 0
         self.overflowed = 0
         self.flooded = 0
+        self.largest_bytes = 0
 
     def put(self, data: bytes, at_s: float) -> bool:
         """Store a message; return whether it may be used: right type, accepted writer."""
         if data[:8] != self._fingerprint:
             self.wrong_type += 1
             return False
+        self.largest_bytes = max(self.largest_bytes, len(data))
         if not self._is_own(data, at_s):
             self.flooded += _keep(self._others, Arrival(data, at_s), MAX_OF_OTHERS)
             return False
@@ -84,8 +86,17 @@ class Takes(Protocol):
         """Handle a message; return whether it may be used."""
 
 
+class PacketLoss(NamedTuple):
+    """How many packets the kernel dropped because they came faster than they were read, and the buffer it granted."""
+
+    packets: int
+    buffer_bytes: int
+
+
 class Receiver:
     """Listens on a URL and fills mailboxes by LCM channel; ``wake`` is set on every arrival.
+
+    ``url``: as it is used, with its defaults.
 
     Raises BusError if LCM cannot be opened.
     """
@@ -94,10 +105,18 @@ class Receiver:
         self._wake = wake
         self._ending = threading.Event()
         self._bus = Bus(url)
+        self.url = self._bus.url
         for channel, mailbox in mailboxes:
             self._bus.subscribe(channel, partial(self._hear, mailbox))
+        self._buffer_bytes = self._bus.receive_buffer_bytes()
+        self._dropped_packets = 0
         self._thread = threading.Thread(target=self._serve, name="graphnav-receiver", daemon=True)
         self._thread.start()
+
+    def packet_loss(self) -> PacketLoss:
+        """Return the packets dropped so far."""
+        self._dropped_packets = max(self._dropped_packets, self._bus.dropped_packets())
+        return PacketLoss(self._dropped_packets, self._buffer_bytes)
 
     def close(self) -> None:
         """Stop listening."""

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from graphnav.errors import UserError
 from graphnav.graph import Channel
+from graphnav.large_messages.child import PACKET_BYTES
 from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.replay.log.contents import Contents
@@ -15,7 +16,6 @@ from graphnav.replay.log.firings import LoggedFirings
 from graphnav.replay.log.missing_messages import MissingMessages, is_first_only, missing_messages
 from graphnav.replay.log.reproduction import Reproduction
 from graphnav.replay.plan import Plan
-from graphnav.tap import PACKET_BYTES
 
 Wires = Mapping[str, Mapping[str, Any]]
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from graphnav.bus import RECEIVE_BUFFER_BYTES
+from graphnav.large_messages.child import PACKET_BYTES
+from graphnav.machine.receive_buffer import RECEIVE_BUFFER_BYTES
 from graphnav.spy.traffic import ChannelTraffic
 from graphnav.spy.traffic_report import size_of
-from graphnav.tap import PACKET_BYTES
 
 _DOCTOR = "'graphnav doctor' shows what this machine grants"
 

@@ -16,15 +16,21 @@ from typing import Any
 
 import pytest
 
-from graphnav.bus import FRAGMENT_BYTES, RECEIVE_BUFFER_BYTES
 from graphnav.catalog import Catalog
 from graphnav.cli import main
 from graphnav.doctor import Finding, run_checks
 from graphnav.doctor.message_sizes import message_sizes
-from graphnav.doctor.receive_buffer import ReceiveBuffer, try_receive_buffer
 from graphnav.graph import load_graph
+from graphnav.large_messages.child import FRAGMENT_BYTES
 from graphnav.machine.instruction_set import PORTABLE
 from graphnav.machine.pins import OPT_OUT, lacking
+from graphnav.machine.receive_buffer import (
+    RECEIVE_BUFFER_BYTES,
+    buffer_limit,
+    needed_buffer,
+    try_receive_buffer,
+)
+from graphnav.runner.recording.log_forecast import size_text
 
 PYTHON = sys.executable
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
@@ -96,17 +102,20 @@ def test_without_java_the_command_that_installs_it_is_said(
 
 
 def test_a_buffer_holds_at_least_a_packet() -> None:
-    buffer = try_receive_buffer()
+    buffer = try_receive_buffer(RECEIVE_BUFFER_BYTES)
     assert buffer.packets >= 1
     assert buffer.granted_bytes >= buffer.held_bytes
     assert try_receive_buffer(4096).packets <= buffer.packets
 
 
-def test_what_a_message_needs_is_reckoned_from_what_a_packet_costs() -> None:
-    buffer = ReceiveBuffer(granted_bytes=8 * 140_000, packets=8)
-    assert buffer.held_bytes == 8 * FRAGMENT_BYTES
-    assert buffer.needed_bytes(10 * FRAGMENT_BYTES) == 10 * 140_000 // 2
-    assert buffer.needed_bytes(FRAGMENT_BYTES + 1) == 2 * 140_000 // 2
+def test_a_buffer_of_the_needed_size_holds_the_message() -> None:
+    for n_packets in (1, 3, 20):
+        n_bytes = n_packets * FRAGMENT_BYTES
+        asked = needed_buffer(n_bytes)
+        assert asked >= RECEIVE_BUFFER_BYTES
+        if asked <= buffer_limit():
+            assert try_receive_buffer(asked).held_bytes >= n_bytes
+    assert needed_buffer(100 * FRAGMENT_BYTES + 1) == needed_buffer(101 * FRAGMENT_BYTES) > RECEIVE_BUFFER_BYTES
 
 
 def test_sizes_of_a_lockstep_graph_are_measured() -> None:
@@ -126,32 +135,38 @@ def test_sizes_of_a_live_graph_are_those_that_come_in_and_leave() -> None:
     assert (camera.channel, camera.n_bytes, camera.assumed) == ("CAMERA", 921_600, "640x480 RGB")
 
 
-def told_of(graph: str, buffer: ReceiveBuffer, monkeypatch: pytest.MonkeyPatch) -> Finding:
-    """Return the finding about the receive buffer of a machine that grants another size."""
-    monkeypatch.setattr("graphnav.doctor.network.try_receive_buffer", lambda: buffer)
+def told_of(graph: str, asked_bytes: int, monkeypatch: pytest.MonkeyPatch) -> Finding:
+    """Return the finding about the receive buffer where the URL requests so many bytes."""
+    monkeypatch.setenv("LCM_DEFAULT_URL", f"udpm://239.255.77.1:7667?recv_buf_size={asked_bytes}")
     loaded = load_graph(graph, Catalog())
     return next(finding for finding in run_checks(loaded) if finding.subject == "receive buffer")
 
 
-def test_a_buffer_is_compared_with_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
-    small, large = ReceiveBuffer(425_984, 3), ReceiveBuffer(4_194_304, 31)
-    fine = told_of("robot_live", small, monkeypatch)
+def test_the_buffer_that_the_url_requests_is_compared_with_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
+    held = size_text(try_receive_buffer(212_992).held_bytes)
+    fine = told_of("robot_live", 212_992, monkeypatch)
     assert fine.fine
-    assert fine.seen.endswith("; robot_live needs 19 kB for CAMERA")
-    lost = told_of("navigate_live", small, monkeypatch)
+    assert fine.seen == (
+        f"holds messages up to {held} of senders that leave no gaps, with recv_buf_size=212992 of "
+        f"udpm://239.255.77.1:7667 (net.core.rmem_max is {buffer_limit()})"
+    )
+    lost = told_of("navigate_live", 212_992, monkeypatch)
     assert not lost.fine
     assert lost.needed
     assert lost.seen.endswith("; navigate_live loses 922 kB for CAMERA (assumed: 640x480 RGB)")
-    assert lost.fix == f"sysctl -w net.core.rmem_max={RECEIVE_BUFFER_BYTES}"
-    assert told_of("navigate_live", large, monkeypatch).fine
+    as_root = f"sysctl -w net.core.rmem_max={RECEIVE_BUFFER_BYTES}; " if buffer_limit() < RECEIVE_BUFFER_BYTES else ""
+    assert lost.fix == f"{as_root}recv_buf_size={RECEIVE_BUFFER_BYTES} in its URL"
+    if buffer_limit() >= RECEIVE_BUFFER_BYTES:
+        fine = told_of("navigate_live", RECEIVE_BUFFER_BYTES, monkeypatch)
+        assert fine.fine
+        assert fine.seen.endswith("; navigate_live needs 922 kB for CAMERA (assumed: 640x480 RGB)")
 
 
-def test_what_only_a_full_tap_loses_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    lost = told_of("corridor_ccw", ReceiveBuffer(140_000, 1), monkeypatch)
-    assert not lost.fine
-    assert not lost.needed
-    assert "; corridor_ccw loses with --tap full 0" not in lost.seen
-    assert "; corridor_ccw loses with --tap full " in lost.seen
+def test_what_graphnav_sends_itself_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    fine = told_of("corridor_ccw", 4096, monkeypatch)
+    assert fine.fine
+    assert "; corridor_ccw sends with --tap full " in fine.seen
+    assert fine.seen.endswith(", with gaps")
 
 
 def test_a_graph_that_is_wrong_is_a_users_error(capsys: pytest.CaptureFixture[str]) -> None:
