@@ -78,6 +78,9 @@ from .messages import (
     Components as Components,
 )
 from .messages import (
+    FieldError as FieldError,
+)
+from .messages import (
     Flow as Flow,
 )
 from .messages import (

@@ -44,14 +44,12 @@ class Numbers:
         return array.astype(self.wire, "C", "unsafe", True, False)  # noqa: FBT003, by position is faster
 
     def read(self, data: bytes, at: int, shape: tuple[int, ...]) -> tuple[Array, int]:
-        """Return the read-only array of ``shape`` at offset ``at`` of ``data``, and the offset after it.
+        """Return the read-only array of ``shape`` at offset ``at`` of ``data``, which is long enough, and its end.
 
-        Raises DecodeError if ``data`` is too short, before any memory is allocated.
+        Raises DecodeError for a shape that numpy cannot make.
         """
         count = math.prod(shape)
         end = at + count * self._size
-        if end > len(data) or min(shape) < 0:
-            raise DecodeError(f"an array of shape {shape} announced at {at}, {len(data) - at} bytes are left")
         try:
             if not count:
                 array: Array = np.empty(shape, self.native)
@@ -62,7 +60,7 @@ class Numbers:
             else:
                 return np.frombuffer(data, self.native, count, at).reshape(shape), end
         except ValueError as error:
-            raise DecodeError(f"an array of shape {shape}: {error}") from error
+            raise DecodeError(f"shape {shape}: {error}") from error
         array.setflags(write=False)
         return (array if len(shape) == 1 else array.reshape(shape)), end
 

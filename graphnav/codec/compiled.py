@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import struct
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -59,15 +58,16 @@ class Codec:
         if self._flat_decode is not None and (flat := self._flat_decode(data)) is not None:
             return flat
         if data[:8] != self.fingerprint:
-            raise DecodeError(f"not of type {self.name}: it begins with {data[:8].hex()}, not {self.fingerprint.hex()}")
+            found = data[:8].hex() or "nothing"
+            raise DecodeError(f"not of type {self.name}: it begins with {found}, expected {self.fingerprint.hex()}")
         try:
             values, end = self.decode_from(data, 8)
-        except (DecodeError, struct.error) as error:
+        except DecodeError as error:
             raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: {error}") from error
         except RecursionError as error:
             raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: nested too deep") from error
         if end != len(data):
-            raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: it ends at {end}")
+            raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: its fields end at byte {end}")
         return values
 
     def fits(self, data: bytes) -> bool:

@@ -66,7 +66,11 @@ class Scalars:
             raise
 
     def decode(self, data: bytes, at: int, values: Values) -> int:
-        """Read the scalars."""
+        """Read the scalars; DecodeError names the first one that is missing."""
+        if at + self.min_bytes > len(data):
+            ends = [at + struct.calcsize(">" + "".join(self._codes[: k + 1])) for k in range(len(self._codes))]
+            name = next(name for name, end in zip(self._names, ends, strict=True) if end > len(data))
+            raise DecodeError(f"it ends before the end of {name}")
         values.update(zip(self._names, self._struct.unpack_from(data, at)))  # noqa: B905, strict costs time
         return at + self.min_bytes
 
@@ -85,7 +89,7 @@ class String:
 
     def decode(self, data: bytes, at: int, values: Values) -> int:
         """Read a string; invalid UTF-8 is replaced, as in lcm-gen."""
-        values[self._name], at = _read_string(data, at)
+        values[self._name], at = _read_string(self._name, data, at)
         return at
 
 
@@ -134,7 +138,9 @@ class NumberArray:
 
     def decode(self, data: bytes, at: int, values: Values) -> int:
         """Read the array."""
-        values[self.name], at = self._numbers.read(data, at, shape_of(self.dims, values))
+        shape = _shape_of(self.dims, values)
+        _require_bytes(self, shape, math.prod(shape) * self._numbers.native.itemsize, len(data) - at)
+        values[self.name], at = self._numbers.read(data, at, shape)
         return at
 
 
@@ -163,16 +169,17 @@ class ElementArray:
 
     def decode(self, data: bytes, at: int, values: Values) -> int:
         """Read the elements; raises DecodeError before allocating more than the bytes can hold."""
-        shape = shape_of(self.dims, values)
-        if min(shape) < 0:
-            raise DecodeError(f"a negative size: {shape}")
+        shape = _shape_of(self.dims, values)
         count = math.prod(shape)
         each = self._codec.min_bytes if self._codec else String.min_bytes
-        if count > ((len(data) - at) // each if each else _MAX_EMPTY_STRUCTS):
-            raise DecodeError(f"{self.name}: shape {shape} announced at {at}, {len(data) - at} bytes are left")
+        if not each and count > _MAX_EMPTY_STRUCTS:
+            raise DecodeError(
+                f"{self.name} has {_shown(self.dims, shape)} elements, expected {_MAX_EMPTY_STRUCTS} at most"
+            )
+        _require_bytes(self, shape, count * each, len(data) - at)
         elements: list[Any] = []
         for _ in range(count):
-            element, at = self._codec.decode_from(data, at) if self._codec else _read_string(data, at)
+            element, at = self._codec.decode_from(data, at) if self._codec else _read_string(self.name, data, at)
             elements.append(element)
         try:
             values[self.name] = nest(elements, shape)
@@ -181,9 +188,26 @@ class ElementArray:
         return at
 
 
-def shape_of(dims: tuple[Dim, ...], values: Mapping[str, Any]) -> tuple[int, ...]:
-    """Return the values of ``dims``, from a struct's fields."""
-    return tuple([dim if isinstance(dim, int) else values[dim] for dim in dims])
+def _shape_of(dims: tuple[Dim, ...], values: Mapping[str, Any]) -> tuple[int, ...]:
+    """Return the values of ``dims``, from a struct's fields; raises DecodeError for a negative one."""
+    shape = tuple([dim if isinstance(dim, int) else values[dim] for dim in dims])
+    if min(shape) < 0:
+        dim, size = next((dim, size) for dim, size in zip(dims, shape, strict=True) if size < 0)
+        raise DecodeError(f"{dim} is {size}, expected 0 or more")
+    return shape
+
+
+def _require_bytes(array: ArrayPart, shape: tuple[int, ...], needed: int, left: int) -> None:
+    """Raise DecodeError if an array of this shape needs more bytes than are left."""
+    if needed > left:
+        sizes = _shown(array.dims, shape)
+        raise DecodeError(f"{array.name} has {sizes} elements, which need {needed} bytes, but {left} are left")
+
+
+def _shown(dims: tuple[Dim, ...], shape: tuple[int, ...]) -> str:
+    """Return a shape with the fields that hold it: ``rows * cols * 2 = 120 * 160 * 2``."""
+    names, sizes = (" * ".join(map(str, one)) for one in (dims, shape))
+    return sizes if names == sizes else f"{names} = {sizes}"
 
 
 def _min_count(dims: tuple[Dim, ...]) -> int:
@@ -199,20 +223,23 @@ def _put_string(name: str, value: Any, out: list[Any]) -> None:
     out += (_LENGTH.pack(len(encoded) + 1), encoded, b"\0")
 
 
-def _read_string(data: bytes, at: int) -> tuple[str, int]:
+def _read_string(name: str, data: bytes, at: int) -> tuple[str, int]:
+    if at + _LENGTH.size > len(data):
+        raise DecodeError(f"it ends before the end of {name}")
     (length,) = _LENGTH.unpack_from(data, at)
     start, end = at + _LENGTH.size, at + _LENGTH.size + length
     if not length or end > len(data):
-        raise DecodeError(f"a string of {length} bytes announced at {at}, {len(data) - start} are left")
+        expected = "1 or more, with the NUL" if not length else f"{len(data) - start} at most, which are left"
+        raise DecodeError(f"the length of the string {name} is {length}, expected {expected}")
     return data[start : end - 1].decode("utf-8", "replace"), end
 
 
 def read_strings(data: bytes, at: int, count: int) -> tuple[tuple[str, ...], int]:
     """Return adjacent strings and the offset after them; raises DecodeError if there are fewer."""
     if not 0 <= count <= (len(data) - at) // String.min_bytes:
-        raise DecodeError(f"{count} strings announced at {at}, {len(data) - at} bytes are left")
+        raise DecodeError(f"{count} strings in {len(data) - at} bytes")
     strings = []
     for _ in range(count):
-        string, at = _read_string(data, at)
+        string, at = _read_string("", data, at)
         strings.append(string)
     return tuple(strings), at

@@ -16,6 +16,7 @@ import numpy as np
 from graphnav.codec.errors import DecodeError
 from graphnav.codec.field_codecs import read_strings
 from graphnav.codec.layout import PRIMITIVES, Field
+from graphnav.messages import ZERO_MEANS
 
 FieldDecoder = Callable[[bytes], dict[str, Any] | None]
 MessageDecoder = Callable[[bytes], tuple[int, int, Any] | None]
@@ -52,7 +53,8 @@ def message_decoder(
     variables = _variables(fields)
     names: dict[str, Any] = {"cls": message_class, "new": object.__new__, "set": object.__setattr__}
     body = _reading(fields, fingerprint, names)
-    items = ", ".join(f"{name!r}: {variables[name]}" for name in attributes)
+    values = {name: f"{variables[name]} or {ZERO_MEANS[name]}" for name in attributes if name in ZERO_MEANS}
+    items = ", ".join(f"{name!r}: {values.get(name, variables[name])}" for name in attributes)
     body += ["m = new(cls)", f"set(m, '__dict__', {{{items}}})"]
     body.append(f"return {variables['utime']}, {variables['seq']}, m")
     decode: MessageDecoder = compiled("d", body, names)

@@ -1,14 +1,16 @@
 """The shipped message types."""
 
 from graphnav.messages.local_map import LocalMap
-from graphnav.messages.message import Message, snake_case
+from graphnav.messages.message import ZERO_MEANS, FieldError, Message, snake_case
 from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
 from graphnav.messages.run import About, Fired, Status
 from graphnav.messages.vision import Components, Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [
+    "ZERO_MEANS",
     "About",
     "Components",
+    "FieldError",
     "Fired",
     "Flow",
     "Goal",

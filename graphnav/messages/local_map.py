@@ -9,7 +9,7 @@ import graphnav_lcm
 import numpy as np
 
 from graphnav.arrays import Bytes, Doubles, Floats, Indices
-from graphnav.messages.message import Message
+from graphnav.messages.message import FieldError, Message
 
 _MAX_CELLS = 4096
 _MIN_CELL_M, _MAX_CELL_M, _MAX_M = 1e-4, 1e3, 1e6
@@ -48,26 +48,26 @@ class LocalMap(Message, lcm=graphnav_lcm.local_map_t):
 
         Raises
         ------
-        ValueError
+        FieldError
             It has fewer than 2 or more than 4096 cells to a side, cells smaller than 0.1 mm or larger than 1 km,
             a state that is not one of the four, a distance below 0 or above 1000 km, or the robot is not on it.
         """
         found = super().from_lcm_fields(values)
         rows, cols = found.state.shape
-        if not (min(rows, cols) >= 2 and max(rows, cols) <= _MAX_CELLS):
-            raise ValueError(f"a local map of {cols}x{rows} cells, not 2 to {_MAX_CELLS} to a side")
+        for name, count in (("rows", rows), ("cols", cols)):
+            if not 2 <= count <= _MAX_CELLS:
+                raise FieldError(name, count, f"2 to {_MAX_CELLS}")
         if not _MIN_CELL_M <= found.cell_m <= _MAX_CELL_M:
-            raise ValueError(f"a local map with cells of {found.cell_m:g} m, not {_MIN_CELL_M:g} to {_MAX_CELL_M:g} m")
+            raise FieldError("cell_m", f"{found.cell_m:g}", f"{_MIN_CELL_M:g} to {_MAX_CELL_M:g}")
         if found.state.max() > cls.MOVING:
-            raise ValueError(f"a local map with the state {found.state.max()}, not 0 to {cls.MOVING}")
+            raise FieldError("the largest state", found.state.max(), f"0 to {cls.MOVING}")
         for name, size, at_m in (("x", cols, found.x_m - found.origin_x_m), ("y", rows, found.y_m - found.origin_y_m)):
             if not -1.0 <= at_m / found.cell_m <= size:
-                raise ValueError(f"a local map that the robot is not on: its {name} is {at_m:g} m from the origin")
+                on_map_m = f"{-found.cell_m:g} to {size * found.cell_m:g}, on the map"
+                raise FieldError(f"{name}_m - origin_{name}_m", f"{at_m:g}", on_map_m)
         for name, distance_m in (("obstacle_m", found.obstacle_m), ("unknown_m", found.unknown_m)):
             if distance_m.min() < 0.0 or distance_m.max() > _MAX_M:
-                raise ValueError(
-                    f"a local map with distances of {distance_m.min():g} to {distance_m.max():g} m in {name}"
-                )
+                raise FieldError(name, f"{distance_m.min():g} to {distance_m.max():g}", f"0 to {_MAX_M:g}")
         return found
 
     def cells_at(self, forward_m: Doubles, left_m: Doubles) -> tuple[Indices, Indices]:

@@ -20,6 +20,21 @@ def snake_case(name: str) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
 
 
+ZERO_MEANS = {"step_px": 1}
+"""Fields that other programs leave at 0, as in a zeroed C struct, and the value that 0 is read as."""
+
+
+class FieldError(ValueError):
+    """A field of a received message has a value that cannot be used.
+
+    ``allowed`` completes "expected ...", as in "rows is 0, expected 1 or more".
+    """
+
+    def __init__(self, field: str, value: object, allowed: str) -> None:
+        self.field, self.value, self.allowed = field, value, allowed
+        super().__init__(f"{field} is {value}, expected {allowed}")
+
+
 def may_be_infinite() -> Any:
     """Return a dataclass field whose floats need not be finite."""
     return field(metadata={"finite": False})
@@ -76,8 +91,16 @@ class Message:
 
     @classmethod
     def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
-        """Return the message with the LCM fields ``values`` (all of them)."""
-        return cls(**{name: values[name] for name in cls._names})
+        """Return the message with the LCM fields ``values`` (all of them); a ``step_px`` of 0 is read as 1.
+
+        Raises
+        ------
+        FieldError
+            A field has a value that no message of this class can hold.
+        """
+        return cls(
+            **{name: values[name] or ZERO_MEANS[name] if name in ZERO_MEANS else values[name] for name in cls._names}
+        )
 
     def thin(self, step: int) -> Self:
         """Return the message with every ``step``-th row and column of its grids, with ``step_px`` adjusted."""

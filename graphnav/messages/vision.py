@@ -14,7 +14,7 @@ import graphnav_lcm
 import numpy as np
 
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
-from graphnav.messages.message import Message, may_be_infinite
+from graphnav.messages.message import ZERO_MEANS, FieldError, Message, may_be_infinite
 
 
 class Image(Message, lcm=graphnav_lcm.image_t, grid=("pixels",)):
@@ -35,12 +35,24 @@ class Image(Message, lcm=graphnav_lcm.image_t, grid=("pixels",)):
 
     @classmethod
     def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
-        """Return the picture whose flat bytes ``image_t`` holds."""
-        rows, cols, channels = values["rows"], values["cols"], values["channels"]
-        if rows < 1 or cols < 1 or channels not in (1, 3):
-            raise ValueError(f"an image of {cols}x{rows} pixels and {channels} channels")
+        """Return the picture whose flat bytes ``image_t`` holds; a ``step_px`` of 0 is read as 1.
+
+        Raises
+        ------
+        FieldError
+            A size is not positive, there are neither 1 nor 3 channels, or the size of the data is another one.
+        """
+        rows, cols, channels, data = values["rows"], values["cols"], values["channels"], np.asarray(values["data"])
+        for name in ("rows", "cols"):
+            if values[name] < 1:
+                raise FieldError(name, values[name], "1 or more")
+        if channels not in (1, 3):
+            raise FieldError("channels", channels, "1 (gray) or 3 (red-green-blue)")
+        if data.size != rows * cols * channels:
+            product = f"{rows} * {cols} * {channels} = {rows * cols * channels}"
+            raise FieldError("size", data.size, f"rows * cols * channels = {product}")
         shape = (rows, cols) if channels == 1 else (rows, cols, channels)
-        return cls(pixels=np.asarray(values["data"]).reshape(shape), step_px=values["step_px"])
+        return cls(pixels=data.reshape(shape), step_px=values["step_px"] or ZERO_MEANS["step_px"])
 
 
 class Flow(Message, lcm=graphnav_lcm.flow_t, grid=("uv_px", "valid")):

@@ -9,11 +9,11 @@ import struct
 
 class input_status_t(object):
 
-    __slots__ = ["name", "channel", "accepted", "rate_hz", "lost", "age_s", "max_age_s", "offset_s", "fault", "n_reasons", "reasons", "rejected"]
+    __slots__ = ["name", "channel", "accepted", "rate_hz", "lost", "age_s", "max_age_s", "offset_s", "fault", "n_reasons", "reasons", "rejected", "details"]
 
-    __typenames__ = ["string", "string", "int64_t", "double", "int64_t", "double", "double", "double", "string", "int32_t", "string", "int64_t"]
+    __typenames__ = ["string", "string", "int64_t", "double", "int64_t", "double", "double", "double", "string", "int32_t", "string", "int64_t", "string"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, ["n_reasons"], ["n_reasons"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, ["n_reasons"], ["n_reasons"], ["n_reasons"]]
 
     def __init__(self):
         self.name = ""
@@ -64,7 +64,8 @@ class input_status_t(object):
 
         self.n_reasons = 0
         """
-        Rejected messages by reason: names and counts.
+        Rejected messages by reason: names, counts, and of the last one, if it came in the last 3 s, the field, its value
+        and what is allowed.
         LCM Type: int32_t
         """
 
@@ -72,6 +73,8 @@ class input_status_t(object):
         """ LCM Type: string[n_reasons] """
         self.rejected = []
         """ LCM Type: int64_t[n_reasons] """
+        self.details = []
+        """ LCM Type: string[n_reasons] """
 
     def encode(self):
         buf = BytesIO()
@@ -100,6 +103,11 @@ class input_status_t(object):
             buf.write(__reasons_encoded)
             buf.write(b"\0")
         buf.write(struct.pack('>%dq' % self.n_reasons, *self.rejected[:self.n_reasons]))
+        for i0 in range(self.n_reasons):
+            __details_encoded = self.details[i0].encode('utf-8')
+            buf.write(struct.pack('>I', len(__details_encoded)+1))
+            buf.write(__details_encoded)
+            buf.write(b"\0")
 
     @staticmethod
     def decode(data: bytes):
@@ -127,12 +135,16 @@ class input_status_t(object):
             __reasons_len = struct.unpack('>I', buf.read(4))[0]
             self.reasons.append(buf.read(__reasons_len)[:-1].decode('utf-8', 'replace'))
         self.rejected = struct.unpack('>%dq' % self.n_reasons, buf.read(self.n_reasons * 8))
+        self.details = []
+        for i0 in range(self.n_reasons):
+            __details_len = struct.unpack('>I', buf.read(4))[0]
+            self.details.append(buf.read(__details_len)[:-1].decode('utf-8', 'replace'))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if input_status_t in parents: return 0
-        tmphash = (0xfef766ca1490101e) & 0xffffffffffffffff
+        tmphash = (0x6097aaa0d28bf96a) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from graphnav import Adapter, Image
+from graphnav import Adapter, FieldError, Image
 from graphnav.arrays import Bytes
 from graphnav_adapters.lcmtypes.bot_core import image_t
 from graphnav_adapters.max_pixels import check_size
@@ -46,7 +46,7 @@ class BotCoreImage(Adapter):
         if pixelformat == MJPEG:
             return Image(pixels=_decompressed(data, rows, cols))
         if pixelformat not in _CHANNELS:
-            raise ValueError(f"pixelformat {_shown(pixelformat)} is not supported: gray, RGB, BGR and MJPEG are")
+            raise FieldError("pixelformat", _shown(pixelformat), ", ".join(map(_shown, (*_CHANNELS, MJPEG))))
         pixels = _unpadded(data, rows, cols * _CHANNELS[pixelformat], fields["row_stride"])
         if pixelformat == GRAY:
             return Image(pixels=pixels)
@@ -80,17 +80,18 @@ def _decompressed(data: Bytes, rows: int, cols: int) -> Bytes:
 
     pixels = decode_jpeg(data.tobytes())
     if pixels.shape[:2] != (rows, cols):
-        raise ValueError(f"it declares {cols}x{rows} pixels, but its JPEG has {pixels.shape[1]}x{pixels.shape[0]}")
+        found = f"{pixels.shape[1]}x{pixels.shape[0]}"
+        raise FieldError("width x height", f"{cols}x{rows}", f"{found}, which its JPEG has")
     return pixels
 
 
 def _unpadded(data: Bytes, rows: int, row_bytes: int, row_stride: int) -> Bytes:
     """Return (rows, row_bytes) of rows that begin every ``row_stride`` bytes; the last one may lack its padding."""
     if row_stride < row_bytes:
-        raise ValueError(f"row_stride is {row_stride}, a row has {row_bytes} bytes")
+        raise FieldError("row_stride", row_stride, f"{row_bytes} or more, the bytes of a row")
     min_size, max_size = row_stride * (rows - 1) + row_bytes, row_stride * rows
     if not min_size <= data.size <= max_size:
-        raise ValueError(f"{data.size} bytes of pixels: {rows} rows of {row_stride} bytes need {max_size}")
+        raise FieldError("size", data.size, f"height * row_stride = {rows} * {row_stride} = {max_size}")
     padded: Bytes = np.ndarray((rows, row_bytes), np.uint8, np.ascontiguousarray(data), strides=(row_stride, 1))
     return np.ascontiguousarray(padded)
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
+from graphnav import FieldError
 from graphnav.arrays import Bytes
 from graphnav_adapters.max_pixels import check_size
 
@@ -39,11 +40,11 @@ def read_header(data: bytes) -> JpegHeader:
         It is not a JPEG, or its header is truncated or damaged.
     """
     if not data.startswith(_START):
-        raise ValueError("the data are not a JPEG")
+        raise ValueError(f"data is not a JPEG: it begins with {data[:4].hex(' ') or 'nothing'}, expected ff d8")
     at, frame = len(_START), None
     while at + 4 <= len(data):
         if data[at] != 0xFF:
-            raise ValueError("the header of the JPEG is damaged")
+            raise ValueError(f"data is a JPEG with a damaged header: {data[at]:02x} at byte {at}, expected ff")
         marker = data[at + 1]
         if marker == 0xFF or marker in _BARE:
             at += 1 if marker == 0xFF else 2
@@ -53,11 +54,11 @@ def read_header(data: bytes) -> JpegHeader:
             return JpegHeader(rows, cols, frame[5], at)
         length = int.from_bytes(data[at + 2 : at + 4])
         if length < (_MIN_FRAME_BYTES if marker in _FRAMES else 2):
-            raise ValueError("the header of the JPEG is damaged")
+            raise ValueError(f"data is a JPEG with a damaged header: a segment of {length} bytes at byte {at}")
         if marker in _FRAMES:
             frame = data[at + 4 : at + 2 + length]
         at += 2 + length
-    raise ValueError("the JPEG is truncated")
+    raise ValueError(f"data is a JPEG that is truncated: {len(data)} bytes end within its header")
 
 
 def decode_jpeg(data: bytes) -> Bytes:
@@ -69,16 +70,16 @@ def decode_jpeg(data: bytes) -> Bytes:
         It is not a JPEG, is truncated or damaged, has neither 1 nor 3 channels, or is larger than `check_size` allows.
     """
     header = read_header(data)
-    check_size(header.rows, header.cols)
+    check_size(header.rows, header.cols, "the JPEG's ")
     if header.channels not in (1, 3):
-        raise ValueError(f"the JPEG has {header.channels} channels: gray (1) and colour (3) are supported")
+        raise FieldError("the JPEG's number of channels", header.channels, "1 (gray) or 3 (colour)")
     if data.find(_END, header.scan_at) < 0:
-        raise ValueError("the JPEG is truncated")
+        raise ValueError(f"data is a JPEG that is truncated: {len(data)} bytes without its end (ff d9)")
     try:
         pixels = cv2.imdecode(np.frombuffer(data, np.uint8), _AS_STORED)
     except cv2.error as error:
-        raise ValueError(f"the JPEG cannot be decoded: {error.err}") from error
+        raise ValueError(f"data is a JPEG that cannot be decoded: {error.err}") from error
     if pixels is None:
-        raise ValueError("the JPEG cannot be decoded")
+        raise ValueError("data is a JPEG that cannot be decoded")
     decoded: Bytes = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
     return decoded

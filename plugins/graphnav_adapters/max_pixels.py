@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from graphnav import FieldError
+
 MAX_PIXELS = 64_000_000
 """More than any robot camera has; a larger declared size is refused before memory is allocated."""
 
 
-def check_size(rows: int, cols: int) -> None:
-    """Raise ValueError unless the picture has at least one pixel and at most `MAX_PIXELS`."""
-    if rows < 1 or cols < 1:
-        raise ValueError(f"a picture of {cols}x{rows} pixels has no pixels")
+def check_size(rows: int, cols: int, of: str = "") -> None:
+    """Raise FieldError unless a picture has at least one pixel and at most `MAX_PIXELS`; ``of``: begins its fields."""
+    for name, size in (("height", rows), ("width", cols)):
+        if size < 1:
+            raise FieldError(f"{of}{name}", size, "1 or more")
     if rows * cols > MAX_PIXELS:
-        raise ValueError(f"a picture of {cols}x{rows} pixels is larger than {MAX_PIXELS // 10**6} million pixels")
+        raise FieldError(f"{of}width * height", f"{cols} * {rows}", f"{MAX_PIXELS // 10**6} million at most")

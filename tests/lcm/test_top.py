@@ -51,6 +51,7 @@ INPUT = {
     "fault": "",
     "reasons": ("undecodable", "repeated"),
     "rejected": np.array([2, 5]),
+    "details": ("image_t: rows is 0, expected 1 or more", ""),
 }
 OUTPUT = {
     "name": "guard.twist",
@@ -111,6 +112,7 @@ def test_a_person_reads_all_of_a_status() -> None:
         "run run-a robot live, 12.3 s of wall time, 0.04 s behind, 152 MB, dropped: tap 1, log 2",
         "input channel accepted lost rate age / max offset fault rejected",
         "camera.image CAMERA 121 4 10.0 Hz 0.04 / 0.50 s -0.012 s undecodable 2, repeated 5",
+        "camera.image, undecodable: image_t: rows is 0, expected 1 or more",
         "output channel sent refused latency p50 p99 max fault",
         "guard.twist BASE_CMD motor 240 3 22.0 ms 41.5 ms 60.2 ms",
         "stage uses rate p50 p99 deadline missed overtaken",
@@ -121,7 +123,10 @@ def test_a_person_reads_all_of_a_status() -> None:
 
 def test_80_columns_and_24_lines_show_what_matters_most() -> None:
     stages = tuple({**STAGE, "name": f"a_stage_of_a_long_name_{k}"} for k in range(9))
-    inputs = tuple({**INPUT, "name": name, "reasons": (), "rejected": np.zeros(0, int)} for name in ("image", "stop"))
+    inputs = tuple(
+        {**INPUT, "name": name, "reasons": (), "rejected": np.zeros(0, int), "details": ()}
+        for name in ("image", "stop")
+    )
     health = Health()
     health.receive(Received("graphnav.status", encode(replace(STATUS, stages=stages, inputs=inputs), 0, 0), 0.0))
     health.receive(Received("guard.state", encode(STOPPED, 0, 0), 0.0))
@@ -300,7 +305,8 @@ def test_two_runs_at_once_are_both_told(group: str, publishing: Publish, capsys:
     a, b = told["runs"]
     assert (a["run_id"], b["run_id"], b["status"]["live"], b["silent"]) == ("run-a", "run-b", False, False)
     assert a["status"]["stages"] == [STAGE]
-    assert a["status"]["inputs"] == [{n: v for n, v in INPUT.items() if n != "reasons"} | {"rejected": REJECTED}]
+    given = {name: value for name, value in INPUT.items() if name != "reasons"}
+    assert a["status"]["inputs"] == [given | {"rejected": REJECTED, "details": {"undecodable": INPUT["details"][0]}}]
     assert a["status"]["outputs"] == [OUTPUT]
     assert a["status"]["edges"] == [{"name": "plane.flow", "overtaken": 4}]
     scalars = {"graph": "robot", "behind_s": 0.04, "memory_mb": 151.6, "tap_dropped": 1, "log_dropped": 2}

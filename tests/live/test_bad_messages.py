@@ -57,7 +57,7 @@ def test_each_kind_of_bad_message_is_counted_and_good_ones_still_count(live: Beg
     program.say_bytes("CAMERA", encode(Twist(v_mps=1.0, omega_radps=0.0), now, 0))
     program.say_bytes("CAMERA", picture[:-10])
     program.say_bytes("CAMERA", picture + b"0")
-    program.say("CAMERA", Image(pixels=np.full((24, 32), 200, np.uint8), step_px=0))
+    program.say("CAMERA", Image(pixels=np.full((24, 32), 200, np.uint8), step_px=-1))
     program.show("CAMERA", 200, size=(12, 16))
     time.sleep(0.1)
     program.show("CAMERA", 200, utime=1)
@@ -67,7 +67,7 @@ def test_each_kind_of_bad_message_is_counted_and_good_ones_still_count(live: Beg
     counts = rejected(run, "camera.image")
     assert counts["wrong type"] == 3
     assert counts["undecodable"] == 2
-    assert counts["empty"] == 1
+    assert counts["unreadable"] == 1
     assert counts["wrong size"] == 1
     assert sum(counts.values()) >= 7
 

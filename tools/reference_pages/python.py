@@ -30,7 +30,7 @@ _GROUPS = {
     "Write an adapter or a drawing": ("Adapter", "PictureContext", "VideoFrames"),
     "Read a file of your own": ("FileFormat", "Record", "key", "Range", "Value"),
     "Errors": (
-        *("GraphnavError", "UserError", "ParamError", "DeclarationError", "RunError"),
+        *("GraphnavError", "UserError", "ParamError", "DeclarationError", "FieldError", "RunError"),
         *("Problem", "Place", "did_you_mean", "shown_path"),
     ),
 }

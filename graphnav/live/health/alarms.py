@@ -85,7 +85,7 @@ class Alarms:
     def _lost(self, intake: Intake, now_s: float) -> Iterator[str]:
         """Yield the silence, rejections and losses of an input."""
         ref, channel = intake.source.channel.ref, intake.source.name
-        silent_s = now_s - max(intake.heard_s, self._runner.clock.start_s)
+        silent_s = now_s - max(intake.mailbox.heard_s, self._runner.clock.start_s)
         if self._runner.is_needed(ref) and silent_s > _SILENT_S:
             if self._is_news(f"{ref} silent", round(silent_s), 1):
                 yield f"silent: {ref} has had no message on {channel} for {silent_s:.0f} s"
@@ -93,9 +93,11 @@ class Alarms:
             self._told.pop(f"{ref} silent", None)
         rejected = intake.monitor.rejected
         if self._is_news(f"{ref} rejected", rejected.total(), _MIN_OVERTAKEN):
-            reasons = ", ".join(f"{count} {reason}" for reason, count in rejected.most_common())
-            last = f" ({intake.last_error})" if intake.last_error else ""
-            yield f"not used: {rejected.total()} messages of {ref} on {channel}: {reasons}{last}"
+            yield f"not used: {rejected.total()} messages of {ref} on {channel}" + "".join(
+                f"\n  {count} {reason}{': ' * bool(detail)}{detail}"
+                for reason, count in rejected.most_common()
+                for detail in (intake.monitor.detail(reason),)
+            )
         if self._is_news(f"{ref} lost", intake.lost, _MIN_LOST):
             yield (
                 f"lost: {intake.lost} messages of {ref} on {channel} never arrived, by their sequence numbers\n"

@@ -13,6 +13,8 @@ from graphnav.messages import Status
 from graphnav.runner.stage_health import Rates, memory_mb, stage_statuses
 
 _PERIOD_S = 1.0
+_RECENT_S = 3.0
+"""The age up to which the detail of a rejection is shown."""
 
 
 class StatusReporter:
@@ -69,6 +71,7 @@ class StatusReporter:
             "fault": monitor.fault(now_s),
             "reasons": tuple(reason for reason, _ in reasons),
             "rejected": tuple(count for _, count in reasons),
+            "details": tuple(monitor.detail(reason, now_s - _RECENT_S) for reason, _ in reasons),
         }
 
 

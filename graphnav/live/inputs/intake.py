@@ -8,15 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from graphnav.adapter import Adapter
-from graphnav.codec import DecodeError, codec_of, fingerprint
-from graphnav.errors import one_line
+from graphnav.codec import DecodeError, codec_of, fields_of, fingerprint, lcm_name, type_of
+from graphnav.errors import failure_line
 from graphnav.graph import InputChannel
 from graphnav.interrupts import USER_ENDS
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.receiver import Arrival, Mailbox
 from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
-from graphnav.messages import Message
+from graphnav.messages import FieldError, Message
 from graphnav.motors.channel import INT64_BYTES
 from graphnav.motors.offsets import offsets_of
 
@@ -24,8 +23,11 @@ NEWEST = 8
 """Maximum number of pending messages if only the newest counts: images of 640x480 have 0.3 to 0.9 MB."""
 GATHERED = 1024
 """Maximum number of pending messages if every one counts."""
-FLOOD = "flood"
-"""Reason for messages of a second writer that are too many to be judged one by one."""
+FLOOD, WRONG_TYPE, UNDECODABLE, UNREADABLE = "flood", "wrong type", "undecodable", "unreadable"
+NOT_FINITE, WRONG_SIZE = "not finite", "wrong size"
+"""Reasons of rejections; ``FLOOD``: messages of a second writer that are too many to be judged one by one."""
+_AXES = "rows", "cols", "channels"
+"""The axes of a grid, first to last."""
 
 
 class Received(NamedTuple):
@@ -51,10 +53,6 @@ class Intake:
         self.needs_all = needs_all
         self.used = 0
         """Number of delivered messages."""
-        self.heard_s = -math.inf
-        """Arrival of the last delivered message, monotonic seconds."""
-        self.last_error = ""
-        """Error of the last message that could not be read."""
         self.overtaken = 0
         """Number of valid messages that were older than the newest."""
         self._clock = clock
@@ -76,14 +74,14 @@ class Intake:
         self._count_unread()
         if self.needs_all:
             for arrival, fields, verdict in accepted:
-                message = self._message(fields)
+                message = self._message(fields, arrival.at_s)
                 if message is not None:
                     yield self._received(arrival, message, verdict, is_restart=verdict.is_restart)
             return
         is_restart = any(verdict.is_restart for _, _, verdict in accepted)
         for place in range(len(accepted) - 1, -1, -1):
             arrival, fields, verdict = accepted[place]
-            message = self._message(fields)
+            message = self._message(fields, arrival.at_s)
             if message is not None:
                 self.overtaken += place
                 yield self._received(arrival, message, verdict, is_restart=is_restart)
@@ -101,65 +99,72 @@ class Intake:
     def _judge(self, arrival: Arrival) -> tuple[Mapping[str, Any], Verdict] | None:
         try:
             fields = self._codec.decode(arrival.data)
-        except DecodeError:
-            self.monitor.reject("undecodable")
+        except DecodeError as error:
+            self.monitor.reject(UNDECODABLE, str(error), arrival.at_s)
             return None
-        adapter = self.source.adapter
-        utime = self._adapted_utime(adapter, fields) if adapter is not None else fields.get("utime")
-        seq = fields.get("seq")
         if self._overflowed_before is None:
             self._overflowed_before = self.mailbox.overflowed
-        if self.source.channel.message.many_writers:
-            utime = seq = None
-        verdict = self.monitor.judge(
-            arrival.at_s,
-            self._clock.utime_at(arrival.at_s),
-            utime if isinstance(utime, int) else None,
-            seq if isinstance(seq, int) else None,
-        )
+        utime = seq = None
+        if not self.source.channel.message.many_writers:
+            try:
+                utime, seq = self._utime(fields), fields.get("seq")
+            except USER_ENDS:
+                raise
+            except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
+                self.monitor.reject(UNREADABLE, f"utime: {failure_line(error)}", arrival.at_s)
+                return None
+        arrival_utime = self._clock.utime_at(arrival.at_s)
+        verdict = self.monitor.judge(arrival.at_s, arrival_utime, utime, seq if isinstance(seq, int) else None)
         return (fields, verdict) if verdict.accepted else None
 
-    def _adapted_utime(self, adapter: Adapter, fields: Mapping[str, Any]) -> int | None:
-        """Return the sender's timestamp, None if there is none or the adapter cannot read it."""
-        try:
-            return adapter.utime(fields)
-        except USER_ENDS:
-            raise
-        except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
-            self.last_error = one_line(error)
-            return None
+    def _utime(self, fields: Mapping[str, Any]) -> int | None:
+        """Return the sender's timestamp, None if the type has none; raises whatever an adapter raises."""
+        adapter = self.source.adapter
+        utime = fields.get("utime") if adapter is None else adapter.utime(fields)
+        return utime if isinstance(utime, int) else None
 
-    def _message(self, fields: Mapping[str, Any]) -> Message | None:
+    def _message(self, fields: Mapping[str, Any], at_s: float) -> Message | None:
         """Return the message of decoded fields, None if it is not valid."""
         source = self.source
+        kind, rejection = source.type_name.rpartition(".")[2], None
         try:
-            if source.adapter is not None:
-                message = source.adapter.from_lcm(fields)
-            else:
+            if source.adapter is None:
                 message = source.channel.message.from_lcm_fields(fields)
-            not_finite = message.not_finite()
+            else:
+                message = source.adapter.from_lcm(fields)
+                kind = type(message).__name__
+            rejection = self._rejection(message)
         except USER_ENDS:
             raise
         except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
-            self.last_error = one_line(error)
-            self.monitor.reject("unreadable")
-            return None
-        if not_finite:
-            self.monitor.reject("not finite")
-            return None
-        sizes = tuple(np.shape(getattr(message, name)) for name in message.grid)
-        if any(0 in size for size in sizes) or getattr(message, "step_px", 1) < 1:
-            self.monitor.reject("empty")
-            return None
-        if self._sizes is None:
-            self._sizes = sizes
-        elif sizes != self._sizes:
-            self.monitor.reject("wrong size")
+            rejection = UNREADABLE, error
+        if rejection is not None:
+            reason, cause = rejection
+            self.monitor.reject(reason, f"{kind}: {failure_line(cause)}", at_s)
             return None
         return message
 
+    def _rejection(self, message: Message) -> tuple[str, BaseException] | None:
+        """Return why a message is not used: a value is not finite, a grid is empty or has not the size of the first."""
+        if (name := message.not_finite()) is not None:
+            return NOT_FINITE, _not_finite(name, getattr(message, name))
+        sizes = tuple(np.shape(getattr(message, name)) for name in message.grid)
+        for name, size in zip(message.grid, sizes, strict=True):
+            if 0 in size:
+                dims = {field.name: field.dims for field in fields_of(message.lcm_class)}.get(name, _AXES)
+                return UNREADABLE, FieldError(str(dims[size.index(0)]), 0, "1 or more")
+        if (step_px := getattr(message, "step_px", 1)) < 1:
+            return UNREADABLE, FieldError("step_px", step_px, "1 or more; 0 counts as 1")
+        if self._sizes is None:
+            self._sizes = sizes
+        for size, first in zip(sizes, self._sizes, strict=True):
+            if size != first:
+                named, found, expected = (" x ".join(map(str, one)) for one in (_AXES[: len(size)], size, first))
+                return WRONG_SIZE, FieldError(named, found, f"{expected}, as in the first message")
+        return None
+
     def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, is_restart: bool) -> Received:
-        self._birth_s, self.heard_s = verdict.birth_s, arrival.at_s
+        self._birth_s = verdict.birth_s
         self.used += 1
         raw = arrival.data if self.source.adapter is None else None
         return Received(verdict.utime, message, verdict.birth_s, raw, is_restart)
@@ -175,8 +180,28 @@ class Intake:
         """Count messages that were never taken from the mailbox."""
         wrong, overflowed, flooded = self.mailbox.wrong_type, self.mailbox.overflowed, self.mailbox.flooded
         if flooded > self._seen_flooded:
-            self.monitor.rejected[FLOOD] += flooded - self._seen_flooded
+            self.monitor.reject(FLOOD, count=flooded - self._seen_flooded)
         if wrong > self._seen_wrong:
-            self.monitor.rejected["wrong type"] += wrong - self._seen_wrong
+            self.monitor.reject(WRONG_TYPE, self._wrong_type(), self.mailbox.heard_s, wrong - self._seen_wrong)
         self.overtaken += overflowed - self._seen_overflowed
         self._seen_wrong, self._seen_overflowed, self._seen_flooded = wrong, overflowed, flooded
+
+    def _wrong_type(self) -> str:
+        """Return the type of the last message of a wrong one, and what is expected."""
+        mark, expected = self.mailbox.wrong_mark, self.source.type_name
+        if len(mark) < len(self._codec.fingerprint):
+            return f"{len(mark)} bytes, shorter than the fingerprint of {expected}"
+        if (found := type_of(mark)) is not None:
+            return f"the messages are {lcm_name(found)}, expected {expected}"
+        return (
+            f"the fingerprint {mark.hex()} is not of an installed type, expected {self._codec.fingerprint.hex()} of "
+            f"{expected}: names, types or order of the fields in the .lcm differ"
+        )
+
+
+def _not_finite(name: str, value: Any) -> FieldError:
+    """Return the error that names the first element of a field that is not finite."""
+    array = np.asarray(value)
+    at = tuple(int(index) for index in np.argwhere(~np.isfinite(array))[0])
+    shown = f"{name}[{', '.join(map(str, at))}]" if at else name
+    return FieldError(shown, array[at], "a finite number")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -35,7 +36,9 @@ class Mailbox:
     8, are kept separately, so that they never displace those of the accepted writer.
 
     One thread fills it, another one empties it. ``largest_bytes``: size of the largest message. ``wrong_type``,
-    ``overflowed`` and ``flooded`` count dropped messages, the last one those of other writers.
+    ``overflowed`` and ``flooded`` count dropped messages, the last one those of other writers. ``wrong_mark``: the
+    first bytes of the last message of another type, which should be a fingerprint. ``heard_s``: arrival of the last
+    message, whatever it is, monotonic seconds.
     """
 
     def __init__(self, fingerprint: bytes, max_messages: int, is_own: Callable[[bytes, float], bool] = _anyone) -> None:
@@ -48,10 +51,14 @@ class Mailbox:
         self.overflowed = 0
         self.flooded = 0
         self.largest_bytes = 0
+        self.wrong_mark = b""
+        self.heard_s = -math.inf
 
     def put(self, data: bytes, at_s: float) -> bool:
         """Store a message; return whether it may be used: right type, accepted writer."""
+        self.heard_s = at_s
         if data[:8] != self._fingerprint:
+            self.wrong_mark = data[:8]
             self.wrong_type += 1
             return False
         self.largest_bytes = max(self.largest_bytes, len(data))

@@ -59,6 +59,7 @@ class SenderMonitor:
         self.accepted = 0
         self.rejected: Counter[str] = Counter()
         """Rejected messages by reason."""
+        self._details: dict[str, tuple[str, float]] = {}
         self.missing = 0
         """Number of skipped sequence numbers of the accepted writer."""
         self._max_age_s = max_age_s
@@ -98,9 +99,15 @@ class SenderMonitor:
         """Return the fault of the sender, empty when the last faulty message is older than ``max_age_s``."""
         return self._fault if now_s - self._fault_s <= self.max_age_s else ""
 
-    def reject(self, reason: str) -> None:
-        """Count a message rejected by the caller: undecodable, of another size, not finite."""
-        self.rejected[reason] += 1
+    def reject(self, reason: str, detail: str = "", at_s: float = math.inf, count: int = 1) -> None:
+        """Count rejected messages; ``detail``: the field, its value and what is allowed, of the last, at ``at_s``."""
+        self.rejected[reason] += count
+        self._details[reason] = detail, at_s
+
+    def detail(self, reason: str, since_s: float = -math.inf) -> str:
+        """Return the detail of the last message rejected for a reason, empty if it came before ``since_s``."""
+        text, at_s = self._details.get(reason, ("", -math.inf))
+        return text if at_s >= since_s else ""
 
     def may_be_own(self, seq: int, arrival_s: float) -> bool:
         """Return whether a message with this number may be from the accepted writer, or that writer is gone.
@@ -209,7 +216,7 @@ class SenderMonitor:
         return Verdict(accepted=True, utime=message.stamp, birth_s=self._birth_s, reason="", is_restart=is_restart)
 
     def _rejected(self, message: _Arrived, reason: str) -> Verdict:
-        self.reject(reason)
+        self.reject(reason, at_s=message.arrival_s)
         return Verdict(accepted=False, utime=message.stamp, birth_s=message.arrival_s, reason=reason, is_restart=False)
 
     def _note(self, fault: str, message: _Arrived) -> None:

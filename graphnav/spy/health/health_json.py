@@ -22,7 +22,9 @@ def _run(health: Health, run: RunHealth) -> dict[str, Any]:
     if run.status is not None:
         fields = plain({"utime": run.utime, "seq": run.seq, **run.status.lcm_fields()})
         for one in fields["inputs"]:
-            one["rejected"] = dict(zip(one.pop("reasons"), one["rejected"], strict=False))
+            reasons = one.pop("reasons")
+            one["rejected"] = dict(zip(reasons, one["rejected"], strict=False))
+            one["details"] = {reason: text for reason, text in zip(reasons, one["details"], strict=False) if text}
             del one["n_reasons"]
     return {
         "run_id": run.run_id,

@@ -77,6 +77,8 @@ def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableT
         if rows:
             hidden = _WIDE_ONLY.get(headings, ()) if width_cols < _WIDE_COLS else ()
             yield _table(headings, rows, style, hidden)
+        if headings is _INPUT:
+            yield from (Text(line, "yellow") for one in status.inputs for line in _details(one))
     if status.edges:
         overtaken = ", ".join(f"{shown_name(edge['name'])} {edge['overtaken']}" for edge in status.edges)
         yield Text(f"overtaken on edges: {overtaken}", style)
@@ -112,6 +114,13 @@ def _input(one: Mapping[str, Any]) -> Sequence[Text]:
         Text(shown_name(one["fault"]), "red"),
         Text(rejected, "yellow"),
     )
+
+
+def _details(one: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a line for each reason of rejections of which the newest was told in detail."""
+    for reason, detail in zip(one["reasons"], one["details"], strict=False):
+        if detail:
+            yield f"{shown_name(one['name'])}, {shown_name(reason)}: {shown_name(detail)}"
 
 
 def _output(one: Mapping[str, Any]) -> Sequence[Text]:

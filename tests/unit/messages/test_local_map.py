@@ -71,15 +71,18 @@ def test_it_survives_the_bus() -> None:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"state": np.zeros((0, 0), np.uint8)}, "a local map of 0x0 cells, not 2 to 4096 to a side"),
-        ({"state": np.zeros((1, 9), np.uint8)}, "a local map of 9x1 cells, not 2 to 4096 to a side"),
-        ({"state": np.full((ROWS, COLS), 4, np.uint8)}, "a local map with the state 4, not 0 to 3"),
-        ({"cell_m": 0.0}, "a local map with cells of 0 m, not 0.0001 to 1000 m"),
-        ({"cell_m": -0.1}, "a local map with cells of -0.1 m, not 0.0001 to 1000 m"),
-        ({"x_m": 9.0}, "a local map that the robot is not on: its x is 10 m from the origin"),
-        ({"y_m": 1e308, "origin_y_m": -1e308}, "a local map that the robot is not on: its y is inf m from the origin"),
-        ({"unknown_m": np.full((ROWS, COLS), -1, np.float32)}, "distances of -1 to -1 m in unknown_m"),
-        ({"obstacle_m": np.full((ROWS, COLS), 3e38, np.float32)}, "distances of 3e\\+38 to 3e\\+38 m in obstacle_m"),
+        ({"state": np.zeros((0, 0), np.uint8)}, "rows is 0, expected 2 to 4096"),
+        ({"state": np.zeros((1, 9), np.uint8)}, "rows is 1, expected 2 to 4096"),
+        ({"state": np.full((ROWS, COLS), 4, np.uint8)}, "the largest state is 4, expected 0 to 3"),
+        ({"cell_m": 0.0}, "cell_m is 0, expected 0.0001 to 1000"),
+        ({"cell_m": -0.1}, "cell_m is -0.1, expected 0.0001 to 1000"),
+        ({"x_m": 9.0}, "x_m - origin_x_m is 10, expected -0.1 to "),
+        ({"y_m": 1e308, "origin_y_m": -1e308}, "y_m - origin_y_m is inf, expected -0.1 to "),
+        ({"unknown_m": np.full((ROWS, COLS), -1, np.float32)}, "unknown_m is -1 to -1, expected 0 to 1e\\+06"),
+        (
+            {"obstacle_m": np.full((ROWS, COLS), 3e38, np.float32)},
+            "obstacle_m is 3e\\+38 to 3e\\+38, expected 0 to 1e\\+06",
+        ),
     ],
 )
 def test_a_map_that_no_robot_can_be_on_is_refused(wrong: dict[str, Any], said: str) -> None:

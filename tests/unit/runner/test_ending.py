@@ -55,7 +55,7 @@ def test_an_array_that_does_not_fit_its_type_is_named(run: Run) -> None:
 def test_a_message_that_cannot_be_read_names_the_stage_that_wrote_it(run: Run) -> None:
     summary, _ = run(BAD.format(use="bad, with: {what: empty}") + "  look: {use: probe.look, in: {image: b.image}}")
     assert summary.outcome == "failed"
-    said = "stage 'b': output 'image' is not of type Image: an image of 2x0 pixels and 1 channels"
+    said = "stage 'b': output 'image' is not of type Image: rows is 0, expected 1 or more"
     assert summary.failure == said
 
 
