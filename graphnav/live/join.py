@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 MAX_UNMATCHED = 8
@@ -53,11 +54,14 @@ class Join:
         self.in_order = in_order
         self.overtaken: Counter[str] = Counter()
         """Dropped messages by port."""
+        self.unmatched: Counter[str] = Counter(dict.fromkeys(self._waiting, 0))
+        """Messages by port since the last complete set."""
 
     def put(self, port: str, utime: int, held: Held) -> None:
         """Add a message."""
         waiting = self._waiting[port]
         waiting[utime] = held
+        self.unmatched[port] += 1
         if self._max is not None and len(waiting) > self._max:
             del waiting[min(waiting)]
             self.overtaken[port] += 1
@@ -77,6 +81,7 @@ class Join:
     def take(self, utime: int) -> MatchedSet:
         """Remove and return a complete set; drop everything older."""
         matched = self.peek(utime)
+        self.unmatched = Counter(dict.fromkeys(self._waiting, 0))
         for port, waiting in self._waiting.items():
             older = [stamp for stamp in waiting if stamp <= utime]
             for stamp in older:
@@ -88,6 +93,11 @@ class Join:
         """Return, without removing it, the first complete set that ``allowed`` accepts."""
         return next((one for utime in self.complete() if allowed(one := self.peek(utime))), None)
 
+    def gap_us(self) -> int:
+        """Return the smallest difference of two stamps that wait on different ports; 0 if fewer than two ports wait."""
+        ports = [sorted(waiting) for waiting in self._waiting.values() if waiting]
+        return min((abs(a - b) for one, other in combinations(ports, 2) for a in one for b in other), default=0)
+
     @property
     def n_waiting(self) -> int:
         """Number of pending messages."""
@@ -95,5 +105,6 @@ class Join:
 
     def clear(self) -> None:
         """Drop pending messages without counting them: their stamps have become meaningless."""
+        self.unmatched = Counter(dict.fromkeys(self._waiting, 0))
         for waiting in self._waiting.values():
             waiting.clear()

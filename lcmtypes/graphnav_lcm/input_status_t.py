@@ -9,11 +9,11 @@ import struct
 
 class input_status_t(object):
 
-    __slots__ = ["name", "channel", "accepted", "rate_hz", "lost", "age_s", "max_age_s", "offset_s", "fault", "n_reasons", "reasons", "rejected", "details"]
+    __slots__ = ["name", "channel", "accepted", "rate_hz", "lost", "age_s", "max_age_s", "offset_s", "fault", "clock", "n_reasons", "reasons", "rejected", "details"]
 
-    __typenames__ = ["string", "string", "int64_t", "double", "int64_t", "double", "double", "double", "string", "int32_t", "string", "int64_t", "string"]
+    __typenames__ = ["string", "string", "int64_t", "double", "int64_t", "double", "double", "double", "string", "string", "int32_t", "string", "int64_t", "string"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, ["n_reasons"], ["n_reasons"], ["n_reasons"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, ["n_reasons"], ["n_reasons"], ["n_reasons"]]
 
     def __init__(self):
         self.name = ""
@@ -62,6 +62,12 @@ class input_status_t(object):
         LCM Type: string
         """
 
+        self.clock = ""
+        """
+        What is noteworthy about the sender's clock, such as its offset; empty if nothing is.
+        LCM Type: string
+        """
+
         self.n_reasons = 0
         """
         Rejected messages by reason: names, counts, and of the last one, if it came in the last 3 s, the field, its value
@@ -96,6 +102,10 @@ class input_status_t(object):
         buf.write(struct.pack('>I', len(__fault_encoded)+1))
         buf.write(__fault_encoded)
         buf.write(b"\0")
+        __clock_encoded = self.clock.encode('utf-8')
+        buf.write(struct.pack('>I', len(__clock_encoded)+1))
+        buf.write(__clock_encoded)
+        buf.write(b"\0")
         buf.write(struct.pack(">i", self.n_reasons))
         for i0 in range(self.n_reasons):
             __reasons_encoded = self.reasons[i0].encode('utf-8')
@@ -129,6 +139,8 @@ class input_status_t(object):
         self.accepted, self.rate_hz, self.lost, self.age_s, self.max_age_s, self.offset_s = struct.unpack(">qdqddd", buf.read(48))
         __fault_len = struct.unpack('>I', buf.read(4))[0]
         self.fault = buf.read(__fault_len)[:-1].decode('utf-8', 'replace')
+        __clock_len = struct.unpack('>I', buf.read(4))[0]
+        self.clock = buf.read(__clock_len)[:-1].decode('utf-8', 'replace')
         self.n_reasons = struct.unpack(">i", buf.read(4))[0]
         self.reasons = []
         for i0 in range(self.n_reasons):
@@ -144,7 +156,7 @@ class input_status_t(object):
     @staticmethod
     def _get_hash_recursive(parents):
         if input_status_t in parents: return 0
-        tmphash = (0x6097aaa0d28bf96a) & 0xffffffffffffffff
+        tmphash = (0xf804d824238ac9da) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -49,6 +49,7 @@ INPUT = {
     "max_age_s": 0.5,
     "offset_s": -0.0123,
     "fault": "",
+    "clock": "",
     "reasons": ("undecodable", "repeated"),
     "rejected": np.array([2, 5]),
     "details": ("image_t: rows is 0, expected 1 or more", ""),

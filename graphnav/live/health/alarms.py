@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from graphnav.bus import requested_buffer
 from graphnav.large_messages.child import PACKET_BYTES
+from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.receiver import Receiver
@@ -16,6 +17,8 @@ from graphnav.runner.recording.log_forecast import size_text
 
 _MIN_OVERTAKEN = 3
 """Fewer overtaken messages per second are counted, but not reported."""
+_MIN_BUSY_RATIO = 0.5
+"""A stage that took less of the last second is not why messages were overtaken."""
 _MIN_LOST = 3
 """Fewer lost messages are counted, but not reported."""
 _MIN_FOREIGN = 5
@@ -31,8 +34,8 @@ class Alarms:
     ``traffic`` counts the messages on the motor channels.
     """
 
-    def __init__(self, runner: LiveRunner, traffic: MotorTraffic) -> None:
-        self._runner, self._traffic = runner, traffic
+    def __init__(self, runner: LiveRunner, traffic: MotorTraffic, clocks: Clocks) -> None:
+        self._runner, self._traffic, self._clocks = runner, traffic, clocks
         self._told: dict[str, int] = {}
         self._overtaken: Counter[str] = Counter()
         self._busy_s: dict[str, float] = {}
@@ -42,6 +45,7 @@ class Alarms:
         """Yield the alarms since the last call; ``receiver``: what listens for the inputs, None before it does."""
         now_s = self._runner.clock.now_s()
         elapsed_s, self._asked_s = max(now_s - self._asked_s, 1e-6), now_s
+        yield from self._clocks.look()
         yield from self._late(elapsed_s)
         for intake in self._runner.intakes.values():
             yield from self._lost(intake, now_s)
@@ -75,9 +79,15 @@ class Alarms:
         step_ms = units[slowest].durations.quantile_s(0.5) * 1e3
         for edge, count in self._runner.overtaken().items():
             grown, self._overtaken[edge] = count - self._overtaken[edge], count
-            if grown >= _MIN_OVERTAKEN and self._is_news(edge, count, 1):
-                share = f"{slowest} took {spent_s[slowest] / elapsed_s:.0%} of the last second, {step_ms:.0f} ms a step"
-                yield f"late: {count} messages overtaken on {edge}; {share}"
+            if grown < _MIN_OVERTAKEN or self._clocks.is_troubled or not self._is_news(edge, count, 1):
+                continue
+            if (share := spent_s[slowest] / elapsed_s) >= _MIN_BUSY_RATIO:
+                yield (
+                    f"late: {count} messages overtaken on {edge}; {slowest} took {share:.0%} of the last second, "
+                    f"{step_ms:.0f} ms a step"
+                )
+            else:
+                yield f"overtaken: {count} messages on {edge} came in bursts or had no partner: no stage was busy"
         for name, unit in units.items():
             if self._is_news(f"{name} missed", unit.missed, 1):
                 yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
@@ -92,7 +102,7 @@ class Alarms:
         else:
             self._told.pop(f"{ref} silent", None)
         rejected = intake.monitor.rejected
-        if self._is_news(f"{ref} rejected", rejected.total(), _MIN_OVERTAKEN):
+        if not intake.monitor.stamp_fault and self._is_news(f"{ref} rejected", rejected.total(), _MIN_OVERTAKEN):
             yield f"not used: {rejected.total()} messages of {ref} on {channel}" + "".join(
                 f"\n  {count} {reason}{': ' * bool(detail)}{detail}"
                 for reason, count in rejected.most_common()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from graphnav.codec import encode
 from graphnav.live.health.alarms import Alarms
+from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.health.status import StatusReporter
 from graphnav.live.inputs.receiver import Receiver
@@ -30,8 +31,9 @@ class Observer:
         self.traffic = MotorTraffic()
         self._runner, self._notice = runner, notice
         self.receiver: Receiver | None = None
-        self._alarms = Alarms(runner, self.traffic)
-        self._reporter = StatusReporter(runner, run_id, dropped, self.traffic)
+        clocks = Clocks(runner)
+        self._alarms = Alarms(runner, self.traffic, clocks)
+        self._reporter = StatusReporter(runner, run_id, dropped, self.traffic, clocks)
         self.status = self._reporter.make()
 
     def tell(self, line: str) -> None:
@@ -51,9 +53,10 @@ class Observer:
             self.tell(line)
         if not (changes or self._reporter.is_due()):
             return False
+        lines = list(self._alarms.look(self.receiver))
         self.status = self._reporter.make()
         runner.record(STATUS, encode(self.status, runner.clock.now(), runner.next_seq(STATUS)))
-        for line in self._alarms.look(self.receiver):
+        for line in lines:
             self.tell(line)
         return True
 

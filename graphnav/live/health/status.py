@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.live_runner import LiveRunner
@@ -21,9 +22,20 @@ class StatusReporter:
     """Builds a status once a second; ``dropped`` returns the messages dropped by the tap and the log."""
 
     def __init__(
-        self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]], traffic: MotorTraffic
+        self,
+        runner: LiveRunner,
+        run_id: str,
+        dropped: Callable[[], tuple[int, int]],
+        traffic: MotorTraffic,
+        clocks: Clocks,
     ) -> None:
-        self._runner, self._run_id, self._dropped, self._traffic = runner, run_id, dropped, traffic
+        self._runner, self._run_id, self._dropped, self._traffic, self._clocks = (
+            runner,
+            run_id,
+            dropped,
+            traffic,
+            clocks,
+        )
         self._due_s = runner.clock.now_s() + _PERIOD_S
         self._last_s = runner.clock.now_s()
         self._rates = Rates()
@@ -69,6 +81,7 @@ class StatusReporter:
             "max_age_s": monitor.max_age_s,
             "offset_s": monitor.offset_s,
             "fault": monitor.fault(now_s),
+            "clock": self._clocks.notes.get(source.channel.ref, ""),
             "reasons": tuple(reason for reason, _ in reasons),
             "rejected": tuple(count for _, count in reasons),
             "details": tuple(monitor.detail(reason, now_s - _RECENT_S) for reason, _ in reasons),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from graphnav.live.inputs.delay import Delay
 from graphnav.live.inputs.periods import Periods
+from graphnav.live.inputs.stamp_clock import StampClock
 from graphnav.live.inputs.timeline_candidate import Candidate
 from graphnav.live.inputs.writer_stream import WriterStream
 
@@ -40,7 +41,12 @@ class _Arrived(NamedTuple):
     stamp: int
     seq: int | None
     arrival_s: float
-    delay_s: float
+    arrival_utime: int
+
+    @property
+    def delay_s(self) -> float:
+        """Its arrival by our clock less its stamp, in seconds."""
+        return (self.arrival_utime - self.stamp) / 1e6
 
 
 class SenderMonitor:
@@ -66,6 +72,7 @@ class SenderMonitor:
         self._newest: _Arrived | None = None
         self._birth_s = -math.inf
         self._delay: Delay | None = None
+        self._stamps = StampClock()
         self._periods = Periods()
         self._timeline: Candidate | None = None
         self._own: WriterStream | None = None
@@ -87,6 +94,21 @@ class SenderMonitor:
         """The sender's clock minus ours in seconds, estimated from the smallest delay; 0 before the first message."""
         return -self._delay.base_s if self._delay else 0.0
 
+    @property
+    def stamp_fault(self) -> str:
+        """The fault of all stamps of the sender, such as their unit; empty if they are right."""
+        return self._stamps.fault
+
+    @property
+    def has_boot_time(self) -> bool:
+        """Whether the stamps are of this machine's CLOCK_MONOTONIC."""
+        return self._stamps.is_boot_time
+
+    @property
+    def counts_offset(self) -> bool:
+        """Whether the offset is less than ``max_age_s``, so that it counts as delay."""
+        return self._delay is None or self._delay.agrees
+
     def age_s(self, now_s: float) -> float:
         """Return the age of the newest accepted message at ``now_s`` (monotonic), infinite before the first."""
         return now_s - self._birth_s
@@ -96,7 +118,9 @@ class SenderMonitor:
         return self._periods.rate_hz(now_s, self.max_age_s)
 
     def fault(self, now_s: float) -> str:
-        """Return the fault of the sender, empty when the last faulty message is older than ``max_age_s``."""
+        """Return the fault of the sender: of its stamps, else of a message that is not older than ``max_age_s``."""
+        if self._stamps.fault:
+            return self._stamps.fault
         return self._fault if now_s - self._fault_s <= self.max_age_s else ""
 
     def reject(self, reason: str, detail: str = "", at_s: float = math.inf, count: int = 1) -> None:
@@ -133,7 +157,7 @@ class SenderMonitor:
         stamp = utime
         if stamp is None:
             stamp = arrival_utime if newest is None else max(arrival_utime, newest.stamp + 1)
-        message = _Arrived(stamp, seq, arrival_s, (arrival_utime - stamp) / 1e6)
+        message = _Arrived(stamp, seq, arrival_s, arrival_utime)
         if newest is None or self._delay is None:
             return self._adopt(message, message.delay_s, is_restart=False)
         if seq is not None and self._own is not None and not (self._own.is_echo(seq) and stamp <= newest.stamp):
@@ -146,6 +170,7 @@ class SenderMonitor:
     def _judge_stamp(self, newest: _Arrived, delay: Delay, message: _Arrived) -> Verdict:
         """Judge a message of the accepted writer by its stamp."""
         max_age_s, timeline = self.max_age_s, self._timeline
+        self._stamps.add(message.stamp, message.arrival_s, message.arrival_utime)
         advance_s = (message.stamp - newest.stamp) / 1e6
         elapsed_s = message.arrival_s - newest.arrival_s
         if advance_s == 0:
@@ -203,6 +228,8 @@ class SenderMonitor:
     def _adopt(self, message: _Arrived, base_s: float, *, is_restart: bool) -> Verdict:
         """Accept the first message of a timeline or a writer."""
         self._delay = Delay(base_s, message.arrival_s)
+        self._stamps = StampClock()
+        self._stamps.add(message.stamp, message.arrival_s, message.arrival_utime)
         self._own = self._other = None
         return self._accepted(message, self._delay, is_restart=is_restart)
 

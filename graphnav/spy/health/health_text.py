@@ -111,7 +111,7 @@ def _input(one: Mapping[str, Any]) -> Sequence[Text]:
         Text(f"{one['rate_hz']:.1f} Hz"),
         age,
         Text(f"{one['offset_s']:+.3f} s"),
-        Text(shown_name(one["fault"]), "red"),
+        Text(shown_name(one["fault"]), "red") if one["fault"] else Text(shown_name(one["clock"]), "yellow"),
         Text(rejected, "yellow"),
     )
 

@@ -91,3 +91,15 @@ def test_silence_has_no_rate() -> None:
     assert camera.monitor.rate_hz(camera.arrival_s + 0.25) == pytest.approx(20, rel=0.01)
     assert camera.monitor.rate_hz(camera.arrival_s + 0.4) == 0
     assert camera.monitor.age_s(camera.arrival_s + 9) == pytest.approx(9)
+
+
+@pytest.mark.parametrize("offset_s", [0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7])
+def test_whether_a_constant_offset_counts_as_age_is_decided_once(offset_s: float) -> None:
+    camera = Camera(SenderMonitor(0.5), offset_s=-offset_s, jitter_s=0.03)
+    camera.send(10)
+    counts = camera.monitor.counts_offset
+    for _ in range(5):
+        camera.offset_s += 0.02  # a drift of less than the dead band
+        camera.send(40)
+        assert camera.monitor.counts_offset == counts
+    assert counts == (offset_s < 0.5)
