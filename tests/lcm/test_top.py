@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ STAGE = {
     "missed": 3,
     "overtaken": 7,
 }
-INPUT = {
+INPUT: dict[str, Any] = {
     "name": "camera.image",
     "channel": "CAMERA",
     "accepted": 121,

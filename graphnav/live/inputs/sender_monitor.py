@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from graphnav.live.inputs.delay import Delay
@@ -49,6 +50,26 @@ class _Arrived(NamedTuple):
         return (self.arrival_utime - self.stamp) / 1e6
 
 
+class _Other:
+    """Another writer than the accepted one: its stream, its timeline and its arrivals."""
+
+    def __init__(self, seq: int, message: _Arrived) -> None:
+        self.stream = WriterStream(seq, message.stamp, message.arrival_s)
+        self.timeline = Candidate(message.stamp, message.arrival_s, message.delay_s)
+        self._periods = Periods()
+        self._periods.arrive(message.arrival_s, is_restart=True)
+
+    def add(self, seq: int, message: _Arrived, max_age_s: float) -> None:
+        """Add its next message."""
+        self.stream.add(seq, message.stamp, message.arrival_s)
+        self.timeline.add(message.stamp, message.arrival_s, message.delay_s, max_age_s)
+        self._periods.arrive(message.arrival_s, is_restart=False)
+
+    def rate_hz(self, max_age_s: float) -> float:
+        """Return the rate of its messages when the last one arrived."""
+        return self._periods.rate_hz(self.stream.arrival_s, max_age_s)
+
+
 class SenderMonitor:
     """Judges the messages of one input in the order of their arrival, in constant time and memory.
 
@@ -56,9 +77,13 @@ class SenderMonitor:
     is a fault. None: 5 typical periods, at least 0.3 s and at most 5 s, 1 s before a period is known.
 
     Stamps that do not advance are rejected. A jump of the sender's clock is rejected until 5 consecutive messages
-    agree on the new timeline and none of the old one has arrived for 3 typical periods. A second writer, recognized by
-    its sequence numbers, is rejected while the first one is alive. A message delayed in the network is accepted; its
-    age includes the delay.
+    agree on the new timeline and none of the old one has arrived for 3 typical periods. A message delayed in the
+    network is accepted; its age includes the delay.
+
+    One writer is used. It is accepted for good when it was alone for ``max_age_s``; a second one, told by its sequence
+    numbers, is then rejected and does no harm. When the accepted writer has been silent for ``max_age_s``, another one
+    takes over, with a fault for as long, so that a robot stops in between. A second writer that comes before that, or
+    uses the same numbers, or none, is a fault: neither is used until one has been silent for ``max_age_s``.
     """
 
     def __init__(self, max_age_s: float | None = None) -> None:
@@ -77,7 +102,9 @@ class SenderMonitor:
         self._timeline: Candidate | None = None
         self._own: WriterStream | None = None
         self._own_heard_s = -math.inf
-        self._other: tuple[WriterStream, Candidate] | None = None
+        self._other: _Other | None = None
+        self._alone_since_s = math.inf
+        self._is_contested = self._is_mixed = False
         self._fault, self._fault_s = "", -math.inf
 
     @property
@@ -146,12 +173,15 @@ class SenderMonitor:
             return True
         return arrival_s - max(self._own_heard_s, own.arrival_s) > self.max_age_s
 
-    def judge(self, arrival_s: float, arrival_utime: int, utime: int | None, seq: int | None) -> Verdict:
+    def judge(
+        self, arrival_s: float, arrival_utime: int, utime: int | None, seq: int | None, writers: Sequence[str] = ()
+    ) -> Verdict:
         """Judge the next message.
 
         ``arrival_s``: its arrival in monotonic seconds, non-decreasing. ``arrival_utime``: our clock at its arrival in
         microseconds. ``utime``: the sender's stamp, None if the type has none: then the arrival is used. ``seq``: the
-        sender's sequence number, None if the type has none.
+        sender's sequence number, None if the type has none. ``writers``: the programs that sent on the channel within
+        the last ``max_age_s``, as far as they are known; they count where sequence numbers do not.
         """
         newest = self._newest
         stamp = utime
@@ -159,13 +189,27 @@ class SenderMonitor:
             stamp = arrival_utime if newest is None else max(arrival_utime, newest.stamp + 1)
         message = _Arrived(stamp, seq, arrival_s, arrival_utime)
         if newest is None or self._delay is None:
+            self._alone_since_s = arrival_s
             return self._adopt(message, message.delay_s, is_restart=False)
-        if seq is not None and self._own is not None and not (self._own.is_echo(seq) and stamp <= newest.stamp):
-            if not self._is_own(self._own, seq, message):
-                return self._judge_other(self._own, seq, message)
-            self.missing += max(0, seq - self._own.seq - 1)
-            self._own.add(seq, stamp, arrival_s)
+        own = self._own
+        if seq is not None and own is not None and not self._is_echo(own, seq, message, newest):
+            is_twin = own.is_twin(seq, stamp)
+            if is_twin or not self._is_own(own, seq, message):
+                return self._judge_other(own, seq, message, is_twin=is_twin)
+            self.missing += max(0, seq - own.seq - 1)
+            own.add(seq, stamp, arrival_s)
+        if own is None or not own.is_counting:
+            if len(writers) > 1:
+                return self._reject_mixed(message, writers)
+            if self._is_mixed:
+                return self._adopt_alone(message)
+        if self._is_contested and own is not None:
+            return self._judge_contested(own, message)
         return self._judge_stamp(newest, self._delay, message)
+
+    def _is_echo(self, own: WriterStream, seq: int, message: _Arrived, newest: _Arrived) -> bool:
+        """Return whether a message is a duplicate, or was overtaken in the network."""
+        return own.is_echo(seq) and message.stamp <= newest.stamp and not own.is_twin(seq, message.stamp)
 
     def _judge_stamp(self, newest: _Arrived, delay: Delay, message: _Arrived) -> Verdict:
         """Judge a message of the accepted writer by its stamp."""
@@ -200,30 +244,60 @@ class SenderMonitor:
         period_s = self._periods.usual_s
         if not own.continues(seq, message.arrival_s, period_s):
             return False
-        if self._other is None or not (other := self._other[0]).continues(seq, message.arrival_s, period_s):
+        if self._other is None or not (other := self._other.stream).continues(seq, message.arrival_s, period_s):
             return True
         return own.error_us(seq, message.stamp) <= other.error_us(seq, message.stamp)
 
-    def _judge_other(self, own: WriterStream, seq: int, message: _Arrived) -> Verdict:
+    def _judge_other(self, own: WriterStream, seq: int, message: _Arrived, *, is_twin: bool) -> Verdict:
         """Judge a message of another writer; a restarted sender is also one."""
-        max_age_s, arrival_s = self.max_age_s, message.arrival_s
-        self._note(f"a second writer: seq {seq} does not continue {own.seq}", message)
-        if arrival_s - own.arrival_s > max_age_s and self._other is None:
-            self._periods.forget()
-            return self._adopt(message, message.delay_s, is_restart=True)
-        if self._other is None or arrival_s - self._other[0].arrival_s > max_age_s:
-            fresh = Candidate(message.stamp, arrival_s, message.delay_s)
-            self._other = WriterStream(seq, message.stamp, arrival_s), fresh
-            return self._rejected(message, SECOND_WRITER)
-        other, candidate = self._other
-        if not other.continues(seq, arrival_s, self._periods.usual_s):
-            return self._rejected(message, SECOND_WRITER)
-        other.add(seq, message.stamp, arrival_s)
-        candidate.add(message.stamp, arrival_s, message.delay_s, max_age_s)
-        if candidate.count < _ADOPTED_WRITER or arrival_s - own.arrival_s <= max_age_s:
-            return self._rejected(message, SECOND_WRITER)
+        max_age_s, arrival_s, other = self.max_age_s, message.arrival_s, self._other
+        is_own_silent = arrival_s - own.arrival_s > max_age_s
+        if other is None or arrival_s - other.stream.arrival_s > max_age_s:
+            if is_own_silent:
+                return self._take_over(own, seq, message, message.delay_s, alone_since_s=arrival_s)
+            self._other = other = _Other(seq, message)
+            self._is_contested |= is_twin or arrival_s - self._alone_since_s <= max_age_s
+        elif other.stream.continues(seq, arrival_s, self._periods.usual_s):
+            other.add(seq, message, max_age_s)
+            if is_own_silent and other.timeline.count >= _ADOPTED_WRITER:
+                return self._take_over(own, seq, message, other.timeline.min_delay_s, alone_since_s=-math.inf)
+        if self._is_contested:
+            return self._reject_contested(own, other, message)
+        detail = f"seq {other.stream.seq} beside {own.seq}, {other.rate_hz(max_age_s):.1f} Hz; the first writer is used"
+        return self._rejected(message, SECOND_WRITER, detail)
+
+    def _take_over(
+        self, own: WriterStream, seq: int, message: _Arrived, base_s: float, *, alone_since_s: float
+    ) -> Verdict:
+        """Accept another writer; the fault lets a robot stop once in between."""
+        self._note(f"another writer took over: seq {seq} after {own.seq}", message)
+        self._alone_since_s, self._is_contested = alone_since_s, False
         self._periods.forget()
-        return self._adopt(message, candidate.min_delay_s, is_restart=True)
+        return self._adopt(message, base_s, is_restart=True)
+
+    def _judge_contested(self, own: WriterStream, message: _Arrived) -> Verdict:
+        """Judge a message of the first of two writers of which none is accepted yet."""
+        other = self._other
+        if other is None or message.arrival_s - other.stream.arrival_s > self.max_age_s:
+            return self._adopt_alone(message)
+        return self._reject_contested(own, other, message)
+
+    def _reject_contested(self, own: WriterStream, other: _Other, message: _Arrived) -> Verdict:
+        fault = f"two writers: seq {own.seq} and seq {other.stream.seq}; neither is used until one of them ends"
+        self._note(fault, message)
+        return self._rejected(message, SECOND_WRITER, fault)
+
+    def _reject_mixed(self, message: _Arrived, writers: Sequence[str]) -> Verdict:
+        """Reject a message without a number, which any of several writers may have sent."""
+        self._is_mixed = True
+        fault = f"{len(writers)} writers without sequence numbers: {', '.join(writers)}; none is used until one remains"
+        self._note(fault, message)
+        return self._rejected(message, SECOND_WRITER, fault)
+
+    def _adopt_alone(self, message: _Arrived) -> Verdict:
+        """Accept the only writer that remains of several."""
+        self._alone_since_s, self._is_contested, self._is_mixed = -math.inf, False, False
+        return self._adopt(message, message.delay_s, is_restart=True)
 
     def _adopt(self, message: _Arrived, base_s: float, *, is_restart: bool) -> Verdict:
         """Accept the first message of a timeline or a writer."""
@@ -242,8 +316,8 @@ class SenderMonitor:
         self._birth_s = message.arrival_s - delay.lateness_s(message.delay_s, self.max_age_s)
         return Verdict(accepted=True, utime=message.stamp, birth_s=self._birth_s, reason="", is_restart=is_restart)
 
-    def _rejected(self, message: _Arrived, reason: str) -> Verdict:
-        self.reject(reason, at_s=message.arrival_s)
+    def _rejected(self, message: _Arrived, reason: str, detail: str = "") -> Verdict:
+        self.reject(reason, detail, message.arrival_s)
         return Verdict(accepted=False, utime=message.stamp, birth_s=message.arrival_s, reason=reason, is_restart=False)
 
     def _note(self, fault: str, message: _Arrived) -> None:

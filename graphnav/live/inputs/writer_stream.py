@@ -21,6 +21,16 @@ class WriterStream:
         self._stamp = stamp
         self._step_us: float | None = None
         self._is_counting: bool | None = None if seq == 0 else True
+        self._recent = {seq: stamp}
+
+    @property
+    def is_counting(self) -> bool:
+        """Whether the writer numbers its messages, as far as is known."""
+        return bool(self._is_counting)
+
+    def is_twin(self, seq: int, stamp: int) -> bool:
+        """Return whether another writer sent ``seq``: this one has sent the number with another stamp."""
+        return self.is_counting and self._recent.get(seq, stamp) != stamp
 
     def continues(self, seq: int, arrival_s: float, period_s: float | None) -> bool:
         """Return whether ``seq`` continues the stream, allowing for losses within the elapsed time."""
@@ -46,3 +56,6 @@ class WriterStream:
         self._is_counting = seq != self.seq
         self._step_us = (stamp - self._stamp) / max(1, seq - self.seq)
         self.seq, self._stamp, self.arrival_s = seq, stamp, arrival_s
+        self._recent[seq] = stamp
+        if len(self._recent) > _MAX_LOST:
+            del self._recent[next(iter(self._recent))]

@@ -21,6 +21,7 @@ class Camera:
     """Its clock less ours."""
     drift_ratio: float = 0.0
     is_counting: bool = True
+    writers: tuple[str, ...] = ()
     seq: int = 0
     frame: int = 0
     arrival_s: float = 0.0
@@ -44,6 +45,7 @@ class Camera:
             EPOCH_US + round(self.arrival_s * 1e6),
             EPOCH_US + round(stamp_s * 1e6),
             self.seq if self.is_counting else None,
+            self.writers,
         )
 
     def pause(self, duration_s: float) -> None:

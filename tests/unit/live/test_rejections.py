@@ -20,7 +20,11 @@ from graphnav.messages import Message
 
 IMAGE = codec_of(graphnav_lcm.image_t)
 BOT_CORE = codec_of(BotCoreImage.lcm_class)
-FLOW_FIELDS = {"uv_px": np.zeros((2, 3, 2), np.float32), "valid": np.ones((2, 3), np.uint8), "interval_us": 100_000}
+FLOW_FIELDS: dict[str, Any] = {
+    "uv_px": np.zeros((2, 3, 2), np.float32),
+    "valid": np.ones((2, 3), np.uint8),
+    "interval_us": 100_000,
+}
 C_CAMERA = {"utime": 5, "seq": 0, "step_px": 0, "rows": 4, "cols": 6, "channels": 1, "data": bytes(24)}
 """What a C driver sends that set what it knows in a zeroed struct."""
 DAMAGED = "a damaged graphnav_lcm.image_t"
