@@ -14,6 +14,7 @@ from graphnav.bus import Bus
 from graphnav.errors import BusError, GraphnavError
 from graphnav.graph import Graph, OutputChannel
 from graphnav.live.health.observer import Observer
+from graphnav.live.inputs.packet_sources import PacketSources
 from graphnav.live.inputs.receiver import Receiver, Takes
 from graphnav.live.live_runner import LiveRunner
 from graphnav.live.outlet import Outlet, bus_send, motor_channel
@@ -96,10 +97,16 @@ def opened(
     with ExitStack() as cleanup:
         motor = {ref: target for ref, target in graph.outputs.items() if target.motor}
         listened: list[tuple[str, Takes]] = [(target.name, observer.traffic) for target in motor.values()]
-        listened += [(one.source.name, one.mailbox) for one in runner.intakes.values() if one.source.log is None]
+        heard = [one for one in runner.intakes.values() if one.source.log is None]
+        listened += [(one.source.name, one.mailbox) for one in heard]
         if listened:
             receiver = observer.receiver = Receiver(url, listened, wake)
             cleanup.callback(receiver.close)
+        if heard:
+            sources = PacketSources(receiver.url, {one.source.name for one in heard})
+            cleanup.callback(sources.close)
+            for one in heard:
+                one.sources = sources
         others = {ref: target for ref, target in graph.outputs.items() if not target.motor}
         if others:
             bus = Bus(url, observer.tell)

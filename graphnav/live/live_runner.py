@@ -244,10 +244,9 @@ class LiveRunner:
                         unit.join.overtaken[port] += intake.overtaken - before
 
     def _deliver_input(self, intake: Intake, received: Received) -> None:
-        if received.is_restart:
-            for unit in self._units.values():
-                unit.restart()
         name = intake.source.channel.name
+        if received.is_restart:
+            self._restart(name)
         now_s = self.clock.now_s()
         number = self._numbers[name]
         self._numbers[name] = number + 1
@@ -256,6 +255,22 @@ class LiveRunner:
         if self.sinks:
             data = received.raw or encode(received.message, received.utime, self.next_seq(name))
             self.record(name, data)
+
+    def _restart(self, name: str) -> None:
+        """Drop what was made from an input that restarts; guards fire at once without it, which is a stop."""
+        restarted: dict[str, LiveUnit] = {}
+        pending = [name]
+        while pending:
+            for unit, port in self._readers[pending.pop()]:
+                if unit.needs(port) and unit.node.name not in restarted:
+                    restarted[unit.node.name] = unit
+                    pending += [one.name for one in self.graph.channels.values() if one.stage == unit.node.name]
+        for unit in restarted.values():
+            unit.restart()
+        for _, unit in self._clocked:
+            if unit.node.name in restarted:
+                now_s = self.clock.now_s()
+                self._fire(unit, self._own_stamp(now_s), partial(unit.fire_timer, now_s=now_s))
 
     def record(self, name: str, data: bytes) -> None:
         """Write a message to the log and the tap, stamped now: senders' clocks may differ."""

@@ -70,8 +70,9 @@ class LiveUnit(Unit):
             self.join.put(port, utime, Held(message, birth_s, now_s, number))
 
     def restart(self) -> None:
-        """Drop everything whose stamps have become meaningless."""
+        """Drop everything whose stamps have become meaningless, also the newest complete set."""
         self.join.clear()
+        self._held = None
         self._reached.clear()
         for gathered in self._gathered.values():
             gathered.clear()

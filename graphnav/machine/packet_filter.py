@@ -1,4 +1,4 @@
-"""A filter in the kernel that keeps from liblcm the packets on which it crashes.
+"""Filters in the kernel: they keep packets from liblcm on which it crashes, and select the packets of channels.
 
 In an unfragmented message liblcm 1.5 searches for the end of the channel's name beyond the end of the packet. If the
 packet has no such end the size of the message becomes negative, which crashes the receiving process.
@@ -11,15 +11,18 @@ import os
 import socket
 import stat
 import struct
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
 _UNFRAGMENTED = 0x4C433032
 """The magic number of an unfragmented message: LC02."""
-_UDP_HEADER_BYTES, _LCM_HEADER_BYTES, _NAME_BYTES = 8, 8, 64
+_UDP_HEADER_BYTES, _LCM_HEADER_BYTES, _FRAGMENT_HEADER_BYTES, _NAME_BYTES = 8, 8, 20, 64
 _SO_ATTACH_FILTER = 26
-_LOAD_WORD, _LOAD_BYTE, _LOAD_LENGTH, _IF_EQUAL, _IF_AT_LEAST, _RETURN = 0x20, 0x30, 0x80, 0x15, 0x35, 0x06
+_LOAD_WORD, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x30, 0x80
+_IF_EQUAL, _IF_AT_LEAST, _JUMP, _RETURN = 0x15, 0x35, 0x05, 0x06
 _ACCEPT = 0x7FFFFFFF
+_ANY = "0.0.0.0"  # noqa: S104 - the address to which liblcm binds
 
 
 class _Step(NamedTuple):
@@ -34,23 +37,45 @@ class _Step(NamedTuple):
 def filter_packets(port: int) -> int:
     """Attach the filter to the UDP sockets of this process that are bound to ``port``; return their number."""
     program = _program()
-    packed = (struct.pack("HBBI", step.code, step.skip_if, step.skip_else, step.value) for step in program)
-    steps = ctypes.create_string_buffer(b"".join(packed))
-    option = struct.pack("HP", len(program), ctypes.addressof(steps))
     count = 0
     for name in os.listdir("/proc/self/fd"):
         with suppress(OSError):  # another thread closed it
-            count += _filter_socket(int(name), port, option)
+            count += _filter_socket(int(name), port, program)
     return count
 
 
-def _filter_socket(number: int, port: int, option: bytes) -> bool:
+def keep_channels(receiving: socket.socket, channels: Sequence[str], n_bytes: int) -> None:
+    """Let a UDP socket get only the first packets of messages on some channels, cut to ``n_bytes``."""
+    small, large = (_of_channels(channels, size, n_bytes) for size in (_LCM_HEADER_BYTES, _FRAGMENT_HEADER_BYTES))
+    choice = [_Step(_LOAD_WORD, _UDP_HEADER_BYTES), _Step(_IF_EQUAL, _UNFRAGMENTED, 1, 0), _Step(_JUMP, len(small))]
+    _attach(receiving, [*choice, *small, *large])
+
+
+def _of_channels(channels: Sequence[str], header_bytes: int, n_bytes: int) -> list[_Step]:
+    """Return the steps that keep packets whose header is followed by the name of one of some channels."""
+    steps: list[_Step] = []
+    for channel in channels:
+        name = channel.encode() + b"\0"
+        begin, end = _UDP_HEADER_BYTES + header_bytes, 2 * len(name) + 1
+        for k, char in enumerate(name):
+            steps += [_Step(_LOAD_BYTE, begin + k), _Step(_IF_EQUAL, char, 0, end - 2 * (k + 1))]
+        steps.append(_Step(_RETURN, _UDP_HEADER_BYTES + n_bytes))
+    return [*steps, _Step(_RETURN, 0)]
+
+
+def _attach(receiving: socket.socket, program: Sequence[_Step]) -> None:
+    packed = (struct.pack("HBBI", step.code, step.skip_if, step.skip_else, step.value) for step in program)
+    steps = ctypes.create_string_buffer(b"".join(packed))
+    receiving.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, struct.pack("HP", len(program), ctypes.addressof(steps)))
+
+
+def _filter_socket(number: int, port: int, program: Sequence[_Step]) -> bool:
     if not stat.S_ISSOCK(os.fstat(number).st_mode):
         return False
     with socket.socket(fileno=os.dup(number)) as found:
-        if (found.family, found.type) != (socket.AF_INET, socket.SOCK_DGRAM) or found.getsockname()[1] != port:
+        if (found.family, found.type) != (socket.AF_INET, socket.SOCK_DGRAM) or found.getsockname() != (_ANY, port):
             return False
-        found.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, option)
+        _attach(found, program)
         return True
 
 

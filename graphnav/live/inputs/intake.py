@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from graphnav.errors import failure_line
 from graphnav.graph import InputChannel
 from graphnav.interrupts import USER_ENDS
 from graphnav.live.clock import LiveClock
+from graphnav.live.inputs.packet_sources import PacketSources
 from graphnav.live.inputs.receiver import Arrival, Mailbox
 from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
 from graphnav.messages import FieldError, Message
@@ -55,6 +56,8 @@ class Intake:
         """Number of delivered messages."""
         self.overtaken = 0
         """Number of valid messages that were older than the newest."""
+        self.sources: PacketSources | None = None
+        """Where its messages come from, if that is known."""
         self._clock = clock
         self._codec = codec_of(source.lcm_class)
         self._sizes: tuple[tuple[int, ...], ...] | None = None
@@ -113,9 +116,20 @@ class Intake:
             except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
                 self.monitor.reject(UNREADABLE, f"utime: {failure_line(error)}", arrival.at_s)
                 return None
-        arrival_utime = self._clock.utime_at(arrival.at_s)
-        verdict = self.monitor.judge(arrival.at_s, arrival_utime, utime, seq if isinstance(seq, int) else None)
+        verdict = self.monitor.judge(
+            arrival.at_s,
+            self._clock.utime_at(arrival.at_s),
+            utime,
+            seq if isinstance(seq, int) else None,
+            self._writers(arrival.at_s),
+        )
         return (fields, verdict) if verdict.accepted else None
+
+    def _writers(self, at_s: float) -> Sequence[str]:
+        """Return the programs that sent on the channel lately, as far as they are known."""
+        if self.sources is None or self.source.channel.message.many_writers:
+            return ()
+        return self.sources.writers(self.source.name, at_s - self.monitor.max_age_s)
 
     def _utime(self, fields: Mapping[str, Any]) -> int | None:
         """Return the sender's timestamp, None if the type has none; raises whatever an adapter raises."""

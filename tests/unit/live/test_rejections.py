@@ -1,4 +1,4 @@
-"""What a message is rejected for is told by the field, its value and what is allowed."""
+"""A rejected message is told by the field, its value and what is allowed."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FLOW_FIELDS: dict[str, Any] = {
     "interval_us": 100_000,
 }
 C_CAMERA = {"utime": 5, "seq": 0, "step_px": 0, "rows": 4, "cols": 6, "channels": 1, "data": bytes(24)}
-"""What a C driver sends that set what it knows in a zeroed struct."""
+"""The picture of a C driver that sets some fields of a zeroed struct."""
 DAMAGED = "a damaged graphnav_lcm.image_t"
 UNKNOWN = (
     f"the fingerprint 0102030405060708 is not of an installed type, expected {IMAGE.fingerprint.hex()} of "
