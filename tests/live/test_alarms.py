@@ -42,6 +42,39 @@ def test_an_input_that_never_speaks_is_told(live: Begin, outside: Program) -> No
     assert any(line.startswith("silent: camera.image") for line in summary.notices)
 
 
+def test_a_channel_that_carries_the_type_of_a_silent_input_is_named(live: Begin, outside: Program) -> None:
+    program = outside()
+    run = live(GUARDED.format(dawdle_s=0, every_ms=50))
+
+    def named() -> bool:
+        program.show("CAM0", 1)
+        program.say("SPEED", Twist(v_mps=1.0, omega_radps=0.0))
+        time.sleep(0.05)
+        return told(run, "silent: camera.image has had no message on CAMERA for ")
+
+    program.wait_for(named)
+    (line,) = (line for line in run.notices if line.startswith("silent: "))
+    assert re.search(r" s; CAM0 carries graphnav_lcm\.image_t at \d+(\.\d+)? Hz$", line)
+    run.stop()
+
+
+def test_an_input_whose_messages_are_rejected_is_not_silent(live: Begin, outside: Program) -> None:
+    program = outside("graphnav.status")
+    run = live(GUARDED.format(dawdle_s=0, every_ms=50))
+    end_s = time.monotonic() + 3.5
+
+    def refused() -> bool:
+        program.say("CAMERA", Twist(v_mps=1.0, omega_radps=0.0))
+        time.sleep(0.05)
+        return told(run, "not used: ") and time.monotonic() > end_s
+
+    program.wait_for(refused)
+    assert not told(run, "silent: ")
+    line = next(line for line in run.notices if line.startswith("not used: "))
+    assert line.endswith(" wrong type: the messages are graphnav_lcm.twist_t, expected graphnav_lcm.image_t")
+    run.stop()
+
+
 def test_messages_that_are_not_used_are_told_with_the_reason(live: Begin, outside: Program) -> None:
     program = outside()
     run = live(GUARDED.format(dawdle_s=0, every_ms=50))

@@ -6,11 +6,13 @@ from collections import Counter
 from collections.abc import Iterator
 
 from graphnav.bus import requested_buffer
+from graphnav.codec import fingerprint
+from graphnav.errors import shown_name
 from graphnav.large_messages.child import PACKET_BYTES
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
-from graphnav.live.inputs.receiver import Receiver
+from graphnav.live.inputs.receiver import SCAN_S, Receiver, TypeScan
 from graphnav.live.live_runner import LiveRunner
 from graphnav.machine.receive_buffer import larger_buffer, needed_buffer
 from graphnav.runner.recording.log_forecast import size_text
@@ -40,6 +42,12 @@ class Alarms:
         self._overtaken: Counter[str] = Counter()
         self._busy_s: dict[str, float] = {}
         self._asked_s = runner.clock.now_s()
+        self._scan: TypeScan | None = None
+
+    def close(self) -> None:
+        """Stop listening for channels of silent inputs' types."""
+        if self._scan is not None:
+            self._scan.close()
 
     def look(self, receiver: Receiver | None) -> Iterator[str]:
         """Yield the alarms since the last call; ``receiver``: what listens for the inputs, None before it does."""
@@ -48,7 +56,8 @@ class Alarms:
         yield from self._clocks.look()
         yield from self._late(elapsed_s)
         for intake in self._runner.intakes.values():
-            yield from self._lost(intake, now_s)
+            yield from self._silent(intake, now_s, receiver)
+            yield from self._lost(intake)
         if receiver is not None:
             yield from self._dropped(receiver)
         for outlet in self._runner.outlets.values():
@@ -92,15 +101,37 @@ class Alarms:
             if self._is_news(f"{name} missed", unit.missed, 1):
                 yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
 
-    def _lost(self, intake: Intake, now_s: float) -> Iterator[str]:
-        """Yield the silence, rejections and losses of an input."""
-        ref, channel = intake.source.channel.ref, intake.source.name
+    def _silent(self, intake: Intake, now_s: float, receiver: Receiver | None) -> Iterator[str]:
+        """Yield the silence of an input on which nothing arrives, and other channels that carry its type."""
+        ref, what = intake.source.channel.ref, f"{intake.source.channel.ref} silent"
         silent_s = now_s - max(intake.mailbox.heard_s, self._runner.clock.start_s)
-        if self._runner.is_needed(ref) and silent_s > _SILENT_S:
-            if self._is_news(f"{ref} silent", round(silent_s), 1):
-                yield f"silent: {ref} has had no message on {channel} for {silent_s:.0f} s"
-        else:
-            self._told.pop(f"{ref} silent", None)
+        if not self._runner.is_needed(ref) or silent_s <= _SILENT_S - SCAN_S:
+            self._told.pop(what, None)
+            return
+        is_due = silent_s + SCAN_S >= max(_SILENT_S, 2 * self._told.get(what, 0))
+        if is_due and self._scan is None and receiver is not None and intake.source.log is None:
+            sources = [one.source for one in self._runner.intakes.values()]
+            self._scan = TypeScan(receiver.url, {fingerprint(source.lcm_class) for source in sources})
+        if silent_s <= _SILENT_S or not (self._scan is None or self._scan.is_over):
+            return
+        if self._is_news(what, round(silent_s), 1):
+            others = "".join(f"; {one}" for one in self._same_type(intake))
+            yield f"silent: {ref} has had no message on {intake.source.name} for {silent_s:.0f} s{others}"
+            self._scan = None
+
+    def _same_type(self, intake: Intake) -> Iterator[str]:
+        """Yield the channels of other programs that carry the type of a silent input."""
+        graph, source = self._runner.graph, intake.source
+        own = {one.name for one in graph.channels.values()}
+        own |= {one.name for one in graph.inputs.values()} | {one.name for one in graph.outputs.values()}
+        found = self._scan.channels(fingerprint(source.lcm_class)) if self._scan is not None else {}
+        for channel, rate_hz in sorted(found.items()):
+            if channel not in own:
+                yield f"{shown_name(channel)} carries {source.type_name} at {rate_hz:.3g} Hz"
+
+    def _lost(self, intake: Intake) -> Iterator[str]:
+        """Yield the rejections and losses of an input."""
+        ref, channel = intake.source.channel.ref, intake.source.name
         rejected = intake.monitor.rejected
         if not intake.monitor.stamp_fault and self._is_news(f"{ref} rejected", rejected.total(), _MIN_OVERTAKEN):
             yield f"not used: {rejected.total()} messages of {ref} on {channel}" + "".join(

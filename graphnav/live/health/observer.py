@@ -62,6 +62,7 @@ class Observer:
 
     def finish(self) -> None:
         """Publish the last status, at the end of the run."""
+        self._alarms.close()
         self.status = self._reporter.make()
 
     @property

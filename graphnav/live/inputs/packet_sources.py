@@ -79,15 +79,15 @@ class PacketSources:
         name = data[_NAME_AT[kind] :].partition(b"\0")[0].decode("utf-8", "replace")
         if name not in self._channels:
             return
-        heard = self._heard[name]
-        is_new = (host, port, kind) not in heard
-        heard[host, port, kind] = time.monotonic()
+        heard, at_s = self._heard[name], time.monotonic()
+        if heard and (host, port, kind) not in heard:
+            addresses = {(source[0], source[1]) for source in heard} | {(host, port)}
+            self._processes |= {(host, port): _process_of(host, port) for host, port in addresses}
+        heard[host, port, kind] = at_s
         if len(heard) > _MAX_SOURCES:
             silent = min(heard, key=lambda source: heard[source])
             del heard[silent]
             self._processes.pop(silent[:2], None)
-        if is_new and len(heard) > 1:
-            self._processes |= {source[:2]: _process_of(*source[:2]) for source in heard}
 
 
 def _joined(url: str, channels: Collection[str]) -> socket.socket:

@@ -6,7 +6,8 @@ import math
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
+from contextlib import closing, suppress
 from functools import partial
 from typing import NamedTuple, Protocol
 
@@ -14,6 +15,11 @@ from graphnav.bus import Bus
 from graphnav.errors import BusError
 
 _POLL_S = 0.05
+SCAN_S = 1.0
+"""Duration of a scan."""
+_MAX_SCANNED = 16
+"""Maximum number of channels that a scan keeps: their names are others'."""
+_MAX_SCAN_QUEUE = 256
 MAX_OF_OTHERS = 8
 """Maximum number of pending messages of other writers."""
 
@@ -141,3 +147,49 @@ class Receiver:
             except (BusError, OSError, RuntimeError):
                 self._ending.wait(_POLL_S)
         self._bus.close()
+
+
+class TypeScan:
+    """Listens to every channel of a URL for a second, in a thread, for messages of some types.
+
+    It has an LCM object of its own: the receiver of a run does not hear what its stages do not read.
+    """
+
+    def __init__(self, url: str, fingerprints: Collection[bytes]) -> None:
+        self._url, self._fingerprints = url, frozenset(fingerprints)
+        self._arrivals: dict[tuple[bytes, str], tuple[int, float, float]] = {}
+        """Number, first and last arrival of the messages, by type and channel."""
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name="graphnav-type-scan", daemon=True)
+        self._thread.start()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the second has passed."""
+        return not self._thread.is_alive()
+
+    def channels(self, fingerprint: bytes) -> dict[str, float]:
+        """Return the channels on which messages of a type came, and their rates, Hz."""
+        return {
+            channel: (n - 1) / (last_s - first_s) if last_s > first_s else n / SCAN_S
+            for (mark, channel), (n, first_s, last_s) in self._arrivals.items()
+            if mark == fingerprint
+        }
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._ending.set()
+        self._thread.join()
+
+    def _hear(self, channel: str, data: bytes) -> None:
+        key, at_s = (data[:8], channel), time.monotonic()
+        if key in self._arrivals or (key[0] in self._fingerprints and len(self._arrivals) < _MAX_SCANNED):
+            n, first_s, _ = self._arrivals.get(key, (0, at_s, at_s))
+            self._arrivals[key] = n + 1, first_s, at_s
+
+    def _serve(self) -> None:
+        with suppress(BusError, OSError, RuntimeError), closing(Bus(self._url)) as bus:
+            bus.subscribe_all(self._hear, _MAX_SCAN_QUEUE)
+            end_s = time.monotonic() + SCAN_S
+            while time.monotonic() < end_s and not self._ending.is_set():
+                bus.handle(_POLL_S)
