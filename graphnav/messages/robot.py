@@ -102,6 +102,9 @@ class State(Message, lcm=graphnav_lcm.state_t):
     """
 
     is_truth: ClassVar[bool] = True
+    UNDER_WAY_M: ClassVar[float] = 1.0
+    """Length of the path from which on scores and pictures tell the minimum clearance of a drive: before, what is
+    nearest stands around the start."""
 
     x_m: float
     y_m: float

@@ -57,8 +57,9 @@ class Metric:
         where ``reference`` is the other in the reference's run in the same world. It is ``if_failed`` where the drive
         did not arrive or a stage failed, and missing where the reference's run does not have the other.
     bounds
-        The lowest and the highest value that is possible; None: unknown. An outcome has (0, 1). Studies that are
-        stopped by their results (``--until-clear``) need it.
+        The lowest and the highest value that is possible; None in place of one of them: no bound on that side, as
+        (0, None) of a length. Intervals of means end there. None: unknown. An outcome has (0, 1). Studies that are
+        stopped by their results (``--until-clear``) need both.
     """
 
     name: str
@@ -72,12 +73,22 @@ class Metric:
     of_frames: bool = False
     is_key: bool = False
     relative_to: str = ""
-    bounds: tuple[float, float] | None = None
+    bounds: tuple[float | None, float | None] | None = None
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """The lowest and the highest possible value; None: unknown."""
-        return (0.0, 1.0) if self.is_outcome else self.bounds
+        """The lowest and the highest possible value, infinite where there is no bound; None: unknown."""
+        if self.is_outcome:
+            return 0.0, 1.0
+        if self.bounds is None:
+            return None
+        low, high = self.bounds
+        return -math.inf if low is None else low, math.inf if high is None else high
+
+    @property
+    def limits(self) -> tuple[float, float] | None:
+        """The lowest and the highest possible value, both finite; None where one is not."""
+        return self.span if self.span is not None and all(map(math.isfinite, self.span)) else None
 
     @property
     def label(self) -> str:
@@ -161,7 +172,9 @@ def _bounds_fault(metric: Metric) -> str:
     if metric.bounds is None:
         return ""
     bounds: Any = metric.bounds
-    numbers = isinstance(bounds, tuple) and len(bounds) == 2 and all(isinstance(b, float | int) for b in bounds)
-    if not numbers or not -math.inf < bounds[0] < bounds[1] < math.inf:
-        return f"bounds are {bounds!r}: write the lowest and the highest value, as (0, 1)"
+    is_pair = isinstance(bounds, tuple) and len(bounds) == 2
+    if not is_pair or not all(bound is None or _is_number(bound) for bound in bounds):
+        return f"bounds are {bounds!r}: write the lowest and the highest value, as (0, 1) or (0, None)"
+    if bounds == (None, None) or None not in bounds and not bounds[0] < bounds[1]:
+        return f"bounds are {bounds!r}: write the lowest and the highest value, as (0, 1) or (0, None)"
     return "" if not metric.is_outcome or bounds == (0, 1) else f"bounds are {bounds!r}, but an outcome is 0 or 1"

@@ -48,19 +48,21 @@ class Teach(Stage):
     """
 
     metrics: ClassVar[tuple[Metric, ...]] = (
-        Metric("frames", better="neither", help="Frames taught."),
+        Metric("frames", better="neither", bounds=(0.0, None), help="Frames taught."),
         Metric(
             "residual_px",
             unit="px",
             better="lower",
+            bounds=(0.0, None),
             min_difference=0.01,
             help="What the model leaves of the flow, median over the cells.",
         ),
-        Metric("turn_span_rad", unit="rad", better="neither", help="Span of the turns per frame that were taught."),
+        Metric("turn_span_rad", unit="rad", better="neither", bounds=(0.0, None), help="Span of the turns per frame that were taught."),
         Metric(
             "forward_span_m",
             unit="m",
             better="neither",
+            bounds=(0.0, None),
             help="Span of the forward displacements per frame that were taught.",
         ),
     )

@@ -15,11 +15,12 @@ class Agreement(Stage):
 
     role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
-        Metric("frames", better="neither", help="Frames that had both."),
+        Metric("frames", better="neither", bounds=(0.0, None), help="Frames that had both."),
         Metric(
             "angle_error_rad",
             unit="rad",
             better="lower",
+            bounds=(0.0, math.pi),
             min_difference=0.02,
             help="Mean angle between the two directions, 0 to pi; left out without a frame.",
         ),

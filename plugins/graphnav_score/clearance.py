@@ -8,13 +8,12 @@ from collections.abc import Mapping
 from graphnav import Map, Metric, State
 from graphnav_score.bodies import Bodies, nearest_m
 
-MIN_DRIVEN_M = 1.0
-
 METRICS = (
     Metric(
         "min_clearance_ahead_m",
         unit="m",
         better="higher",
+        bounds=(0.0, None),
         min_difference=0.02,
         help="From the robot's rim to the nearest body within 45 degrees of straight ahead, minimum over the states "
         "after the first metre driven; moving bodies included; left out without the map, or if nothing ever was there.",
@@ -23,6 +22,7 @@ METRICS = (
         "min_clearance_side_m",
         unit="m",
         better="higher",
+        bounds=(0.0, None),
         min_difference=0.02,
         help="The same to the left and to the right, 45 to 135 degrees from straight ahead.",
     ),
@@ -43,7 +43,7 @@ class SectorClearance:
 
     def add(self, state: State, driven_m: float) -> None:
         """Count this state, if the robot has driven a metre."""
-        if driven_m < MIN_DRIVEN_M or not len(self._bodies.body):
+        if driven_m < State.UNDER_WAY_M or not len(self._bodies.body):
             return
         # Nothing in a sector is nearer than what is nearest in all directions.
         sectors = [(name, eighths) for name, eighths in _SECTORS if state.clearance_m < self._min_m[name]]

@@ -26,7 +26,7 @@ class Components(Stage):
 
     role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
-        Metric("frames", better="neither", help="Frames that count."),
+        Metric("frames", better="neither", bounds=(0.0, None), help="Frames that count."),
         Metric(
             "alpha_auroc",
             better="higher",
@@ -45,6 +45,7 @@ class Components(Stage):
             "median_variance_ratio",
             unit="ratio",
             better="neither",
+            bounds=(0.0, None),
             help="Variance of the length of v_alpha divided by that of v_beta, median over all frames.",
         ),
         Metric(

@@ -23,7 +23,7 @@ class Flow(Stage):
 
     role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
-        Metric("frames", better="neither", help="Frames that were compared."),
+        Metric("frames", better="neither", bounds=(0.0, None), help="Frames that were compared."),
         Metric(
             "valid_ratio",
             unit="ratio",
@@ -36,6 +36,7 @@ class Flow(Stage):
             "epe_px",
             unit="px",
             better="lower",
+            bounds=(0.0, None),
             min_difference=0.01,
             help="Mean length of the error (end-point error); left out without a valid vector.",
         ),

@@ -40,6 +40,7 @@ class Laps(Navigation):
         Metric(
             "laps",
             better="higher",
+            bounds=(0.0, None),
             min_difference=0.1,
             help="How often the robot went round, to either side; parts of a lap count.",
         ),
@@ -47,6 +48,7 @@ class Laps(Navigation):
             "progress_m",
             unit="m",
             better="higher",
+            bounds=(0.0, None),
             min_difference=0.5,
             help="How far it came along the corridor's centreline, to either side; what is driven back does not count.",
         ),
@@ -54,6 +56,7 @@ class Laps(Navigation):
             "progress_ratio",
             unit="ratio",
             better="higher",
+            bounds=(0.0, None),
             min_difference=0.02,
             help="`progress_m` / (`max_speed_mps` x `duration_s` of the parameters): the share of what the highest "
             "speed allows; above 1 where the robot cuts the bends, and less after a contact, which ends the drive.",

@@ -22,8 +22,8 @@ class Navigation(Stage):
     Without a goal on the map no drive arrives or fails: all that is measured is reported, and ``success``, ``timeout``,
     ``spl`` and ``sct`` are left out. The last two and the clearances of sectors need the map.
 
-    The minimum and mean clearance count from the first state on, in all directions: a robot that starts with its back
-    to a wall has that wall in them. ``min_clearance_ahead_m`` and ``min_clearance_side_m`` tell how the robot drove.
+    Minimum clearances count once the first metre is driven: what is nearest at the start says nothing of the drive. A
+    contact before counts in ``min_clearance_m``; a drive that ends before without one has no minimum clearance.
 
     References
     ----------
@@ -62,22 +62,26 @@ class Navigation(Stage):
             "min_clearance_m",
             unit="m",
             better="higher",
+            bounds=(0.0, None),
             min_difference=0.02,
-            help="From the robot's rim to what was nearest, minimum over the drive from its start on; left out if "
-            "nothing ever was.",
+            help="From the robot's rim to what was nearest in any direction, minimum over the states after the first "
+            "metre driven and those in contact; left out without such a state, or if nothing ever was near.",
         ),
         *clearance.METRICS,
         Metric(
             "mean_clearance_m",
             unit="m",
             better="higher",
+            bounds=(0.0, None),
             min_difference=0.02,
-            help="From the robot's rim to what was nearest, mean over the drive; left out if nothing ever was.",
+            help="From the robot's rim to what was nearest in any direction, mean over the drive from its start on; "
+            "left out if nothing ever was near.",
         ),
         Metric(
             "path_length_m",
             unit="m",
             better="lower",
+            bounds=(0.0, None),
             min_difference=0.1,
             if_failed=UNDEFINED,
             help="Length of the path driven.",
@@ -86,6 +90,7 @@ class Navigation(Stage):
             "duration_s",
             unit="s",
             better="lower",
+            bounds=(0.0, None),
             min_difference=0.5,
             if_failed=UNDEFINED,
             help="Time from first to last state.",
@@ -94,6 +99,7 @@ class Navigation(Stage):
             "mean_jerk_mps3",
             unit="m/s³",
             better="lower",
+            bounds=(0.0, None),
             min_difference=0.02,
             if_failed=UNDEFINED,
             help="Mean length of the velocity's second derivative.",
@@ -144,7 +150,7 @@ class Navigation(Stage):
         self._states = 0
         self._first_us = self._last_us = 0
         self._at_goal = self._contact = False
-        self._min_clearance_m, self._sum_clearance_m = math.inf, 0.0
+        self._min_clearance_m, self._sum_clearance_m, self._is_near = math.inf, 0.0, False
         self._path_m = 0.0
         self._place_m = (0.0, 0.0)
         self._jerk = MeanJerk()
@@ -165,7 +171,9 @@ class Navigation(Stage):
         self._states += 1
         self._at_goal |= state.at_goal
         self._contact |= state.contact
-        self._min_clearance_m = min(self._min_clearance_m, state.clearance_m)
+        if state.contact or self._path_m >= State.UNDER_WAY_M:
+            self._min_clearance_m = min(self._min_clearance_m, state.clearance_m)
+        self._is_near |= state.clearance_m < NOTHING_NEAR_M
         self._sum_clearance_m += state.clearance_m
         velocity = (state.v_mps * math.cos(state.yaw_rad), state.v_mps * math.sin(state.yaw_rad))
         self._jerk.add(velocity, stamp * 1e-6)
@@ -185,7 +193,9 @@ class Navigation(Stage):
             "duration_s": duration_s,
         }
         if self._min_clearance_m >= NOTHING_NEAR_M:
-            del values["min_clearance_m"], values["mean_clearance_m"]
+            del values["min_clearance_m"]
+        if not self._is_near:
+            del values["mean_clearance_m"]
         if self._sectors is not None:
             values |= self._sectors.metrics()
         if self._jerk.mean_mps3 is not None:

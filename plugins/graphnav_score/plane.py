@@ -37,7 +37,7 @@ class Plane(Stage):
 
     role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
-        Metric("frames", better="neither", help="Frames that count."),
+        Metric("frames", better="neither", bounds=(0.0, None), help="Frames that count."),
         Metric(
             "counted_frames_ratio",
             unit="ratio",

@@ -33,7 +33,7 @@ class Sighting(Stage):
     role: ClassVar[Role] = "score"
 
     metrics: ClassVar[tuple[Metric, ...]] = (
-        Metric("obstacles", better="neither", help="Obstacles that count."),
+        Metric("obstacles", better="neither", bounds=(0.0, None), help="Obstacles that count."),
         Metric(
             "never_sighted_ratio",
             unit="ratio",
@@ -46,6 +46,7 @@ class Sighting(Stage):
             "mean_first_sighting_m",
             unit="m",
             better="higher",
+            bounds=(0.0, None),
             min_difference=0.05,
             help="Distance at which an obstacle was sighted first, mean over those that were.",
         ),
@@ -53,6 +54,7 @@ class Sighting(Stage):
             "min_first_sighting_m",
             unit="m",
             better="higher",
+            bounds=(0.0, None),
             min_difference=0.05,
             help="Distance at which an obstacle was sighted first, minimum over those that were.",
         ),
@@ -68,6 +70,7 @@ class Sighting(Stage):
             "mean_time_to_react_s",
             unit="s",
             better="lower",
+            bounds=(0.0, None),
             min_difference=0.1,
             help="Time from the first sighting of an obstacle ahead to the reaction to it, mean over those with one.",
         ),

@@ -24,7 +24,7 @@ class Steering(Stage):
 
     role: ClassVar[Role] = "score"
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
-        Metric("frames", better="neither", help="Frames that count for the side."),
+        Metric("frames", better="neither", bounds=(0.0, None), help="Frames that count for the side."),
         Metric(
             "right_sign_ratio",
             unit="ratio",
@@ -38,6 +38,7 @@ class Steering(Stage):
             "median_eigenvalue_ratio",
             unit="ratio",
             better="higher",
+            bounds=(1.0, None),
             min_difference=0.1,
             help="First over second eigenvalue of the gradients' covariance, median over all frames with a gradient; "
             "near 1 the principal direction is arbitrary; left out if infinite.",

@@ -22,9 +22,9 @@ def outcome_text(graph: Mapping[str, Any], last: State, end_s: float) -> str:
 
 
 def drive_texts(world: Map, track: Track) -> list[str]:
-    """Return the length and clearance of a drive; the clearance only if the world has bodies."""
+    """Return the length and clearance of a drive; the clearance only if the world has bodies and the robot drove a metre."""
     shortest = f" (shortest {world.shortest_m:.2f} m)" if world.shortest_m > 0 else ""
     texts = [f"path {track.length_m:.2f} m{shortest}"]
-    if len(world.vertices_m):
-        texts.append(f"minimum clearance {track.clearance_m:.2f} m")
+    if len(world.vertices_m) and track.clearance_m is not None:
+        texts.append(f"minimum clearance {track.clearance_m:.2f} m after the first metre")
     return texts

@@ -15,20 +15,20 @@ from graphnav_view.signals import Signals
 class Track:
     """The path of the robot.
 
-    ``time_s`` (n,); ``pose`` (n, 3), x_m, y_m, yaw_rad; ``clearance_m`` the minimum on the path; ``moving`` (n, m, 3),
-    poses of the moving obstacles; ``last`` the last state.
+    ``time_s`` (n,); ``pose`` (n, 3), x_m, y_m, yaw_rad; ``clearance_m`` the minimum after the first metre driven and
+    in contact, None before; ``moving`` (n, m, 3), poses of the moving obstacles; ``last`` the last state.
     """
 
     time_s: Doubles
     pose: Doubles
-    clearance_m: float
+    clearance_m: float | None
     moving: Doubles
     last: State
 
     @property
     def length_m(self) -> float:
         """Length of the path."""
-        return float(np.hypot(*np.diff(self.pose[:, :2], axis=0).T).sum())
+        return float(_driven_m(self.pose)[-1])
 
 
 def is_placed(state: State) -> bool:
@@ -41,10 +41,18 @@ def track_of(signals: Signals) -> Track | None:
     states = [(utime, state) for utime, state in signals.all(State) if is_placed(state)]
     if not states:
         return None
+    pose = np.array([(s.x_m, s.y_m, s.yaw_rad) for _, s in states])
+    driven_m = _driven_m(pose)
+    counted = (s for (_, s), m in zip(states, driven_m, strict=True) if s.contact or m >= State.UNDER_WAY_M)
     return Track(
         time_s=np.array([utime - signals.begin_us for utime, _ in states]) / 1e6,
-        pose=np.array([(s.x_m, s.y_m, s.yaw_rad) for _, s in states]),
-        clearance_m=min(s.clearance_m for _, s in states),
+        pose=pose,
+        clearance_m=min((s.clearance_m for s in counted), default=None),
         moving=np.array([s.moving for _, s in states]).reshape(len(states), -1, 3),
         last=states[-1][1],
     )
+
+
+def _driven_m(pose: Doubles) -> Doubles:
+    """Return the length of the path up to each of its poses."""
+    return np.concatenate([[0.0], np.hypot(*np.diff(pose[:, :2], axis=0).T).cumsum()])

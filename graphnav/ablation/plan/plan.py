@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -154,6 +155,18 @@ class Plan:
         """
         read = MetricExpression.parse(column)
         return 0.0 if read.operator == "/" else self.metric(read.operands[0]).min_difference
+
+    def span(self, column: str) -> tuple[float, float] | None:
+        """Return the lowest and the highest possible value of a column; None: unknown, as of a difference.
+
+        A ratio of metrics that cannot be negative cannot be, either.
+        """
+        read = MetricExpression.parse(column)
+        spans = [self.metric(name).span for name in read.operands]
+        if not read.operator:
+            return spans[0]
+        is_positive = read.operator == "/" and all(span is not None and span[0] >= 0 for span in spans)
+        return (0.0, math.inf) if is_positive else None
 
     def are_comparable(self, one: Case, other: Case, column: str) -> bool:
         """Return whether two cases of a graph may be compared by a column.

@@ -83,7 +83,7 @@ def _rows(
     matched: Mapping[_Case, frozenset[str]], a: _Side, b: _Side, plans: Mapping[str, Plan], binary: set[str]
 ) -> Iterator[PairedRow]:
     """Yield the row of each case; ``matched``: the metrics that are of frames of its own, by case."""
-    spans = {text: plan.metric(text).span for text, plan in plans.items()}
+    spans = {text: plan.span(text) for text, plan in plans.items()}
     for case, own_frames in matched.items():
         (runs_a, of_a), (runs_b, of_b) = ((cases[case], values[case]) for cases, values in (a, b))
         seeds = tuple(seed for seed in runs_a if seed in runs_b)

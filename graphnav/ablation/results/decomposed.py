@@ -84,7 +84,7 @@ def _losses(plan: Plan, runs: dict[tuple[str, str], list[Record]]) -> Iterator[L
                 tuple(found.swap(stage, stage, BASE) for stage in single),
                 tuple(found.swap(*of) for of in zip(single, steps, (BASE, *steps), strict=False)),
                 plan.better(metric.text),
-                plan.metric(metric.text).span,
+                plan.span(metric.text),
             )
 
 
@@ -103,7 +103,7 @@ class _Compared:
 
     def estimate(self, variant: str) -> Estimate | None:
         values = self.values[variant]
-        span = self.plan.metric(self.metric.text).span
+        span = self.plan.span(self.metric.text)
         return estimate(values, span, is_binary=self.is_binary) if values else None
 
     def swap(self, stage: str, variant: str, before: str) -> Swap:

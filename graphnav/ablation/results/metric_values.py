@@ -41,14 +41,14 @@ def _counted(plan: Plan, run: Record, name: str) -> float | None:
 
 
 def scaled_values(plan: Plan, metric: str, graph: str, variant: str, values: Values) -> Values:
-    """Return a metric with bounds as a share of their distance, from 0 to 1.
+    """Return a metric with two bounds as a share of their distance, from 0 to 1.
 
     Raises
     ------
     GraphnavError
         A value is outside of the bounds that its stage declares.
     """
-    low, high = plan.metric(metric).span or (0.0, 1.0)
+    low, high = plan.metric(metric).limits or (0.0, 1.0)
     for seed, value in values.items():
         if not low <= value <= high:
             what = f"{graph}, {variant}, seed {seed}: {metric} is {value:g}, outside of its bounds {low:g} to {high:g}"

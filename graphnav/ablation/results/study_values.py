@@ -56,7 +56,7 @@ class StudyValues:
     def estimate(self, key: CaseKey, metric: str) -> Estimate | None:
         """Return the mean of a case, None where no run has the metric."""
         values = self.values[key][metric]
-        return estimate(values, self.plan.metric(metric).span, is_binary=metric in self.binary) if values else None
+        return estimate(values, self.plan.span(metric), is_binary=metric in self.binary) if values else None
 
     def difference(self, key: CaseKey, base: CaseKey, metric: str) -> Difference | None:
         """Return how a case differs from another one in the worlds that both have.
@@ -79,7 +79,7 @@ class StudyValues:
             is_binary=metric in self.binary,
             min_difference=self.plan.min_difference(metric),
         )
-        has_bounds = self.plan.metric(metric).span is not None
+        has_bounds = self.plan.metric(metric).limits is not None
         if found is None or not has_bounds or not self.plan.until_clear or metric != self.primary:
             return found
         shares = [scaled_values(self.plan, metric, *of, self.values[of][metric]) for of in (key, base)]

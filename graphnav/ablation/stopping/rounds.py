@@ -38,14 +38,14 @@ class Decision:
 
 
 def check_stopping(plan: Plan) -> None:
-    """Raise UserError unless the metric that decides has bounds, which the rule needs, and compares all variants."""
+    """Raise UserError unless the metric that decides has two bounds, which the rule needs, and compares all variants."""
     if not plan.metrics:
         raise UserError.of("--until-clear: the study names no metric to decide by", "add --metrics drive.success")
     column = MetricExpression.parse(plan.metrics[0])
-    if column.operator or plan.metric(column.text).span is None:
-        bounded = [name for name, metric in plan.declared.items() if metric.span is not None]
-        known = f"metrics with bounds are {', '.join(bounded)}" if bounded else "no stage declares one"
-        what = f"--until-clear: '{column.text}' decides, and its stage declares no bounds"
+    if column.operator or plan.metric(column.text).limits is None:
+        bounded = [name for name, metric in plan.declared.items() if metric.limits is not None]
+        known = f"metrics with both are {', '.join(bounded)}" if bounded else "no stage declares both"
+        what = f"--until-clear: '{column.text}' decides, and its stage does not declare a lowest and a highest value"
         raise UserError.of(what, f"{known}; name one first in --metrics")
     bases = {case.graph: case for case in plan.cases if case.is_base}
     for case in plan.cases:
@@ -99,7 +99,7 @@ class _Graph:
         self.seeds = plan.seeds_of(self.base)
         self._always = [self.base, *(case for case in self.others if _is_needed(plan, case))]
         self._values = {case.variant: _values(plan, case, records) for case in own}
-        low, high = plan.metric(plan.metrics[0]).span or (0.0, 1.0)
+        low, high = plan.metric(plan.metrics[0]).limits or (0.0, 1.0)
         self._min_share = plan.min_difference(plan.metrics[0]) / (high - low)
 
     def decided(self, is_made: Callable[[Job], bool]) -> tuple[list[Decision], list[Job]]:

@@ -163,6 +163,18 @@ def test_jerk_needs_three_velocities() -> None:
         assert jerk.mean_mps3 is None
 
 
+def test_what_is_near_the_start_is_not_the_minimum_clearance() -> None:
+    states = [At(0, clearance_m=0.1), At(0.9, clearance_m=0.2), At(1.0, clearance_m=0.5), At(2.0, clearance_m=0.4)]
+    assert drive(states, None)["min_clearance_m"] == 0.4
+    assert drive(states, None)["mean_clearance_m"] == pytest.approx(0.3)
+
+
+def test_a_drive_of_less_than_a_metre_has_a_minimum_clearance_only_if_it_touched_something() -> None:
+    states = [At(0, clearance_m=0.35), At(0.5, clearance_m=0.3)]
+    assert "min_clearance_m" not in drive(states, None)
+    assert drive([*states, At(0.8, clearance_m=0.0, contact=True)], None)["min_clearance_m"] == 0.0
+
+
 def test_where_nothing_is_near_no_clearance_is_claimed() -> None:
     metrics = drive([At(0, clearance_m=1000.0), At(1, clearance_m=1000.0)], None)
     assert not {"min_clearance_m", "mean_clearance_m"} & set(metrics)

@@ -32,12 +32,20 @@ def test_the_last_state_tells(contact: bool, at_goal: bool, end_s: float, text: 
 
 
 def test_the_clearance_is_told_where_there_is_something_to_be_clear_of(record: Callable[..., Recording]) -> None:
-    signals = Signals(record(frames=3))
+    signals = Signals(record(frames=40))
     world, track = signals.first(Map), track_of(signals)
     assert world is not None
     assert track is not None
     path, clearance = drive_texts(world, track)
-    assert path.startswith("path 0.")
-    assert clearance == "minimum clearance 0.20 m"
+    assert path.startswith("path 1.")
+    assert clearance == "minimum clearance 0.20 m after the first metre"
     empty = replace(world, kind=world.kind[:0], height_m=world.height_m[:0], vertices_m=world.vertices_m[:0])
     assert drive_texts(empty, track) == [path]
+
+
+def test_what_is_near_the_start_is_not_told_as_the_clearance(record: Callable[..., Recording]) -> None:
+    signals = Signals(record(frames=3))
+    world, track = signals.first(Map), track_of(signals)
+    assert world is not None
+    assert track is not None
+    assert len(drive_texts(world, track)) == 1, "the robot has driven less than a metre"

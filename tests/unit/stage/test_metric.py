@@ -101,6 +101,8 @@ def test_a_metric_that_is_not_declared_is_refused() -> None:
         ((Metric("x", better="higher", help="X.", min_difference=-0.1),), "min_difference is -0.1: use a number of 0"),
         ((Metric("x", better="higher", help="X.", min_difference=math.inf),), "min_difference is inf"),
         ((Metric("x", better="higher", help="X.", bounds=(1, 0)),), r"bounds are \(1, 0\): write the lowest"),
+        ((Metric("x", better="higher", help="X.", bounds=(None, None)),), r"bounds are \(None, None\): write the"),
+        ((Metric("x", better="higher", help="X.", bounds=(0, math.inf)),), r"bounds are \(0, inf\): .* or \(0, None\)"),
         ((Metric("x", better="higher", help="X.", relative_to="y"),), "relative_to is 'y': name a metric that the"),
         (
             (

@@ -132,6 +132,19 @@ def test_intervals_end_where_the_metric_does(make_plan: MakePlan, make_record: M
     assert (found["a.y"].low, found["a.y"].high) == (low, high), "nothing is known of its bounds"
 
 
+def test_the_interval_of_what_cannot_be_negative_is_not(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(seeds=range(4), metrics={"a.x": "lower", "a.x / a.y": "lower", "a.x - a.y": "lower"})
+    declared = {name: replace(plan.metric(name), bounds=(0.0, None)) for name in ("a.x", "a.y")}
+    values = [0.0, 0.0, 0.1, 9.0]
+    records = [make_record("ica", seed, {"a.x": value, "a.y": 1.0}) for seed, value in enumerate(values)]
+    found = compare(replace(plan, declared=declared), records).rows[0].estimates
+    low, high = student(np.array(values))
+    assert low < 0.0
+    for column in ("a.x", "a.x / a.y"):
+        assert (found[column].low, found[column].high) == (0.0, high)
+    assert found["a.x - a.y"].low == pytest.approx(low - 1.0), "a difference may be negative"
+
+
 def test_directions_come_from_the_plan(make_plan: MakePlan, make_record: MakeRecord) -> None:
     records = [make_record("ica", 0, {"a.x": 2.0, "b.x": 1.0}), make_record("affine", 0, {"a.x": 1.0, "b.x": 1.0})]
     for plan, won in (

@@ -142,8 +142,8 @@ def test_a_metric_without_bounds_is_refused(plan: Plan) -> None:
     with pytest.raises(UserError) as error:
         check_stopping(dataclasses.replace(plan, metrics=("drive.path_length_m",)))
     assert str(error.value) == (
-        "--until-clear: 'drive.path_length_m' decides, and its stage declares no bounds\n"
-        "  metrics with bounds are drive.success; name one first in --metrics"
+        "--until-clear: 'drive.path_length_m' decides, and its stage does not declare a lowest and a highest value\n"
+        "  metrics with both are drive.success; name one first in --metrics"
     )
     with pytest.raises(UserError, match="names no metric to decide by"):
         check_stopping(dataclasses.replace(plan, metrics=()))
