@@ -53,7 +53,8 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console,
         console.print(f"{comparison.pending} of {plan.n_jobs} runs are pending")
     for of in files.losses:
         console.print(" ".join(sentences(plan, of)), markup=False)
-    written = [RESULTS, METRICS, TIMING, TABLE, *([PICTURE] if files.losses else []), files.report.name]
+    pictures = [PICTURE] if any(not of.is_cut_off for of in files.losses) else []
+    written = [RESULTS, METRICS, TIMING, TABLE, *pictures, files.report.name]
     console.print(f"{folder}: {', '.join(written)}", markup=False)
 
 

@@ -175,6 +175,6 @@ def _bounds_fault(metric: Metric) -> str:
     is_pair = isinstance(bounds, tuple) and len(bounds) == 2
     if not is_pair or not all(bound is None or _is_number(bound) for bound in bounds):
         return f"bounds are {bounds!r}: write the lowest and the highest value, as (0, 1) or (0, None)"
-    if bounds == (None, None) or None not in bounds and not bounds[0] < bounds[1]:
+    if bounds == (None, None) or (None not in bounds and not bounds[0] < bounds[1]):
         return f"bounds are {bounds!r}: write the lowest and the highest value, as (0, 1) or (0, None)"
     return "" if not metric.is_outcome or bounds == (0, 1) else f"bounds are {bounds!r}, but an outcome is 0 or 1"

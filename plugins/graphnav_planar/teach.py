@@ -57,7 +57,13 @@ class Teach(Stage):
             min_difference=0.01,
             help="What the model leaves of the flow, median over the cells.",
         ),
-        Metric("turn_span_rad", unit="rad", better="neither", bounds=(0.0, None), help="Span of the turns per frame that were taught."),
+        Metric(
+            "turn_span_rad",
+            unit="rad",
+            better="neither",
+            bounds=(0.0, None),
+            help="Span of the turns per frame that were taught.",
+        ),
         Metric(
             "forward_span_m",
             unit="m",

@@ -22,7 +22,7 @@ def outcome_text(graph: Mapping[str, Any], last: State, end_s: float) -> str:
 
 
 def drive_texts(world: Map, track: Track) -> list[str]:
-    """Return the length and clearance of a drive; the clearance only if the world has bodies and the robot drove a metre."""
+    """Return the length and clearance of a drive; the latter only in a world with bodies, after a metre."""
     shortest = f" (shortest {world.shortest_m:.2f} m)" if world.shortest_m > 0 else ""
     texts = [f"path {track.length_m:.2f} m{shortest}"]
     if len(world.vertices_m) and track.clearance_m is not None:

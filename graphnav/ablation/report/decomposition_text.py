@@ -24,7 +24,13 @@ def heading(of: Losses) -> str:
 
 
 def sentences(plan: Plan, of: Losses) -> Iterator[str]:
-    """Yield what was lost where, and which swaps changed nothing."""
+    """Yield what was lost where, and which swaps changed nothing; or that the time limit lets nothing be concluded."""
+    if of.is_cut_off:
+        yield (
+            f"{of.metric} on {of.graph}: every run hit the time limit before it arrived, with all oracles too, so it "
+            "does not show where the drive is lost. Give the runs more time: --set run.until_s=SECONDS."
+        )
+        return
     last = next((swap.estimate for swap in reversed(of.cumulative) if swap.estimate is not None), None)
     reached = "" if last is None else f", {_mean(last)} with all oracles"
     yield f"{of.metric} on {of.graph} is {_mean(of.as_it_is)} as it is{reached}."

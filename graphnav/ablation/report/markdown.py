@@ -43,6 +43,8 @@ def _decomposition(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
     for of in found:
         yield f"### {escaped(heading(of))}"
         yield escaped(" ".join(sentences(plan, of)))
+        if of.is_cut_off:
+            continue
         yield table(HEADER, ([escaped(cell) for cell in cells] for cells in rows(of)))
     yield bullets(map(escaped, notes(plan, found)))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from graphnav.ablation.plan import Case, Plan
@@ -12,6 +12,7 @@ from graphnav.ablation.results.records import Record
 from graphnav.ablation.results.study_values import difference, estimate
 from graphnav.ablation.study import MetricExpression
 from graphnav.ablation.study.study import BASE, COMMON, CONDITION
+from graphnav.runner import Outcome
 from graphnav.stage import Better
 
 
@@ -47,6 +48,8 @@ class Losses:
     better: Better = "higher"
     span: tuple[float, float] | None = None
     """The bounds of the metric, if it has any."""
+    is_cut_off: bool = False
+    """Whether the time limit ended every run before it arrived, so that the metric tells nothing of the stages."""
 
 
 def losses(plan: Plan, records: Iterable[Record]) -> tuple[Losses, ...]:
@@ -63,6 +66,10 @@ def losses(plan: Plan, records: Iterable[Record]) -> tuple[Losses, ...]:
 def _losses(plan: Plan, runs: dict[tuple[str, str], list[Record]]) -> Iterator[Losses]:
     assert plan.decomposition is not None
     for source in plan.sources:
+        of_source = [
+            run for case in plan.cases if case.source == source for run in runs.get((case.graph, case.variant), ())
+        ]
+        is_cut_off = _are_cut_off(plan, of_source)
         for metric in map(MetricExpression.parse, plan.metrics):
             is_common = plan.decomposition.has_common_drive and plan.is_of_frames(metric.text)
             cases = {
@@ -85,7 +92,15 @@ def _losses(plan: Plan, runs: dict[tuple[str, str], list[Record]]) -> Iterator[L
                 tuple(found.swap(*of) for of in zip(single, steps, (BASE, *steps), strict=False)),
                 plan.better(metric.text),
                 plan.span(metric.text),
+                is_cut_off and not plan.is_of_frames(metric.text),
             )
+
+
+def _are_cut_off(plan: Plan, runs: Sequence[Record]) -> bool:
+    """Return whether the time limit ended all runs, of drives that can arrive, and none has arrived."""
+    outcomes = [name for name, metric in plan.declared.items() if metric.is_outcome]
+    arrived = [run.metrics[name] for run in runs for name in outcomes if name in run.metrics]
+    return bool(arrived) and not any(arrived) and all(run.outcome == Outcome.TIMEOUT for run in runs)
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ class Decision:
 
 
 def check_stopping(plan: Plan) -> None:
-    """Raise UserError unless the metric that decides has two bounds, which the rule needs, and compares all variants."""
+    """Raise UserError unless the metric that decides has two bounds, as the rule needs, and compares all variants."""
     if not plan.metrics:
         raise UserError.of("--until-clear: the study names no metric to decide by", "add --metrics drive.success")
     column = MetricExpression.parse(plan.metrics[0])

@@ -61,7 +61,9 @@ def write_study_files(
     found = losses(plan, records)
     notes = (*stopping_texts(plan, records), *sample_size_texts(plan, comparison, records))
     write_atomically(folder / TABLE, table_markdown(plan, comparison, found, notes))
-    if found:
-        write_atomically(folder / PICTURE, decomposition_picture(found))
+    if told := [of for of in found if not of.is_cut_off]:
+        write_atomically(folder / PICTURE, decomposition_picture(told))
+    else:
+        (folder / PICTURE).unlink(missing_ok=True)
     report = write_report(plan, comparison, records, folder, catalog, graphs, notes)
     return StudyFiles(records, comparison, notes, report, found)

@@ -74,6 +74,23 @@ def test_the_sentence_names_the_largest_step(plan: Plan, found: Losses) -> None:
     assert [cells[0] for cells in rows(found)] == ["nothing", "flow", "plane"]
 
 
+def test_runs_that_all_hit_the_time_limit_conclude_nothing(plan: Plan, make_record: MakeRecord) -> None:
+    records = [
+        make_record(variant, 0, {"drive.spl": 0.1 * k, "drive.success": 0.0}, outcome="timeout")
+        for k, variant in enumerate(SPL)
+    ]
+    (cut_off,) = losses(plan, records)
+    assert cut_off.is_cut_off
+    (only,) = sentences(plan, cut_off)
+    assert only.startswith("drive.spl on corridor: every run hit the time limit before it arrived")
+    arrived = dataclasses.replace(records[-1], outcome="goal", metrics={"drive.spl": 0.3, "drive.success": 1.0})
+    assert not losses(plan, [*records[:-1], arrived])[0].is_cut_off
+    lasted = dataclasses.replace(records[-1], metrics={"drive.spl": 0.3, "drive.success": 1.0})
+    assert not losses(plan, [*records[:-1], lasted])[0].is_cut_off, "success is to last until the limit"
+    endless = dataclasses.replace(plan, declared={"drive.spl": plan.metric("drive.spl")})
+    assert not losses(endless, records)[0].is_cut_off, "no stage declares what it is to arrive"
+
+
 def test_a_step_without_runs_is_left_open(plan: Plan, make_record: MakeRecord) -> None:
     records = [make_record("none", 0, {"drive.spl": 0.5}), make_record("flow", 0, {"drive.spl": 0.6})]
     (partly,) = losses(plan, records)

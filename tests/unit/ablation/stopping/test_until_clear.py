@@ -100,5 +100,7 @@ def test_without_it_the_pending_runs_are_made(words: list[str]) -> None:
 
 
 def test_a_metric_without_bounds_is_refused_before_anything_runs(words: list[str]) -> None:
-    with pytest.raises(UserError, match=r"^--until-clear: 'robot\.way_m' decides, and its stage does not declare a lowest"):
+    with pytest.raises(
+        UserError, match=r"^--until-clear: 'robot\.way_m' decides, and its stage does not declare a lowest"
+    ):
         graphnav.ablate("mine", plugins=["arriver.py"], metrics=["robot.way_m"], until_clear=True)

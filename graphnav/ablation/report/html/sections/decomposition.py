@@ -18,11 +18,12 @@ def decomposition(study: StudyResults) -> Markup:
     found = losses(study.plan, study.records)
     if not found:
         return Markup("")
+    told = [of for of in found if not of.is_cut_off]
     return rendered(
         "decomposition.html",
-        chart=base64.b64encode(decomposition_picture(found, "svg")).decode("ascii"),
+        chart=base64.b64encode(decomposition_picture(told, "svg")).decode("ascii") if told else "",
         answers=[" ".join(sentences(study.plan, of)) for of in found],
         notes=list(notes(study.plan, found)),
         header=HEADER,
-        tables=[(heading(of), list(rows(of))) for of in found],
+        tables=[(heading(of), list(rows(of))) for of in told],
     )
