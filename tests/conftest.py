@@ -28,6 +28,7 @@ def pytest_configure() -> None:
     """
     os.environ["LCM_DEFAULT_URL"] = _URL
     os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="graphnav-state-")
+    os.environ.pop("COLUMNS", None)  # pytest-xdist sets it, and tables would be as narrow
     hypothesis.settings.register_profile("any machine", deadline=None, derandomize=True)
     hypothesis.settings.load_profile("any machine")
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):

@@ -64,8 +64,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
     )
-    parser.add_argument("--json", action="store_true", help="print the summary as JSON instead of tables")
-    parser.add_argument("-v", "--verbose", action="store_true", help="show the cause of a failure with its traceback")
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON instead of text")
+    parser.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="print every metric, what each stage did, and the traceback of a failure",
+    )
 
 
 def main(args: argparse.Namespace) -> int:
@@ -76,7 +81,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.machine.console import Console
     from graphnav.report.folder import make_run_folder, removed_if_empty
     from graphnav.report.table import print_summary
-    from graphnav.runner.recording.run_recorded import new_run_id
+    from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id
 
     catalog, graph = load(args)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
@@ -94,7 +99,9 @@ def main(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps(summary.as_json() | {"folder": str(folder)}))
     else:
-        print_summary(console, summary, graph.metrics)
+        print_summary(console, summary, graph.metrics, is_verbose=args.verbose)
+        if not args.verbose:
+            console.print(f"all metrics and the times of the stages: -v, or {SUMMARY}", style="dim", markup=False)
     if summary.failure:
         print(summary.failure, file=sys.stderr)
     files = _draw(args, catalog, summary, folder)

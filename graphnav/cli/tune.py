@@ -141,6 +141,7 @@ def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    from graphnav.machine.fitted_tables import fitted_tables
     from graphnav.tuning import OPTIMISTIC, STUDY, TABLE, TRIALS, conclusion, header, rows, trouble_texts
 
     table = Table(box=None, pad_edge=False)
@@ -148,7 +149,8 @@ def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
         table.add_column(Text(name))
     for *cells, _ in rows(run):
         table.add_row(*map(Text, cells))
-    console.print(table)
+    for block in fitted_tables(console, table):
+        console.print(block)
     for label, *_, params in rows(run):
         console.print(f"{label}: {params}", markup=False)
     console.print(conclusion(run), markup=False)

@@ -7,17 +7,15 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rich import box
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
 from graphnav.machine.console import Console
+from graphnav.machine.fitted_tables import fitted_tables
 
 if TYPE_CHECKING:
     from graphnav.profiling.profile import ChannelTime, Clock, Profile, StageTime
 
-_MAX_COLS = 1000
-"""Tables are as wide as they need: a truncated number would be a wrong one."""
 CLOCKS: dict[Clock, str] = {"wall": "wall time", "cpu": "processor time of the thread"}
 _FEW = 30
 _PARTS = {
@@ -37,8 +35,8 @@ def print_profile(console: Console, profile: Profile, *, slowest_first: bool = F
     console.print(_amount(profile))
     for table in (_stages(profile, slowest_first), _channels(profile, slowest_first), _sum(profile)):
         if table.row_count:
-            table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
-            console.print(table, soft_wrap=True)
+            for block in fitted_tables(console, table):
+                console.print(block, soft_wrap=True)
     for line in _notes(profile):
         console.print(line)
 

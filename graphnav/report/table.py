@@ -1,4 +1,4 @@
-"""The summary of a run as tables for the terminal."""
+"""The summary of a run for the terminal: the verdict and a few numbers, or tables of all."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from types import MappingProxyType
 from typing import Any
 
 from rich import box
-from rich.console import Group
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
 from graphnav.machine.console import Console
+from graphnav.machine.fitted_tables import fitted_tables
 from graphnav.runner.recording.summary import Summary
 from graphnav.runner.simulated_clock import MAX_LATE_S
 from graphnav.stage import Better, Metric
@@ -25,25 +24,77 @@ _ENDINGS = {
     "end": "end of the input reached",
 }
 _WHERE_BETTER: dict[Better, str] = {"higher": "higher", "lower": "lower", "neither": ""}
-_MAX_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, because a truncated number would be a wrong one."""
-
+_N_SHOWN = 5
+"""Metrics that are shown beside the verdict; summary.json has them all."""
 
 Declared = Mapping[str, Mapping[str, Metric]]
 """The declared metrics of each stage of a graph, by name."""
 NONE_DECLARED: Declared = MappingProxyType({})
 
 
-def print_summary(console: Console, summary: Summary, declared: Declared = NONE_DECLARED) -> None:
-    """Print what each stage did, what was scored, and last how the run ended; ``declared``: of the graph."""
-    console.print(_amount(summary))
-    tables = [_stages(summary), *_outside(summary.live or {})]
-    if any(summary.scores.values()):
-        tables.append(_scores(summary, declared))
-    for table in tables:
-        table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
-    console.print(Group(*tables), soft_wrap=True)
+def print_summary(
+    console: Console, summary: Summary, declared: Declared = NONE_DECLARED, *, is_verbose: bool = False
+) -> None:
+    """Print how the run ended, its first metrics, and what came in and went out live; ``declared``: of the graph.
+
+    ``is_verbose``: all metrics, those that are undefined in this run by their names, and what each stage did.
+    """
     console.print(_ending(summary))
+    tables = [_stages(summary)] if is_verbose else []
+    tables += _outside(summary.live or {})
+    if is_verbose and any(summary.scores.values()):
+        tables.append(_scores(summary, declared))
+    elif shown := _first_metrics(summary, declared):
+        tables.append(_few(shown))
+    for table in tables:
+        names = sum(column.justify == "left" and column.header != "better" for column in table.columns)
+        for block in fitted_tables(console, table, fixed=names):
+            console.print(block, soft_wrap=True)
+    undefined = _undefined(summary, declared) if is_verbose else []
+    if undefined:
+        console.print(Text(f"undefined in this run: {', '.join(undefined)}"), soft_wrap=True)
+    for name, did in summary.stages.items() if not is_verbose else ():
+        if did.missed:
+            console.print(Text(f"{name} missed its deadline in {did.missed} of {did.steps} steps", style="yellow"))
+    console.print(_amount(summary))
+
+
+def _first_metrics(summary: Summary, declared: Declared) -> list[tuple[str, float]]:
+    """Return the labels and values of a few metrics: the key ones, then those that judge, in the stages' order.
+
+    What is 0 or 1 and no key metric, as whether the run touched anything, is told by the verdict.
+    """
+    key, judging, rest = list[tuple[str, float]](), list[tuple[str, float]](), list[tuple[str, float]]()
+    for stage, values in summary.scores.items():
+        for name, value in values.items():
+            metric = declared.get(stage, {}).get(name)
+            entry = f"{stage}.{metric.label if metric else name}", value
+            if metric is not None and metric.is_key:
+                key.append(entry)
+            elif metric is not None and metric.better != "neither" and (metric.unit or metric.limits is None):
+                judging.append(entry)
+            else:
+                rest.append(entry)
+    return [*key, *judging, *rest][:_N_SHOWN]
+
+
+def _undefined(summary: Summary, declared: Declared) -> list[str]:
+    """Return the names of the metrics that the stages with a summary declare and do not have."""
+    return [
+        f"{stage}.{name}"
+        for stage, values in summary.scores.items()
+        for name, metric in declared.get(stage, {}).items()
+        if name not in values and not metric.relative_to
+    ]
+
+
+def _few(metrics: Sequence[tuple[str, float]]) -> Table:
+    table = Table(box=None, pad_edge=False, show_header=False, padding=(0, 2, 0, 2))
+    table.add_column("metric")
+    table.add_column("value", justify="right")
+    for name, value in metrics:
+        table.add_row(Text(name), f"{value:.4g}")
+    return table
 
 
 def _amount(summary: Summary) -> Text:

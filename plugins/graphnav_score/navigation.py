@@ -188,8 +188,8 @@ class Navigation(Stage):
             "collision": float(self._contact),
             **self._first_contact.metrics(self._map),
             "min_clearance_m": self._min_clearance_m,
-            "mean_clearance_m": self._sum_clearance_m / self._states,
             "path_length_m": self._path_m,
+            "mean_clearance_m": self._sum_clearance_m / self._states,
             "duration_s": duration_s,
         }
         if self._min_clearance_m >= NOTHING_NEAR_M:

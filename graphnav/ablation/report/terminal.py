@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from rich import box
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -23,12 +22,11 @@ from graphnav.ablation.report.number_format import difference_text, estimate_tex
 from graphnav.ablation.report.paired_markdown import different_versions, only_in_one
 from graphnav.ablation.results import Comparison, Contrast, Difference, PairedRow, PairedStudies, Row, shown_metrics
 from graphnav.machine.console import Console
+from graphnav.machine.fitted_tables import fitted_tables
 from graphnav.stage import Better
 
 DECIDING = 2
 """Metrics that the terminal shows; `table.md` has them all."""
-_MAX_COLS = 1000
-"""Tables are as wide as they need: a narrow terminal wraps them, because a number that is cut would be a wrong one."""
 
 
 def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> None:
@@ -36,7 +34,7 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
     metrics = shown_metrics(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
         rows = [row for row in comparison.of_graph(graph) if not row.case.same_as]
-        groups = [["worlds", "outcomes"], *([_heading(plan, name), "difference"] for name in metrics)]
+        groups = {"": ["worlds", "outcomes"], **{(of := _heading(plan, name)): [of, "difference"] for name in metrics}}
         print_grouped(console, graph, ["variant"], groups, [_cells(row, metrics, plan) for row in rows])
         for line in same_graphs(comparison.of_graph(graph)):
             console.print(Text(line, style="dim"), soft_wrap=True)
@@ -52,7 +50,7 @@ def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
     """Print how each variant changed from the first study to the second, and what cannot be compared."""
     metrics = tuple(pairing.metrics)[:DECIDING]
     for graph in pairing.graphs:
-        groups = [_paired_headings(pairing, name) for name in metrics]
+        groups = {(of := _heading(pairing.plan_of(name), name)): [f"{of} A", "B", "B - A"] for name in metrics}
         rows = [_pair_cells(row, metrics, pairing) for row in pairing.rows if row.graph == graph]
         print_grouped(console, graph, ["variant", "worlds"], groups, rows)
     for line in (*only_in_one(pairing), *different_versions(pairing)):
@@ -66,7 +64,7 @@ def print_contrasts(console: Console, found: Iterable[Contrast], plan: Plan) -> 
         title = f"{pair.graph}: {pair.first} (A), {pair.second} (B)"
         rows = [_contrast_cells(pair, metric, plan) for metric in pair.differences if metric in pair.estimates]
         if rows:
-            print_grouped(console, title, columns, [], rows)
+            print_grouped(console, title, columns, {}, rows)
         else:
             own = any(metric in pair.estimates for metric in plan.metrics)
             why = f"not compared: {OWN_FRAMES}" if own else "no world has runs of both"
@@ -86,35 +84,30 @@ def _contrast_cells(pair: Contrast, metric: str, plan: Plan) -> list[Text]:
 
 
 def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Text]]) -> Table:
-    """Return a table that is as wide as it needs."""
     shown = Text(title, style="bold") if title else None
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=shown, title_justify="left")
     for name in columns:
         table.add_column(Text(name))
     for row in rows:
         table.add_row(*row)
-    console = Console(width=_MAX_COLS)
-    table.width = Measurement.get(console, console.options, table).maximum
     return table
 
 
 def print_grouped(
-    console: Console, title: str, names: Sequence[str], groups: Sequence[Sequence[str]], rows: Sequence[Sequence[Text]]
+    console: Console,
+    title: str,
+    names: Sequence[str],
+    groups: Mapping[str, Sequence[str]],
+    rows: Sequence[Sequence[Text]],
 ) -> None:
-    """Print a table whose columns are ``names`` and those of all groups; a table for each group on a narrow terminal.
+    """Print a table whose columns are ``names`` and those of all groups, in blocks that fit the terminal.
 
-    ``rows``: cells in the order of the columns. A table is as wide as it needs.
+    ``rows``: cells in the order of the columns. Without groups each column behind the first stands for itself.
     """
-    columns = [*names, *(column for group in groups for column in group)]
-    every = _table(title, columns, rows)
-    if every.width is not None and console.is_terminal and every.width > console.width:
-        begin = len(names)
-        for place, group in enumerate(groups):
-            cells = [[*row[: len(names)], *row[begin : begin + len(group)]] for row in rows]
-            console.print(_table("" if place else title, [*names, *group], cells), soft_wrap=True)
-            begin += len(group)
-    else:
-        console.print(every, soft_wrap=True)
+    columns = [*names, *(column for group in groups.values() for column in group)]
+    table, sizes = _table(title, columns, rows), {name: len(group) for name, group in groups.items()}
+    for block in fitted_tables(console, table, fixed=len(names) if groups else 1, groups=sizes):
+        console.print(block, soft_wrap=True)
 
 
 def difference_cell(found: Difference | None, better: Better) -> Text:
@@ -146,10 +139,6 @@ def _pair_cells(row: PairedRow, metrics: Sequence[str], pairing: PairedStudies) 
         change = difference_cell(row.differences.get(metric), pairing.metrics[metric])
         cells.append(Text(OWN_FRAMES, style="dim") if metric in row.own_frames else change)
     return cells
-
-
-def _paired_headings(pairing: PairedStudies, metric: str) -> list[str]:
-    return [f"{_heading(pairing.plan_of(metric), metric)} A", "B", "B - A"]
 
 
 def _heading(plan: Plan, metric: str) -> str:

@@ -9,21 +9,20 @@ from typing import Any
 
 from rich import box
 from rich.console import Group
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
 from graphnav.machine.console import Console
+from graphnav.machine.fitted_tables import fitted_tables
 from graphnav.replay.comparison.result import ChannelResult, FirstDifference, ReplayResult, Reproduced
 
 _MAX_CHARS = 40
-_MAX_COLS = 1000
 
 
 def as_text(result: ReplayResult, console: Console) -> Group:
     """Return the verdict, one line per channel, the fields that differ, and metrics with their recorded values.
 
-    Tables are as wide as needed, because truncated numbers would be wrong.
+    Tables fit the console, in blocks of columns.
     """
     tables = [_channels(result.channels)]
     if any(channel.fields for channel in result.channels.values()):
@@ -31,8 +30,7 @@ def as_text(result: ReplayResult, console: Console) -> Group:
     changed = dict(_changed_metrics(result))
     if changed:
         tables.append(_metrics(changed))
-    for table in tables:
-        table.width = Measurement.get(console, console.options.update(width=_MAX_COLS), table).maximum
+    blocks = [block for table in tables for block in fitted_tables(console, table)]
     lines = []
     n_equal = sum(map(len, result.scores.values())) - sum(map(len, changed.values()))
     if n_equal:
@@ -45,7 +43,7 @@ def as_text(result: ReplayResult, console: Console) -> Group:
     if result.not_replayed:
         lines.append(Text(f"in the log, not in the replay: {', '.join(map(_quoted, result.not_replayed))}"))
     lines += [Text(_unlike(one, names), style="red") for one, names in result.unlike]
-    return Group(_headline(result), *tables, *lines, _verdict(result))
+    return Group(_headline(result), *blocks, *lines, _verdict(result))
 
 
 def _headline(result: ReplayResult) -> Text:
