@@ -18,7 +18,7 @@ from graphnav.cli.options import (
     count,
     seconds,
 )
-from graphnav.cli.status import FAILED, INTERRUPTED, OK
+from graphnav.cli.status import INTERRUPTED, OK
 from graphnav.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 from graphnav.machine.start_up import ended_by_interrupt
 from graphnav.notices import print_notice
@@ -193,7 +193,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.mlflow_export import export_to_mlflow
     from graphnav.api.studies.study_files import write_study_files
-    from graphnav.cli.study_output import print_outputs, write_pairing
+    from graphnav.cli.study_output import print_outputs, study_status, write_pairing
     from graphnav.machine.console import Console
 
     _refuse_mixtures(args)
@@ -208,7 +208,7 @@ def main(args: argparse.Namespace) -> int:
         print_outputs(plan, args.report, files, console, pairs)
         if args.export:
             console.print(f"mlflow: {export_to_mlflow(plan, files, args.report)}", markup=False)
-        return OK
+        return study_status(files)
     if not args.names:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
     args.trust = True
@@ -267,7 +267,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     from graphnav.ablation.execution import StudyFolder, pending_jobs
     from graphnav.ablation.results import parse_pairs
     from graphnav.api.studies.study_run import ExecutionOptions, FailFastError, run_study
-    from graphnav.cli.study_output import all_failed, print_outputs
+    from graphnav.cli.study_output import print_outputs, study_status
     from graphnav.cli.study_run import StudyConsole
 
     plan, pairs = study.plan, parse_pairs(args.contrasts, study.plan.variants)
@@ -279,9 +279,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
             files = run_study(study, catalog, folder, options, StudyConsole(console, is_sure=args.yes))
             if files is not None:
                 print_outputs(plan, folder.path, files, console, pairs)
-                if all_failed(files):
-                    print("a stage failed in every run", file=sys.stderr)
-                    return FAILED
+                return study_status(files)
         except KeyboardInterrupt:
             state = _state(plan, len(pending_jobs(plan, folder)))
             print(f"stopped: {state}; resume with the same command", file=sys.stderr)

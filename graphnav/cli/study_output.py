@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -58,9 +59,12 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console,
     console.print(f"{folder}: {', '.join(written)}", markup=False)
 
 
-def all_failed(files: StudyFiles) -> bool:
-    """Return whether there are runs and a stage failed in every one."""
-    return bool(files.records) and all(record.outcome == Outcome.FAILED for record in files.records)
+def study_status(files: StudyFiles) -> int:
+    """Return the exit status of a study: 1, and say so, if there are runs and every one failed."""
+    if not files.records or any(record.outcome != Outcome.FAILED for record in files.records):
+        return OK
+    print(f"every run failed: {len(files.records)} of {len(files.records)}", file=sys.stderr)
+    return FAILED
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, fail_if: Sequence[str], console: Console) -> int:

@@ -14,7 +14,7 @@ Every command prints this with `--help`. `graphnav --version` prints the version
 | exit status | meaning |
 |---|---|
 | 0 | done |
-| 1 | the run failed, or something differs that was compared |
+| 1 | the run failed, or every run of a study, or something differs that was compared |
 | 2 | what was asked for is wrong: the message says where, what, and what to do |
 | 130 | stopped by Ctrl-C, SIGTERM or SIGHUP |
 | 141 | the program that reads the output has gone |

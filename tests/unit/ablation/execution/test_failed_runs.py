@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import graphnav
+from graphnav.cli import main
 from graphnav.errors import GraphnavError
 
 RAISES = "robot.odd=fine,raise"
@@ -54,7 +55,9 @@ def test_fail_fast_does_not_mind_a_drive_that_ends_badly(study: Any) -> None:
 
 def test_a_study_of_which_every_run_failed_failed(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     assert study.run("--set", "drive=toy.unready", seeds="0:1") == 1
-    assert capsys.readouterr().err.endswith("a stage failed in every run\n")
+    assert capsys.readouterr().err.endswith("every run failed: 2 of 2\n")
+    assert main(["ablate", "--report", "out"]) == 1
+    assert capsys.readouterr().err == "every run failed: 2 of 2\n"
     assert [row["outcome"] for row in study.rows] == ["failed", "failed"]
 
 
