@@ -6,10 +6,11 @@ import os
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
+
+from graphnav.machine.console import Console
 
 _MAX_COLS = 1000
 _NO_GROUPS: Mapping[str, int] = MappingProxyType({})
