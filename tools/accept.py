@@ -9,6 +9,7 @@ from acceptance.attacking import attack_item
 from acceptance.comparing import controls_item, targets_item
 from acceptance.coverage import coverage_item
 from acceptance.damaging import damage_item
+from acceptance.driver_mistakes import mistakes_item
 from acceptance.driving import drives_item, sign_item
 from acceptance.empty_floor import empty_floor_item
 from acceptance.exchange import exchange_item
@@ -33,6 +34,7 @@ from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.soak import soak_item
 from acceptance.studying import kill_item, parallel_item
+from acceptance.takeovers import takeovers_item
 from acceptance.unknown_cells import unknown_item
 from acceptance.watch_cost import cost_item
 from acceptance.watch_hostile import hostile_item
@@ -63,6 +65,8 @@ ITEMS = {
     "interop": interop_item,
     "late": late_item,
     "bad": bad_item,
+    "mistakes": mistakes_item,
+    "takeovers": takeovers_item,
     "loss": loss_item,
     "hostile": hostile_item,
     "cost": cost_item,

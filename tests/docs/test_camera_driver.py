@@ -61,3 +61,23 @@ def test_the_driver_plays_a_video_at_its_rate(example: Path, group: str) -> None
     assert camera["channel"] == "FRONT"
     assert camera["accepted"] > 3
     assert camera["rejected"] == []
+
+
+def test_a_camera_in_c_with_a_zeroed_struct_is_used(example: Path, group: str) -> None:
+    graph = (example / "graph.yaml").read_text()
+    (example / "in_c.yaml").write_text(graph.replace("bot_core.image_t", "graphnav_lcm.image_t"))
+    (example / "raw.py").write_text(
+        "import cv2, glob, sys, time\n"
+        "for name in sorted(glob.glob('frames/*.jpg')):\n"
+        "    sys.stdout.buffer.write(cv2.imread(name, cv2.IMREAD_GRAYSCALE).tobytes())\n"
+        "    sys.stdout.buffer.flush()\n"
+        "    time.sleep(0.1)\n"
+    )
+    script = (
+        "python raw.py | ./camera 160 120 &\ngraphnav run in_c.yaml --until 4 --no-tap --no-pictures -o in_c\nwait\n"
+    )
+    shell(script, example, group)
+    summary = json.loads((example / "in_c" / "summary.json").read_text())
+    (camera,) = summary["live"]["inputs"]
+    assert camera["accepted"] > 3
+    assert camera["rejected"] == []

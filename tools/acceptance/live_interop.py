@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -12,9 +14,13 @@ from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
+import graphnav_lcm
+import lcm
+
 from acceptance.drives import GRAPHNAV, say
 from acceptance.live_override import override_line
 from acceptance.processes import await_file, end, graphnav_run, group_url, hear, python, running
+from acceptance.rig import Rig
 from graphnav import Recording, State
 from graphnav.record import LOG
 
@@ -120,10 +126,43 @@ def example_line(folder: Path, _number: int, _seed: int) -> tuple[bool, str]:
     )
 
 
+def c_camera_line(folder: Path, number: int, seed: int) -> tuple[bool, str]:
+    """Let a camera in C, which leaves step_px and seq of a zeroed struct at 0, show what the robot sees."""
+    example = Path(shutil.copytree(ROOT / "docs" / "examples" / "camera_driver", folder / "example"))
+    path = f"{GRAPHNAV.parent}{os.pathsep}{os.environ['PATH']}"
+    make = ["make", "-B", "-C", str(example), f"PYTHON={sys.executable}", "camera"]
+    subprocess.run(make, check=True, stdout=subprocess.DEVNULL, env={**os.environ, "PATH": path})
+    with Rig(folder, number, seed) as rig:
+        rig.kill_camera()
+        url = {**os.environ, "LCM_DEFAULT_URL": rig.graph_url}
+        camera = subprocess.Popen([str(example / "camera"), "160", "120"], stdin=subprocess.PIPE, env=url)
+        assert camera.stdin is not None
+        eye, pictures = lcm.LCM(rig.robot_url), camera.stdin
+
+        def show(_channel: str, data: bytes) -> None:
+            pictures.write(graphnav_lcm.image_t.decode(data).data)
+            pictures.flush()
+
+        eye.subscribe("CAMERA", show)
+        rig.navigate()
+        while rig.is_driving:
+            eye.handle_timeout(100)
+        pictures.close()
+        camera.wait(10)
+        robot, navigation = rig.finish()
+    (heard,) = (one for one in navigation["live"]["inputs"] if one["channel"] == "CAMERA")
+    good = robot["outcome"] == "goal" and not heard["rejected"]
+    return good, (
+        f"seed {seed} ended with {robot['outcome']} after {robot['sim_s']:.1f} s; {heard['accepted']} pictures were "
+        f"used, rejected {dict(zip(heard['reasons'], heard['rejected'], strict=True))}"
+    )
+
+
 PROOFS = {
     "graphnav pub drives the robot": pub_line,
     "teleop overrides the graph": override_line,
     "a bare python-lcm controller drives the robot": bare_line,
     "a camera whose stamps jitter": stamps_line,
     "the camera driver's example": example_line,
+    "a camera in C with a zeroed struct": c_camera_line,
 }
