@@ -52,7 +52,7 @@ class Trust:
     ask: Callable[[Request], bool] | None = None
     """Asks the user about files that are not trusted; None: they are left out."""
     hint: str = "pass trust=True to run it"
-    """The advice on a file that was left out."""
+    """The advice on a file that was left out; ``{folder}`` is the folder that names it."""
     _answers: dict[Request, bool] = field(default_factory=dict)
 
     def allows(self, request: Request) -> bool:

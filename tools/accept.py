@@ -35,6 +35,7 @@ from acceptance.seeing import floor_item, sees_item
 from acceptance.soak import soak_item
 from acceptance.studying import kill_item, parallel_item
 from acceptance.takeovers import takeovers_item
+from acceptance.trusting import trust_item
 from acceptance.unknown_cells import unknown_item
 from acceptance.watch_cost import cost_item
 from acceptance.watch_hostile import hostile_item
@@ -84,6 +85,7 @@ ITEMS = {
     "no_odometry": no_odometry_item,
     "navigate": navigate_item,
     "soak": soak_item,
+    "trust": trust_item,
     "attack": attack_item,
 }
 

@@ -309,7 +309,7 @@ def _catalog_of_usable_plugins(args: argparse.Namespace, plan: Plan) -> Catalog:
             sources[plugin] = read_plugin(plugin)
     if sources and not catalog.trust.allows(request_of_plan(args.report, sources)):
         for plugin in sources:
-            print_notice(f"left out: plugin {plugin}, Python code that is not trusted\n  {catalog.trust.hint}")
+            print_notice(f"left out: plugin {plugin}, Python code that is not trusted\n  run it with --trust")
         return catalog
     for plugin, source in sources.items():
         with suppress(CatalogError):

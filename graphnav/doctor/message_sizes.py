@@ -10,6 +10,7 @@ from graphnav.bus import Bus
 from graphnav.graph import Graph
 from graphnav.interrupts import third_party_code
 from graphnav.runner import Runner
+from graphnav.stage import Source
 
 _TICKS = 3
 """The first tick has no flow, the second has all messages."""
@@ -66,12 +67,14 @@ def message_sizes(graph: Graph) -> list[MessageSize]:
 
 
 def _measured(graph: Graph) -> dict[str, int]:
-    """Run a few ticks; return the largest published message of each channel."""
-    if not graph.sources:
+    """Run a few ticks; return the largest published message of each channel. Sources on other machines do not run."""
+    stages = graph.make_stages()
+    sources = [stages[node.name] for node in graph.sources]
+    if not sources or any(isinstance(source, Source) and source.is_remote() for source in sources):
         return {}
     largest = _Largest()
     bus = Bus()
-    runner = Runner(graph, graph.make_stages(), bus, [largest])
+    runner = Runner(graph, stages, bus, [largest])
     end_s = time.monotonic() + _MAX_S
     try:
         with third_party_code():

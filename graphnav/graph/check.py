@@ -119,26 +119,34 @@ def _unknown_channels(spec: Spec, classes: Mapping[str, type[Stage]]) -> dict[st
     """Return the channels of stages that are not known, by what reads them; their type is not known either."""
     words = (str(entry.value.data) for stage in spec.stages.values() for entry in stage.wires.values())
     refs = [ref for ref in words if (name := ref.partition(".")[0]) in spec.stages and name not in classes]
-    full = {ref: ref if "." in ref else f"{ref}.output" for ref in refs}
+    named = {ref.partition(".")[0]: ref for ref in refs if "." in ref}  # a stage alone means its one output
+    full = {ref: ref if "." in ref else named.get(ref, f"{ref}.output") for ref in refs}
     return {ref: Channel(full[ref], full[ref], Message) for ref in refs}
 
 
 def _with_left_out(spec: Spec, nodes: list[Node], channels: Mapping[str, Channel]) -> list[Node]:
-    """Return all stages in the file's order; those that are not known have the ports that wires name."""
+    """Return all stages in the file's order; those that are not known have the ports that wires name.
+
+    Which of these are sampled is not known either: those that would close a loop are taken for it.
+    """
     known = {node.name: node for node in nodes}
-    for name, stage in spec.stages.items():
-        if name not in known:
-            wires = {port: channels.get(str(entry.value.data)) for port, entry in stage.wires.items()}
-            reads = tuple(Input(Port(port, Message), channel) for port, channel in wires.items())
-            writes = {channel.port: channel for channel in channels.values() if channel.stage == name}
-            known[name] = Node(name, stage.use, LeftOut, {}, reads, writes, stage.place)
+    writers = {name: _writers(known[name]) if name in known else [] for name in spec.stages}
+    for name in [name for name in spec.stages if name not in known]:
+        stage, reads = spec.stages[name], []
+        for port, entry in stage.wires.items():
+            channel = channels.get(str(entry.value.data))
+            longer = writers | {name: [*writers[name], channel.stage]} if channel else writers
+            is_sampled = bool(firing_order(longer)[1])
+            writers = writers if is_sampled else longer
+            reads.append(Input(Port(port, Message, latest=is_sampled), channel))
+        writes = {channel.port: channel for channel in channels.values() if channel.stage == name}
+        known[name] = Node(name, stage.use, LeftOut, {}, tuple(reads), writes, stage.place)
     return [known[name] for name in spec.stages]
 
 
 def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]:
     by_name = {node.name: node for node in nodes}
-    writers = {node.name: [channel.stage for _, channel in _plain(node)] for node in nodes}
-    order, loops = firing_order(writers)
+    order, loops = firing_order({node.name: _writers(node) for node in nodes})
     for loop in loops:
         reader = by_name[loop[0]]
         port = next(i.port.name for i, channel in _plain(reader) if channel.stage == loop[-2])
@@ -150,9 +158,12 @@ def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]
 
 
 def _plain(node: Node) -> list[tuple[Input, Channel]]:
-    """Return the inputs that fire a stage; none of one that is not known."""
-    inputs = () if node.is_left_out else node.inputs
-    return [(i, i.channel) for i in inputs if i.channel is not None and i.port.is_plain]
+    return [(i, i.channel) for i in node.inputs if i.channel is not None and i.port.is_plain]
+
+
+def _writers(node: Node) -> list[str]:
+    """Return the stages whose messages fire a stage."""
+    return [channel.stage for _, channel in _plain(node)]
 
 
 def _check_deploy(spec: Spec, problems: list[Problem]) -> None:

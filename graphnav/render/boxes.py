@@ -70,11 +70,13 @@ def _input(stem: str, given: list[InputChannel]) -> Box:
 
 
 def _stage(node: Node) -> Box:
+    """Return the box of a stage; one that is not known and that no message fires is taken for a source."""
+    is_fired = any(i.port.is_plain for i in node.inputs)
     return Box(
         node.name,
         node.name,
         node.use,
-        "source" if node.is_source else "stage",
+        "source" if node.is_source or (node.is_left_out and not is_fired) else "stage",
         tuple(InPort(i.port.name, i.channel, not i.port.is_plain, i.port.reading) for i in node.inputs),
         tuple(OutPort(port, c, shown_name(c.name) if c.name != c.ref else "") for port, c in node.outputs.items()),
     )

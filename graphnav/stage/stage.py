@@ -123,6 +123,10 @@ class Source(Stage):
 
     rate_hz: float = param(10.0, gt=0.0, le=10_000.0, doc="firings per second")
 
+    def is_remote(self) -> bool:
+        """Return whether it reads from another machine: only a run asks it for data, neither `check` nor ``doctor``."""
+        return False
+
     def rate(self) -> float:
         """Return firings per second; called after `reset`."""
         return self.rate_hz

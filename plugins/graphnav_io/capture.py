@@ -37,7 +37,12 @@ MAX_CAMERA = 9999
 VIDEO_DEVICES = 81
 """Major number of the device files of cameras on Linux."""
 
-_URL = re.compile(r"^([a-z][a-z0-9+.-]*):/+")
+_URL = re.compile(r"^([a-z][a-z0-9+.-]*):/+", re.IGNORECASE)
+
+
+def is_stream(path: Path) -> bool:
+    """Return whether a path is a URL, which is read from another program or machine."""
+    return _URL.match(str(path)) is not None
 
 
 def open_capture(path: Path, open_timeout_s: float = OPEN_TIMEOUT_S) -> CaptureFrames:
@@ -50,8 +55,9 @@ def open_capture(path: Path, open_timeout_s: float = OPEN_TIMEOUT_S) -> CaptureF
     ParamError
         It does not exist, or OpenCV cannot read it.
     """
-    text = _URL.sub(r"\1://", str(path))  # Path keeps one of two slashes
-    if _URL.match(text):
+    text = str(path)
+    if is_stream(path):
+        text = _URL.sub(r"\1://", text)  # Path keeps one of two slashes
         wait = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, math.ceil(open_timeout_s * 1e3)]
         return _opened((text, cv2.CAP_FFMPEG, wait), f"the stream '{text}'", live=True)
     if text.isdecimal() and not path.exists():
@@ -69,7 +75,7 @@ def open_capture(path: Path, open_timeout_s: float = OPEN_TIMEOUT_S) -> CaptureF
         raise ParamError("path", f"'{path}' is not a regular file", "give a video file, a camera's number or a URL")
     if found.st_size == 0:
         raise ParamError("path", f"'{path}' is empty")
-    return _opened((text,), f"'{path}'", live=False)
+    return _opened((os.path.abspath(path),), f"'{path}'", live=False)  # a relative name might be read as a protocol
 
 
 def _opened(source: tuple[Any, ...], name: str, *, live: bool) -> CaptureFrames:

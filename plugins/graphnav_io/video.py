@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav import Image, ParamError, Source, param
-from graphnav_io.capture import OPEN_TIMEOUT_S, first_frame, open_capture
+from graphnav_io.capture import OPEN_TIMEOUT_S, first_frame, is_stream, open_capture
 from graphnav_io.frames import Frames
 from graphnav_io.pictures import PictureFrames, check_pictures, find_pictures, is_pictures
 from graphnav_io.playback import next_image
@@ -36,8 +36,10 @@ class Video(Prepared, Source):
     )
 
     def check(self) -> None:
-        """Check that the video opens and that its first frame can be decoded."""
+        """Check that the video opens and that its first frame can be decoded; a stream is opened by a run only."""
         super().check()
+        if self.is_remote():
+            return
         if is_pictures(self.path):
             self.check_picture(check_pictures(self.path))
             return
@@ -47,13 +49,17 @@ class Video(Prepared, Source):
                 self.check_picture(first_frame(frames))
         finally:
             frames.close()
-        if not (self.rate_hz or frames.rate_hz):
-            raise ParamError("path", f"'{self.path}' does not declare a frame rate", "set 'rate_hz'")
+        self._check_rate(frames)
+
+    def is_remote(self) -> bool:
+        """Return whether the video is a stream."""
+        return is_stream(self.path)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002
         """Open the video at its first frame."""
         self.close()
         self._frames: Frames | None = self._open()
+        self._check_rate(self._frames)
         self._preparation = self.preparation()
 
     def rate(self) -> float:
@@ -73,7 +79,11 @@ class Video(Prepared, Source):
             frames.close()
         self._frames = None
 
+    def _check_rate(self, frames: Frames) -> None:
+        if not (self.rate_hz or frames.rate_hz or is_pictures(self.path)):
+            raise ParamError("path", f"'{self.path}' does not declare a frame rate", "set 'rate_hz'")
+
     def _open(self) -> Frames:
-        if is_pictures(self.path):
+        if is_pictures(self.path) and not self.is_remote():
             return PictureFrames(find_pictures(self.path))
         return open_capture(self.path, self.open_timeout_s)

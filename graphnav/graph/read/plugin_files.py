@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,7 +111,7 @@ def _reason(error: OSError) -> str:
 def _left_out(graph: Path, item: Value, catalog: Catalog) -> Problem:
     folder = shown_path(graph.parent.resolve())
     what = f"left out: plugin {item.data}, Python code that is not trusted in {folder}"
-    return Problem(item.place, what, catalog.trust.hint, "untrusted")
+    return Problem(item.place, what, catalog.trust.hint.format(folder=shlex.quote(folder)), "untrusted")
 
 
 def _items(value: Value, problems: list[Problem]) -> Iterator[Value]:

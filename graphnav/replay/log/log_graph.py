@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
@@ -16,7 +17,7 @@ from graphnav.record import ABOUT, LOG, Recording
 from graphnav.run_folder import GRAPH
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recording.kept_messages import complete_channels, record_option
-from graphnav.spec import RecordOption, parse_yaml
+from graphnav.spec import RecordOption, parse_yaml, read_bytes
 
 _SEED = Target("run", key="seed")
 
@@ -81,10 +82,13 @@ def _own_graph(
     recording: Recording, about: About | None, catalog: Catalog, overrides: Sequence[Override], given: Collection[str]
 ) -> Graph:
     """Return the graph of a run folder, else the graph in the log; ``given``: names of loaded plugins."""
-    saved = recording.path.parent / GRAPH
-    if recording.path.name == LOG and saved.is_file() and _is_of_log(saved.read_bytes(), about):
-        source = shown_path(saved)
-        return graph_of(saved.read_bytes(), saved, catalog, overrides, source, given, is_record=True)
+    saved, notice = recording.path.parent / GRAPH, ""
+    if recording.path.name == LOG and saved.is_file():
+        data = read_bytes(saved, Place(shown_path(saved)))
+        differing = _differing_section(data, about)
+        if not differing:
+            return graph_of(data, saved, catalog, overrides, shown_path(saved), given, is_record=True)
+        notice = f"{shown_path(saved)} is not the graph of the log: '{differing}' differs; that of the log is stepped"
     source = shown_path(recording.path)
     if about is None:
         what = f"{source} does not hold the graph that produced it: no readable '{ABOUT}'"
@@ -102,7 +106,8 @@ def _own_graph(
     if absent:
         what = f"the graph of this log needs the plugin '{absent[0]}'"
         raise UserError.of(what, "name the file with --plugin FILE", Place(source))
-    return graph_of(data, recording.path, catalog, overrides, source, named, is_record=True)
+    found = graph_of(data, recording.path, catalog, overrides, source, named, is_record=True)
+    return replace(found, notices=(notice, *found.notices)) if notice else found
 
 
 def _log_graph(graph: Graph, about: About | None, recorded: Graph | None) -> LogGraph:
@@ -135,11 +140,23 @@ def _with_seed(graph: Graph, about: About | None, overrides: Sequence[Override])
     return replace(graph, run=replace(graph.run, seed=about.seed))
 
 
-def _is_of_log(saved: bytes, about: About | None) -> bool:
-    """Whether the graph next to a log equals the graph in the log, except the base folder of paths."""
+def _differing_section(saved: bytes, about: About | None) -> str:
+    """Return the first key of the graph beside a log that is not as in the log, empty if everything is the same.
+
+    Paths are absolute in one, and plugins are copies in the other; those of ``--plugin`` are not in the log.
+    """
     if about is None:
-        return True
-    return _is_same(_section(saved, "stages"), _section(_yaml_of(about), "stages"))
+        return ""
+    ours, logged = _plain(saved), _plain(_yaml_of(about))
+    if not _plugin_names(logged) <= _plugin_names(ours):
+        return "plugins"
+    keys = dict.fromkeys((*logged, *ours))
+    return next((k for k in keys if k != "plugins" and not _is_same(ours.get(k), logged.get(k))), "")
+
+
+def _plugin_names(graph: Mapping[str, Any]) -> set[str]:
+    listed = graph.get("plugins")
+    return {PurePath(str(item)).name for item in listed} if isinstance(listed, list) else set()
 
 
 def _yaml_of(about: About) -> bytes:
@@ -148,11 +165,15 @@ def _yaml_of(about: About) -> bytes:
 
 def _section(data: bytes, key: str) -> dict[str, Any]:
     """Return a section of a graph, empty if it is missing."""
+    return _mapping(_plain(data).get(key))
+
+
+def _plain(data: bytes) -> dict[str, Any]:
+    """Return a graph as plain data, empty if it is not YAML."""
     try:
-        plain = parse_yaml(data, GRAPH)[0].plain()
+        return _mapping(parse_yaml(data, GRAPH)[0].plain())
     except UserError:
         return {}
-    return _mapping(plain.get(key)) if isinstance(plain, dict) else {}
 
 
 def _mapping(found: Any) -> dict[str, Any]:
@@ -164,6 +185,12 @@ def _is_same(saved: Any, logged: Any) -> bool:
         return saved.keys() == logged.keys() and all(_is_same(saved[key], logged[key]) for key in saved)
     if isinstance(saved, list) and isinstance(logged, list):
         return len(saved) == len(logged) and all(map(_is_same, saved, logged))
-    if isinstance(saved, str) and isinstance(logged, str):
-        return saved == logged or PurePath(saved).name == PurePath(logged).name
+    if isinstance(saved, str) and isinstance(logged, str) and PurePath(saved).is_absolute():
+        return saved == logged or _is_below(PurePath(os.path.normpath(saved)), PurePath(os.path.normpath(logged)))
     return bool(saved == logged)
+
+
+def _is_below(path: PurePath, written: PurePath) -> bool:
+    """Return whether an absolute path ends as a graph writes it from some folder: ``../maps/room.yaml``."""
+    parts = [part for part in written.parts if part != ".." and not part.startswith("~")]
+    return not written.is_absolute() and path.parts[-len(parts) :] == tuple(parts)

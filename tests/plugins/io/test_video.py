@@ -95,7 +95,7 @@ def test_a_missing_camera_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
 
 def test_a_dead_stream_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ParamError) as raised:
-        Video(path=Path("http://127.0.0.1:9/drive.mp4")).check()
+        Video(path=Path("http://127.0.0.1:9/drive.mp4")).reset(seed=0)
     assert raised.value.what == "the stream 'http://127.0.0.1:9/drive.mp4' cannot be opened"
     assert capfd.readouterr() == ("", "")
 
