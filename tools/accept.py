@@ -6,6 +6,7 @@ import argparse
 import sys
 
 from acceptance.attacking import attack_item
+from acceptance.clocks import clocks_item
 from acceptance.comparing import controls_item, targets_item
 from acceptance.coverage import coverage_item
 from acceptance.damaging import damage_item
@@ -33,6 +34,7 @@ from acceptance.same_results import results_item
 from acceptance.screens import screens_item
 from acceptance.seeing import floor_item, sees_item
 from acceptance.soak import soak_item
+from acceptance.stopped_sender import stopped_sender_item
 from acceptance.studying import kill_item, parallel_item
 from acceptance.takeovers import takeovers_item
 from acceptance.trusting import trust_item
@@ -87,6 +89,8 @@ ITEMS = {
     "soak": soak_item,
     "trust": trust_item,
     "attack": attack_item,
+    "stopped_sender": stopped_sender_item,
+    "clocks": clocks_item,
 }
 
 

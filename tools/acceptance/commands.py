@@ -19,6 +19,8 @@ class Heard(NamedTuple):
     at_s: float
     v_mps: float
     omega_radps: float
+    utime: int
+    """Its stamp."""
 
     @property
     def is_stop(self) -> bool:
@@ -71,7 +73,7 @@ class CommandListener:
     def _hear(self, _channel: str, data: bytes) -> None:
         now_s = time.monotonic()
         twist = graphnav_lcm.twist_t.decode(data)
-        self.heard.append(Heard(now_s, twist.v_mps, twist.omega_radps))
+        self.heard.append(Heard(now_s, twist.v_mps, twist.omega_radps, twist.utime))
 
     def _listen(self) -> None:
         while not self._ending.is_set():

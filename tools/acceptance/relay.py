@@ -1,8 +1,9 @@
 """A relay between two LCM groups that can be told, line by line on its standard input, what to do to the camera.
 
 Robot and navigation each have a group of their own, and relays carry the channels named from one to the other, so that
-a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"drop": "half"}``,
-``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"picture": "white"}``, ``{"picture": "covered"}``;
+a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"jitter_s": 0.03}``,
+``{"drop": "half"}``, ``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"stamps": "milliseconds"}``
+(see `STAMPS`), ``{"picture": "white"}``, ``{"picture": "covered"}``;
 ``{}`` means no fault. Each line replaces the one before. ``{"corrupt": KIND}`` corrupts every second message of the
 first channel, whichever it is. It imports nothing of the runner: what it tests is not what it is made of.
 """
@@ -12,10 +13,11 @@ from __future__ import annotations
 import argparse
 import heapq
 import json
+import random
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import lcm
@@ -26,6 +28,14 @@ from graphnav import Image
 from graphnav.codec import decode, encode
 
 CAMERA = "CAMERA"
+STAMPS: dict[str, Callable[[int], int]] = {
+    "seconds": lambda utime: utime // 1_000_000,
+    "milliseconds": lambda utime: utime // 1000,
+    "nanoseconds": lambda utime: utime * 1000,
+    "CLOCK_MONOTONIC": lambda utime: utime + (time.monotonic_ns() - time.time_ns()) // 1000,
+    "zero": lambda _: 0,
+}
+"""Stamps in another unit or of another clock."""
 _LEVEL = {"white": 255, "covered": 4}
 
 
@@ -39,6 +49,7 @@ class Relay:
         self._corrupter = Corrupter(channels[0])
         self._waiting: list[tuple[float, int, str, bytes]] = []
         self._count = self._images = 0
+        self._random = random.Random(1)
         self._last: bytes | None = None
         self._condition = threading.Condition()
         for channel in channels:
@@ -56,6 +67,7 @@ class Relay:
             data = self._corrupter.spoil(kind, data)
         elif channel == CAMERA:
             delay_s = float(self.fault.get("delay_s", 0.0))
+            delay_s += self._random.uniform(0.0, float(self.fault.get("jitter_s", 0.0)))
             faulty = self._faulty(data)
             if faulty is None:
                 return
@@ -76,8 +88,9 @@ class Relay:
             return None
         if fault.get("repeat") and self._last is not None:
             return self._last
-        if jump_s := fault.get("jump_s"):
-            utime = int.from_bytes(data[8:16], "big", signed=True) + round(jump_s * 1e6)
+        if fault.keys() & {"jump_s", "stamps"}:
+            utime = int.from_bytes(data[8:16], "big", signed=True) + round(fault.get("jump_s", 0.0) * 1e6)
+            utime = STAMPS[fault["stamps"]](utime) if "stamps" in fault else utime
             data = data[:8] + utime.to_bytes(8, "big", signed=True) + data[16:]
         if picture := fault.get("picture"):
             utime, seq, image = decode(Image, data)

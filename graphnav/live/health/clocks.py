@@ -102,11 +102,10 @@ class Clocks:
         if abs(offset_s) < _OFFSET_S:
             self._told.pop(key, None)
             return
+        self.is_troubled = True
         fate = f"{pair.stage} cannot join them"
-        if pair.is_sampled and offset_s < 0:
+        if pair.is_sampled and -self._runner.clock.run_s() < offset_s < 0:  # samples of that time have come
             fate = f"{pair.stage} joins what is that far apart, unless {first.source.name} takes that long"
-        else:
-            self.is_troubled = True
         note = f"stamps of {first.source.name} are {_span(offset_s)} {_side(offset_s)} those of {second.source.name}"
         self.notes[pair.first] = f"{note}: {fate}"
         yield from self._news(key, f"{pair.first}: {note}: {fate}", offset_s, _SYNC)

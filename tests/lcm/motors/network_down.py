@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 
 from graphnav.codec import encode
+from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.messages import Twist
 from graphnav.motors.sender import MotorChannel, MotorSender
 
@@ -32,10 +33,18 @@ def main() -> None:
     sender = MotorSender(
         "udpm://239.255.76.67:7667?ttl=0", [MotorChannel("M", encode(Twist(0.0, 0.0), 0, 0), 8, 16, 0.1)]
     )
+    traffic = MotorTraffic()
+    traffic.motors = sender
     send_until(sender, lambda: sender.counts.forwarded > 5)
+    assert not list(traffic.look(time.monotonic()))
+    assert not traffic.fault
     ip("route", "del", "224.0.0.0/4", "dev", "lo")
     send_until(sender, lambda: sender.counts.failed > 5)
     before = sender.counts
+    told = list(traffic.look(time.monotonic()))
+    assert told == ["motors: the network takes no messages on the motor channels: nothing is sent"]
+    assert traffic.fault == "the network takes no messages: nothing is sent"
+    assert not list(traffic.look(time.monotonic()))
     sender.stop()
     until_s = time.monotonic() + 30.0
     while sender.counts.failed < before.failed + 20:
@@ -45,6 +54,9 @@ def main() -> None:
     ip("route", "add", "224.0.0.0/4", "dev", "lo")
     send_until(sender, lambda: sender.counts.forwarded > before.forwarded + 5)
     assert sender.alive
+    list(traffic.look(time.monotonic()))
+    list(traffic.look(time.monotonic() + 2.0))
+    assert not traffic.fault
     sender.close()
     assert sender.stops > 10
 
