@@ -108,6 +108,9 @@ from .messages import (
     Odometry as Odometry,
 )
 from .messages import (
+    OdometryCheck as OdometryCheck,
+)
+from .messages import (
     Planar as Planar,
 )
 from .messages import (
@@ -137,6 +140,7 @@ from .messages import (
 from .messages import (
     Twist as Twist,
 )
+from .mount import Mount as Mount
 from .pictures import (
     PictureContext as PictureContext,
 )

@@ -2,7 +2,7 @@
 
 from graphnav.messages.local_map import LocalMap
 from graphnav.messages.message import ZERO_MEANS, FieldError, Message, snake_case
-from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, State, Steering, Stop, Twist
+from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, OdometryCheck, State, Steering, Stop, Twist
 from graphnav.messages.run import About, Fired, Status
 from graphnav.messages.vision import Components, Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
@@ -21,6 +21,7 @@ __all__ = [
     "Message",
     "Motion",
     "Odometry",
+    "OdometryCheck",
     "Planar",
     "PlanarModel",
     "Plane",

@@ -58,6 +58,22 @@ class Odometry(Message, lcm=graphnav_lcm.odometry_t):
     omega_radps: float
 
 
+class OdometryCheck(Message, lcm=graphnav_lcm.odometry_check_t):
+    """Whether odometry agrees with the motion that the picture shows.
+
+    ``fault``: "" or why odometry is not used: "jump" or "turn_jump" (between two samples), "motionless" (the picture
+    moves, odometry does not), "reversed" (it moves the other way) or "scale" (it moves by far more, as degrees read as
+    radians do). ``value``, ``limit``: metres for a jump, radians for a turn_jump, else the motion by odometry as a
+    multiple of the motion that the picture shows. ``agrees``: whether it has agreed with a picture that moved, in what
+    was at fault before.
+    """
+
+    fault: str
+    value: float
+    limit: float
+    agrees: bool
+
+
 class Stop(Message, lcm=graphnav_lcm.stop_t):
     """Stop the robot (``engaged``), or arm it again; ``reason`` is shown to users.
 
@@ -74,13 +90,15 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
     """The decision of the guard before the motors, and its causes.
 
     ``may_move``: whether any motion is allowed; ``may_advance``: whether forward motion is. ``overridden``: an
-    override is active. ``stopped``: a stop was requested and the guard was not armed again since.
+    override is active. ``stopped``: a stop was requested, or a frozen picture or faulty odometry holds the robot for
+    good, and the guard was not armed again since.
 
     ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that restricts motion now, or would
     without the override: "waiting" (no message yet), "stale", "fault" (of the sender's timestamps, or a value that is
-    not finite), "blind", "unknown" (cells that were not judged), "obstacle" or "stop"; the guard's input port; the
-    measured value and its limit (seconds for waiting and stale; for blind a ratio of a plane or gray levels of an
-    image; a ratio for unknown and obstacle; else 0).
+    not finite), "blind", "unknown" (cells that were not judged), "obstacle", "frozen" (a picture that does not move
+    while the robot does), a fault of `OdometryCheck` or "stop"; the guard's input port; the measured value and its
+    limit (seconds for waiting and stale; for blind a ratio of a plane or gray levels of an image; a ratio for unknown
+    and obstacle; pixels for frozen; those of the check for odometry; else 0).
     """
 
     may_move: bool

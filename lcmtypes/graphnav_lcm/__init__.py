@@ -16,6 +16,7 @@ from .input_status_t import input_status_t as input_status_t
 from .local_map_t import local_map_t as local_map_t
 from .map_t import map_t as map_t
 from .motion_t import motion_t as motion_t
+from .odometry_check_t import odometry_check_t as odometry_check_t
 from .odometry_t import odometry_t as odometry_t
 from .output_status_t import output_status_t as output_status_t
 from .planar_model_t import planar_model_t as planar_model_t

@@ -1,4 +1,4 @@
-"""Causes that forbid the robot to move: missing, old or faulty inputs, and blind views."""
+"""Causes that restrict the robot: missing, old or faulty inputs, blind views, inputs that do not follow its motion."""
 
 from __future__ import annotations
 
@@ -17,12 +17,16 @@ _BLOCKS = (16, 12)
 
 
 class Cause(NamedTuple):
-    """An entry of `graphnav.GuardState`: the cause, the guard's input port, the value and its limit."""
+    """An entry of `graphnav.GuardState`: the cause, the guard's input port, the value and its limit.
+
+    ``is_retried``: the robot drives slowly to see whether the cause is gone; otherwise it may not go forward.
+    """
 
     name: str
     port: str
     value: float = 0.0
     limit: float = 0.0
+    is_retried: bool = False
 
 
 class Staleness:

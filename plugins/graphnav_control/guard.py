@@ -6,13 +6,34 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from graphnav import Age, GuardState, Image, Latest, Plane, Stage, Stamp, Stop, Twist, param
+from graphnav import (
+    Age,
+    Flow,
+    GuardState,
+    Image,
+    Latest,
+    Motion,
+    Mount,
+    OdometryCheck,
+    Plane,
+    Stage,
+    Stamp,
+    Stop,
+    Twist,
+    param,
+)
 from graphnav_control.causes import Cause, Staleness, contrast, judged_ratio, lost
+from graphnav_control.latch import Latch
 from graphnav_control.limits import limited
+from graphnav_control.shown_motion import SETTLE_US, SentCommands, ShownMotion
 
 STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
 REST_MPS = 1e-9
 """Speeds up to this are not forward: the cosine of a right angle is not exactly 0."""
+MIN_MOVED = 2
+"""Flows that move before a picture that was frozen is trusted again."""
+REPEAT_US = 1_000_000
+"""A message that arms the guard is one order with those that came less than this before: a heartbeat is not many."""
 
 
 class GuardOutputs(NamedTuple):
@@ -25,13 +46,26 @@ class GuardOutputs(NamedTuple):
 class Guard(Stage):
     """Lets a command through to the motors while the robot sees, and stops it otherwise.
 
-    The robot stands while a wired input among ``command``, ``plane`` and ``image`` has not arrived yet ("waiting"), is
-    older than ``max_age_s`` ("stale", until for as long its age has stayed below 0.8 of that), or has implausible
-    stamps or values that are not finite ("fault"). It also stands while too little of the plane could be judged or the
-    image is blank ("blind"): unknown is not free. While nearly all judged cells are obstacle ("obstacle") it may turn
-    and drive backward, but not forward. The same holds by default while more than ``max_unknown_ratio`` of the cells
-    inside the picture's rim were not judged ("unknown", see `Plane.unknown`), as before a white wall; ``unjudged``
-    chooses another reaction.
+    The robot stands while a wired input among ``command``, ``plane``, ``image``, ``flow`` and ``odometry`` has not
+    arrived yet ("waiting"), is older than ``max_age_s`` ("stale", until for as long its age has stayed below 0.8 of
+    that), or has implausible stamps or values that are not finite ("fault"). It also stands while too little of the
+    plane could be judged or the image is blank ("blind"): unknown is not free. While nearly all judged cells are
+    obstacle ("obstacle") it may turn and drive backward, but not forward. The same holds by default while more than
+    ``max_unknown_ratio`` of the cells inside the picture's rim were not judged ("unknown", see `Plane.unknown`), as
+    before a white wall; ``unjudged`` chooses another reaction.
+
+    It stands where the picture does not move although the robot does ("frozen"): a camera that repeats its picture, a
+    covered lens, wheels that spin. That is, for ``frozen_s`` and at least three flows, the median length of the valid
+    ``flow`` is below ``frozen_px`` where three times as much is predicted: by ``motion``, which has to come from
+    odometry, else by the slowest command that the guard sent in the half second before. Flows of slow motions are
+    added up. A picture that only repeats is not frozen, since a robot that stands sees the same picture; a plane is
+    not fresh evidence, since it is made of the same picture. And it stands where ``odometry``, as `odometry.motion`
+    checks it, contradicts the picture ("jump", "motionless", "reversed", "scale").
+
+    Both hold the robot beyond the evidence, which is gone when it stands. After a second it retries once, slowly and
+    ``retry_m`` at most, and drives on if the input now follows its motion. If not, it stands until the guard is armed
+    (by a ``stop`` message that is not engaged) or the picture changes, which allows another such retry, or until an
+    operator has driven it by ``override`` and the input has followed.
 
     A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
     published. When it ends, the command drives again. An override with implausible stamps stops the robot.
@@ -102,10 +136,30 @@ class Guard(Stage):
         None, gt=0.0, le=1e6, doc="maximum angular acceleration; null for no limit"
     )
 
+    frozen_px: float = param(
+        0.1,
+        ge=0.0,
+        le=1000.0,
+        doc="median length of the flow below which the picture does not move, where the robot's motion predicts three "
+        "times as much; in the drives of the shipped graphs the flow of a robot that moves has 1 and more, that of one "
+        "that stands 0.03 and less; 0 judges no flow",
+    )
+    frozen_s: float = param(0.4, gt=0.0, le=60.0, doc="time without motion in the flow after which it is frozen")
+    retry_m: float = param(
+        0.1,
+        ge=0.0,
+        le=10.0,
+        doc="distance of the retry after a frozen picture or faulty odometry; 0 waits for an operator at once",
+    )
+    camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=Mount.HEIGHT_DOC)
+    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=Mount.TILT_DOC)
+    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=Mount.FOV_DOC)
+    camera_forward_m: float = param(0.0, ge=-100.0, le=100.0, doc=Mount.FORWARD_DOC)
+
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, armed."""
         self._is_stopped = False
-        self._staleness = {port: Staleness() for port in ("command", "plane", "image")}
+        self._staleness = {port: Staleness() for port in ("command", "plane", "image", "flow", "odometry")}
         self._turnable = {"obstacle"} if self.unjudged == "hold" else {"obstacle", "unknown"}
         self._passable = {"unknown"} if self.unjudged == "brake" else set[str]()
         self._last = STANDSTILL
@@ -114,12 +168,22 @@ class Guard(Stage):
         # Of the last plane and the last image: the guard fires more often than they come.
         self._seen: tuple[Plane | None, float, float] = None, 0.0, 0.0
         self._contrast: tuple[Image | None, float] = None, 0.0
+        self._sent = SentCommands()
+        mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
+        self._shown = ShownMotion(mount, self.frozen_px, self.frozen_s)
+        self._picture, self._odometry = Latch(self.retry_m), Latch(self.retry_m)
+        self._odometry_cause = Cause("", "odometry")
+        self._order: tuple[Stop | None, int | None] = None, None
+        self._was_driven = False
 
     def step(
         self,
         command: Twist | None,
         plane: Latest[Plane],
         image: Latest[Image],
+        flow: Latest[Flow],
+        motion: Latest[Motion],
+        odometry: Latest[OdometryCheck],
         override: Latest[Twist],
         stop: Latest[Stop],
         utime: Stamp,
@@ -129,32 +193,32 @@ class Guard(Stage):
         if self._begin is None:
             self._begin = self._before = utime
         waited_s = (utime - self._begin) * 1e-6
+        elapsed_s = min(max(utime - self._before, 0) * 1e-6, self.max_age_s)
+        driver, stops = self._driver(override)
+        is_armed = self._obey(stop, utime)
+        if self._is_stopped:
+            stops.append(Cause("stop", "stop"))
+        self._was_driven |= driver is not None
         causes = [
             *self._lost("command", Latest(command, command_age_s), waited_s),
             *self._of_plane(plane, waited_s),
             *self._of_image(image, waited_s),
+            *self._of_flow(flow, motion, utime, waited_s, elapsed_s, is_armed=is_armed),
+            *self._of_odometry(odometry, utime, waited_s, elapsed_s, is_armed=is_armed),
         ]
-        driver, stops = self._driver(override)
-        stops += self._of_stop(stop)
-        active = set() if driver is not None else {cause.name for cause in causes}
-        may_move = not stops and active <= self._turnable
-        may_advance = may_move and active <= self._passable
-        wanted = command if driver is None else driver
-        if wanted is None or not may_move:
-            wanted = STANDSTILL
-        elif active and wanted.v_mps > REST_MPS:
-            kept = self.unknown_speed_ratio if may_advance else 0.0
-            wanted = Twist(v_mps=kept * wanted.v_mps, omega_radps=wanted.omega_radps)
-        self._last = self._limited(wanted, min(max(utime - self._before, 0) * 1e-6, self.max_age_s))
-        self._before = utime
+        may_move, may_advance, wanted = self._allowed(command if driver is None else driver, driver, stops, causes)
+        self._last = self._limited(wanted, elapsed_s)
+        self._before, self._was_driven = utime, driver is not None
+        self._sent.add(utime, self._last)
         causes = stops + causes
+        is_latched = self._picture.is_latched or self._odometry.is_latched
         return GuardOutputs(
             self._last,
             GuardState(
                 may_move=may_move,
                 may_advance=may_advance,
                 overridden=driver is not None and not stops,
-                stopped=self._is_stopped,
+                stopped=self._is_stopped or (is_latched and driver is None),
                 causes=tuple(cause.name for cause in causes),
                 ports=tuple(cause.port for cause in causes),
                 values=np.array([cause.value for cause in causes]),
@@ -162,8 +226,30 @@ class Guard(Stage):
             ),
         )
 
+    def _allowed(
+        self, wanted: Twist | None, driver: Twist | None, stops: list[Cause], causes: list[Cause]
+    ) -> tuple[bool, bool, Twist]:
+        """Return whether the robot may move, whether forward, and the command within that."""
+        active = set() if driver is not None else {cause.name for cause in causes if not cause.is_retried}
+        may_move = not stops and active <= self._turnable
+        may_advance = may_move and active <= self._passable
+        if wanted is None or not may_move:
+            return may_move, may_advance, STANDSTILL
+        if active and wanted.v_mps > REST_MPS:
+            kept = self.unknown_speed_ratio if may_advance else 0.0
+            wanted = Twist(v_mps=kept * wanted.v_mps, omega_radps=wanted.omega_radps)
+        if driver is None and (self._picture.is_retrying or self._odometry.is_retrying):
+            v_mps = limited(wanted.v_mps, 0.0, self._picture.speed_mps, None, 0.0)
+            wanted = Twist(v_mps=v_mps, omega_radps=wanted.omega_radps)
+        return may_move, may_advance, wanted
+
     def _lost(self, port: str, input: Latest[Any], waited_s: float) -> list[Cause]:  # noqa: A002
         return lost(port, input, self._staleness[port], self.max_age_s, waited_s)
+
+    def _lost_late(self, port: str, input: Latest[Any], waited_s: float) -> list[Cause]:  # noqa: A002
+        """Return what `_lost` does; what is made of two pictures is waited for, since it comes after the first one."""
+        causes = self._lost(port, input, waited_s)
+        return causes if waited_s > self.max_age_s else [cause for cause in causes if cause.name != "waiting"]
 
     def _of_plane(self, plane: Latest[Plane], waited_s: float) -> list[Cause]:
         causes = self._lost("plane", plane, waited_s)
@@ -189,14 +275,76 @@ class Guard(Stage):
         seen = self._contrast[1]
         return [Cause("blind", "image", seen, self.min_contrast_gray)] if seen < self.min_contrast_gray else []
 
-    def _of_stop(self, stop: Latest[Stop]) -> list[Cause]:
-        """Handle the newest stop message; return the cause while it is engaged."""
-        if stop.value is not None:
-            if stop.value.engaged:
-                self._is_stopped = True
-            elif stop.age_s <= self.max_age_s and not stop.fault:
-                self._is_stopped = False
-        return [Cause("stop", "stop")] if self._is_stopped else []
+    def _of_flow(
+        self,
+        flow: Latest[Flow],
+        motion: Latest[Motion],
+        utime: int,
+        waited_s: float,
+        elapsed_s: float,
+        *,
+        is_armed: bool,
+    ) -> list[Cause]:
+        """Judge whether the picture moves as the robot does."""
+        if not flow.is_connected or not self.frozen_px:
+            return []
+        causes = self._lost_late("flow", flow, waited_s)
+        if not causes:
+            self._shown.see(utime, flow, motion, self._sent, self.max_age_s)
+        moves = self._picture.is_retrying or self._was_driven
+        found = Cause("frozen", "flow", self._shown.shown_px, self.frozen_px)
+        if self._picture.update(
+            utime,
+            abs(self._last.v_mps) * elapsed_s,
+            is_faulty=self._shown.is_frozen,
+            is_proven=moves and self._shown.moved >= MIN_MOVED,
+            is_new=is_armed or self._shown.moved > 0,
+        ):
+            self._shown.restart()
+        return causes + self._held(self._picture, found)
+
+    def _of_odometry(
+        self, odometry: Latest[OdometryCheck], utime: int, waited_s: float, elapsed_s: float, *, is_armed: bool
+    ) -> list[Cause]:
+        """Handle what the odometry's check found; it holds the robot beyond that if it was driving."""
+        causes = self._lost_late("odometry", odometry, waited_s)
+        check = odometry.value
+        if check is None or causes:
+            return causes
+        if check.fault:
+            self._odometry_cause = Cause(check.fault, "odometry", check.value, check.limit)
+        is_driven = self._sent.moved(utime - 2 * SETTLE_US)
+        self._odometry.update(
+            utime,
+            abs(self._last.v_mps) * elapsed_s,
+            is_faulty=bool(check.fault) and (is_driven or not self._odometry.is_free),
+            is_proven=check.agrees and not check.fault,
+            is_new=is_armed,
+        )
+        if check.fault and self._odometry.is_free:
+            return [self._odometry_cause]
+        return self._held(self._odometry, self._odometry_cause)
+
+    @staticmethod
+    def _held(latch: Latch, cause: Cause) -> list[Cause]:
+        return [] if latch.is_free else [cause._replace(is_retried=latch.is_retrying)]
+
+    def _obey(self, stop: Latest[Stop], utime: int) -> bool:
+        """Handle the newest stop message; return whether it is a new order that arms the guard."""
+        if stop.value is None:
+            return False
+        if stop.value.engaged:
+            self._is_stopped = True
+            self._order = stop.value, None
+            return False
+        if stop.age_s > self.max_age_s or stop.fault:
+            return False
+        self._is_stopped = False
+        heard, armed = self._order
+        if heard is stop.value:
+            return False
+        self._order = stop.value, utime
+        return armed is None or utime - armed > REPEAT_US
 
     def _driver(self, override: Latest[Twist]) -> tuple[Twist | None, list[Cause]]:
         """Return the active override, if any, and the cause that forbids a fresh one."""

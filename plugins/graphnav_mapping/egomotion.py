@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 
-from graphnav import Flow, Motion, Plane, Stage, coarsen, param
+from graphnav import Flow, Motion, Mount, Plane, Stage, coarsen, param
 from graphnav.arrays import Bools, Doubles
-from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
 
 MIN_VECTORS = 12
 _ITERATIONS = 4
@@ -31,10 +30,10 @@ class Egomotion(Stage):
        Society B 208, 1980.
     """
 
-    camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=HEIGHT_DOC)
-    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
-    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
-    camera_forward_m: float = param(0.0, ge=-100.0, le=100.0, doc=FORWARD_DOC)
+    camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=Mount.HEIGHT_DOC)
+    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=Mount.TILT_DOC)
+    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=Mount.FOV_DOC)
+    camera_forward_m: float = param(0.0, ge=-100.0, le=100.0, doc=Mount.FORWARD_DOC)
     shakes: bool = param(True, doc="whether pitch and roll are estimated too; false: the camera is rigid")
     noise_px: float = param(
         0.1, ge=0.001, le=100.0, doc="flow noise: a vector that differs by this has a weight of a quarter"
@@ -82,9 +81,7 @@ class Egomotion(Stage):
         uv = cells.uv_px[counts].astype(np.float64) / (cells.step_px * focal_px)
         rays = self._mount.rays(rows, cols)[counts]
         rays[:, :2] -= uv / 2
-        columns = _columns(self._mount, rays)
-        if not self.shakes:
-            columns = columns[:2]
+        columns = self._mount.floor_flow(rays)[: 4 if self.shakes else 2]
         equations = columns.reshape(len(columns), -1).T
         measured = uv.T.reshape(-1)
         noise = self.noise_px / (cells.step_px * focal_px)
@@ -96,26 +93,3 @@ class Egomotion(Stage):
             left = (measured - equations @ moved).reshape(2, -1)
             weight = 1.0 / (1.0 + (left**2).sum(axis=0) / noise**2) ** 2
         return np.asarray(moved)
-
-
-def _columns(mount: Mount, rays: Doubles) -> Doubles:
-    """Return the flow (4, 2, n) at ``rays`` (n, 3) to the floor by 1 m forward and 1 rad of turn, pitch and roll."""
-    R = mount.R_CR
-    x, y = rays[:, 0], rays[:, 1]
-    inverse_depth = np.maximum(-(rays @ R)[:, 2], 0.0) / mount.height_m
-    forward = R @ [1.0, 0.0, 0.0]
-    sideways = mount.forward_m * (R @ [0.0, 1.0, 0.0])
-    still = np.zeros(3)
-    columns = []
-    for translation, rotation in (
-        (forward, still),
-        (sideways, R @ [0.0, 0.0, 1.0]),
-        (still, R @ [0.0, 1.0, 0.0]),
-        (still, R @ [1.0, 0.0, 0.0]),
-    ):
-        tx, ty, tz = translation
-        wx, wy, wz = rotation
-        u = (x * tz - tx) * inverse_depth + x * y * wx - (1 + x * x) * wy + y * wz
-        v = (y * tz - ty) * inverse_depth + (1 + y * y) * wx - x * y * wy - x * wz
-        columns.append([u, v])
-    return np.array(columns)

@@ -8,10 +8,10 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from graphnav import Continuity, LocalMap, Motion, ParamError, Plane, Stage, Stamp, param
+from graphnav import Continuity, LocalMap, Motion, Mount, ParamError, Plane, Stage, Stamp, param
 from graphnav.arrays import Bools, Bytes
 from graphnav_mapping.cell_regions import distance_m, small_regions
-from graphnav_mapping.mount import FORWARD_DOC, FOV_DOC, HEIGHT_DOC, TILT_DOC, Mount
+from graphnav_mapping.mount import MaskMount
 from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
 
@@ -40,10 +40,10 @@ class Local(Stage):
     it has to set out to see.
     """
 
-    camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=HEIGHT_DOC)
-    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=TILT_DOC)
-    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=FOV_DOC)
-    camera_forward_m: float = param(0.0, ge=-100.0, le=100.0, doc=FORWARD_DOC)
+    camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=Mount.HEIGHT_DOC)
+    tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=Mount.TILT_DOC)
+    fov_deg: float = param(70.0, ge=5.0, le=150.0, doc=Mount.FOV_DOC)
+    camera_forward_m: float = param(0.0, ge=-100.0, le=100.0, doc=Mount.FORWARD_DOC)
     size_m: float = param(9.0, gt=0.0, le=100.0, doc="side of the map")
     cell_m: float = param(0.04, ge=0.001, le=1.0, doc="side of a cell")
     max_distance_m: float = param(
@@ -113,7 +113,7 @@ class Local(Stage):
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Know nothing."""
-        self._mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
+        self._mount = MaskMount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
         self._continuity = Continuity()
         self._near: Bools | None = None
         self._start()

@@ -6,6 +6,7 @@ import math
 from bisect import bisect_left, bisect_right
 from itertools import pairwise
 from statistics import median
+from typing import NamedTuple
 
 from graphnav import Odometry
 from graphnav_odometry.pose import Pose, arc, part_of_arc
@@ -16,6 +17,14 @@ KEPT_US = 1_000_000
 """Samples of this time before the last frame determine the typical period; older ones are dropped."""
 MAX_SAMPLES = 4096
 """Maximum number of samples, at any rate of the sender."""
+
+
+class Jump(NamedTuple):
+    """A step between two samples that is not a motion, and the longest that would be one: metres, else radians."""
+
+    size: float
+    limit: float
+    is_turn: bool
 
 
 class Track:
@@ -57,32 +66,41 @@ class Track:
         self._drop(bisect_right(self._stamps, utime - KEPT_US) - 1)
 
     def moved(self, begin: int, end: int, max_extrapolation_us: float) -> Pose | None:
-        """Return the pose at stamp ``end`` in the frame of the pose at ``begin``, None if unknown.
+        """Return the pose at stamp ``end`` in the frame of the pose at ``begin``, None if unknown; over jumps, too.
 
         ``max_extrapolation_us``: maximum extrapolation beyond the last sample.
         """
         if len(self._stamps) < 2 or begin < self._stamps[0] or end > self._stamps[-1] + max_extrapolation_us:
             return None
-        first, last = bisect_right(self._stamps, begin) - 1, bisect_left(self._stamps, end)
-        if not self._is_one_motion(first, min(last, len(self._stamps) - 1)):
+        usual_us = self._usual_us()
+        steps = self._steps(begin, end)
+        if any(self._stamps[k + 1] - self._stamps[k] > MAX_PERIODS * usual_us for k in steps):
             return None
         return self._at(end).seen_from(self._at(begin))
 
-    def _is_one_motion(self, first: int, last: int) -> bool:
-        """Whether there is no gap and no jump between two samples, given by index."""
-        usual_us = median(after - before for before, after in pairwise(self._stamps))
-        for k in range(first, last):
-            elapsed_us = self._stamps[k + 1] - self._stamps[k]
-            if elapsed_us > MAX_PERIODS * usual_us:
-                return False
+    def jump(self, begin: int, end: int) -> Jump | None:
+        """Return the first jump between the samples around ``begin`` and ``end``, one of a position before a turn."""
+        usual_us = self._usual_us() if len(self._stamps) > 1 else 0.0
+        turn = None
+        for k in self._steps(begin, end):
             # Jitter of stamps must not turn a small step into a jump.
-            elapsed_s = max(elapsed_us, usual_us / 2) * 1e-6
+            elapsed_s = max(self._stamps[k + 1] - self._stamps[k], usual_us / 2) * 1e-6
             step = self._poses[k + 1].seen_from(self._poses[k])
-            if math.hypot(step.x_m, step.y_m) > self._max_speed_mps * elapsed_s:
-                return False
-            if abs(step.yaw_rad) > self._max_turn_radps * elapsed_s:
-                return False
-        return True
+            distance_m, max_m = math.hypot(step.x_m, step.y_m), self._max_speed_mps * elapsed_s
+            if distance_m > max_m:
+                return Jump(distance_m, max_m, is_turn=False)
+            if turn is None and abs(step.yaw_rad) > self._max_turn_radps * elapsed_s:
+                turn = Jump(abs(step.yaw_rad), self._max_turn_radps * elapsed_s, is_turn=True)
+        return turn
+
+    def _usual_us(self) -> float:
+        """Return the typical period of two samples and more."""
+        return median(after - before for before, after in pairwise(self._stamps))
+
+    def _steps(self, begin: int, end: int) -> range:
+        """Return the indices of the samples before the steps that make the motion from ``begin`` to ``end``."""
+        first, last = bisect_right(self._stamps, begin) - 1, bisect_left(self._stamps, end)
+        return range(max(first, 0), min(last, len(self._stamps) - 1))
 
     def _at(self, utime: int) -> Pose:
         """Return the pose at a stamp: on the arc between two samples, or extrapolated beyond the last one."""

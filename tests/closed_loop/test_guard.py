@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -52,3 +53,50 @@ def test_a_robot_that_sees_nothing_stands(blinding: str, drive: Drive) -> None:
         assert isinstance(first, State)
         assert isinstance(last, State)
         assert (first.x_m, first.y_m, first.yaw_rad) == (last.x_m, last.y_m, last.yaw_rad)
+
+
+FREEZING = """
+from graphnav import Image, Stage, Stamp, hookimpl, param
+
+
+class Picture(Stage):
+    \"\"\"Repeats its picture from a time on, under new stamps.\"\"\"
+
+    at_s: float = param(2.0, doc="when it begins to")
+
+    def reset(self, seed: int) -> None:
+        self._kept = None
+
+    def step(self, image: Image, utime: Stamp) -> Image:
+        if utime < self.at_s * 1e6 or self._kept is None:
+            self._kept = image
+        return self._kept
+
+
+@hookimpl
+def graphnav_stages():
+    return [Picture]
+"""
+
+
+@pytest.mark.parametrize("graph", ["corridor_ccw", "navigate"])
+def test_a_robot_whose_picture_freezes_stands_and_stays(graph: str, drive: Drive, tmp_path: Path) -> None:
+    (tmp_path / "freezing.py").write_text(FREEZING)
+    (tmp_path / "frozen.yaml").write_text(
+        f"extends: {graph}\n"
+        "plugins: [freezing.py]\n"
+        "stages:\n"
+        "  camera: {use: freezing.picture, in: {image: robot.image}}\n"
+        "  flow: {in: {image: camera.image}}\n"
+        "  guard: {in: {image: camera.image}}\n"
+    )
+    ways_m = []
+    for frozen_px in (0.1, 0.0):
+        _, log = drive(str(tmp_path / "frozen.yaml"), 3, "run.until_s=7", f"guard.frozen_px={frozen_px}")
+        with log:
+            way = [message for utime, _, message in log.messages("robot.state") if utime > 2_000_000]
+            ways_m.append(sum(0.1 * abs(state.v_mps) for state in way if isinstance(state, State)))
+            held = states(log)[-1]
+        assert (held.stopped, held.causes) == ((True, ("frozen",)) if frozen_px else (False, ()))
+    assert ways_m[0] <= 0.15 + 0.04 + 0.1  # before the stop, braking, the retry
+    assert ways_m[1] > 1.0

@@ -102,6 +102,17 @@ def text_of(health: Health, width: int = 140) -> str:
     return said.get()
 
 
+def test_a_robot_that_the_guard_holds_tells_what_to_do() -> None:
+    health = Health(lambda: 10.5)
+    held = replace(STOPPED, causes=("frozen",), ports=("flow",), values=np.array([0.01]), limits=np.array([0.1]))
+    health.receive(Received("guard.state", encode(held, 12_300_000, 12), 10.4))
+    assert [line.strip() for line in text_of(health).splitlines()] == [
+        "guard guard.state  may not move, stopped until it is armed again",
+        "frozen: flow, 0.01 (limit 0.1)",
+        "look, then press r in graphnav teleop to let it retry, or drive it by hand",
+    ]
+
+
 def test_a_person_reads_all_of_a_status() -> None:
     health = Health(lambda: 10.5)
     assert health.receive(Received("graphnav.status", encode(STATUS, 12_300_000, 12), 10.0))

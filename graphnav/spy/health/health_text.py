@@ -25,6 +25,8 @@ _WIDE_COLS = 100
 """Narrower terminals show fewer columns."""
 _WIDE_ONLY = {_INPUT: {"channel", "offset"}, _OUTPUT: {"channel", "max"}, _STAGE: {"uses", "deadline"}}
 _WRAPPED = {"fault", "rejected"}
+_STOP = "stop"
+"""The guard's cause of a stop that was requested; a stopped robot without it is held by what the guard found."""
 
 
 def health_as_text(health: Health, width_cols: int) -> RenderableType:
@@ -150,6 +152,8 @@ def _guard(health: Health, guard: GuardHealth) -> Text:
     for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):
         text.append(f"\n    {shown_name(cause)}: {shown_name(port)}")
         text.append(f", {value:.3g} (limit {limit:.3g})" if value or limit else "")
+    if state.stopped and _STOP not in state.causes:
+        text.append("\n    look, then press r in graphnav teleop to let it retry, or drive it by hand", "yellow")
     return text
 
 

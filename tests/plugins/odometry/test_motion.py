@@ -61,7 +61,7 @@ def motion(given: Iterable[Sample], at_us: int, interval_us: int = FRAME_US, **p
 def none_or_motion(
     given: Iterable[Sample], at_us: int, interval_us: int = FRAME_US, **parameters: float
 ) -> graphnav.Motion | None:
-    return started(**parameters).step(flow(interval_us), Since(tuple(given)), Stamp(START_US + at_us))
+    return started(**parameters).step(flow(interval_us), Since(tuple(given)), Stamp(START_US + at_us)).motion
 
 
 def expect_arc(found: graphnav.Motion, v_mps: float, omega_radps: float, interval_us: int = FRAME_US) -> None:
@@ -97,7 +97,8 @@ def test_samples_are_kept_from_frame_to_frame() -> None:
     for frame in range(1, 200):
         now_us = frame * FRAME_US + 7
         new = range((frame - 1) * FRAME_US, frame * FRAME_US, SAMPLE_US)
-        found = stage.step(flow(), Since(samples(way, [us + SAMPLE_US for us in new])), Stamp(START_US + now_us - 50))
+        given = Since(samples(way, [us + SAMPLE_US for us in new]))
+        found = stage.step(flow(), given, Stamp(START_US + now_us - 50)).motion
         if frame == 1:
             assert found is None  # the samples do not reach back to the frame before
         else:
@@ -109,7 +110,7 @@ def test_the_motion_is_that_of_the_flow_not_that_since_the_last_firing() -> None
     stage, way = started(), drive(0.4, 0.2)
     stage.step(flow(), Since(samples(way, range(0, 220_000, SAMPLE_US))), Stamp(START_US + 200_000))
     overtaken = Since(samples(way, range(220_000, 720_000, SAMPLE_US)))
-    found = stage.step(flow(), overtaken, Stamp(START_US + 700_000))
+    found = stage.step(flow(), overtaken, Stamp(START_US + 700_000)).motion
     assert found is not None
     expect_arc(found, 0.4, 0.2)
 
@@ -190,8 +191,9 @@ def test_a_clock_that_was_set_back_restarts_the_track() -> None:
     stage, way = started(), drive(0.3, 0.5)
     hour_us = 3_600_000_000
     ahead = tuple((sent + hour_us, sample) for sent, sample in samples(way, REGULAR))
-    assert stage.step(flow(), Since(ahead), Stamp(START_US + 300_000)) is None
-    found = stage.step(flow(), Since(samples(way, range(400_000, 700_000, SAMPLE_US))), Stamp(START_US + 600_000))
+    assert stage.step(flow(), Since(ahead), Stamp(START_US + 300_000)).motion is None
+    back = Since(samples(way, range(400_000, 700_000, SAMPLE_US)))
+    found = stage.step(flow(), back, Stamp(START_US + 600_000)).motion
     assert found is not None
     expect_arc(found, 0.3, 0.5)
 

@@ -1,0 +1,76 @@
+"""Holds the robot after an input was found not to follow its motion, until the input does."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+RETRY_AFTER_US = 1_000_000
+"""Time that the robot stands before it retries by itself."""
+RETRY_S = 1.0
+"""Shortest time of a retry: its speed is the distance by this."""
+
+
+class _State(Enum):
+    FREE = "the input is trusted"
+    STANDING = "the robot stands"
+    RETRYING = "the robot drives a short distance to see whether the input follows"
+
+
+class Latch:
+    """Holds the robot after a fault that shows only while it moves.
+
+    A robot that stands shows no such fault, so that without memory it would drive on, in pulses, until it hits
+    something. Here it stands for a second after the fault, then retries by itself, once: at most ``retry_m``, slowly.
+    If the input follows the motion meanwhile, it is trusted again, and all is as before the fault. If not, the robot
+    stands for good, it is latched. A further retry, again of at most ``retry_m``, takes something new: a person who
+    arms the guard, or a picture that changed. Where an operator drives, the input is trusted again only if it
+    followed.
+    """
+
+    def __init__(self, retry_m: float) -> None:
+        self._retry_m = retry_m
+        self._left_m = 0.0
+        self._state = _State.FREE
+        self._has_retried = False
+        self._since = 0
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the input is trusted."""
+        return self._state is _State.FREE
+
+    @property
+    def is_retrying(self) -> bool:
+        """Whether the robot retries; at most `speed_mps`."""
+        return self._state is _State.RETRYING
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether the robot stands until something new comes."""
+        return self._state is _State.STANDING and self._has_retried
+
+    @property
+    def speed_mps(self) -> float:
+        """The maximum speed of a retry."""
+        return self._retry_m / RETRY_S
+
+    def update(self, utime: int, travelled_m: float, *, is_faulty: bool, is_proven: bool, is_new: bool) -> bool:
+        """Go on by one firing; return whether the state changed.
+
+        ``travelled_m``: by the last command. ``is_faulty``: the fault shows. ``is_proven``: the input has followed
+        the robot. ``is_new``: the guard was armed, or the picture changed.
+        """
+        before = self._state
+        if is_proven:
+            self._state, self._has_retried = _State.FREE, False
+        elif self._state is _State.RETRYING:
+            self._left_m -= travelled_m
+            if is_faulty or self._left_m <= travelled_m:
+                self._state, self._since = _State.STANDING, utime
+        elif is_faulty:
+            self._state, self._since = _State.STANDING, utime
+        elif self._state is _State.STANDING:
+            waited = utime - self._since >= RETRY_AFTER_US
+            if is_new or (waited and not self._has_retried):
+                self._state, self._has_retried, self._left_m = _State.RETRYING, True, self._retry_m
+        return self._state is not before
