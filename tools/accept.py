@@ -16,6 +16,7 @@ from acceptance.empty_floor import empty_floor_item
 from acceptance.exchange import exchange_item
 from acceptance.exporting import exports_item
 from acceptance.guarding import guard_item
+from acceptance.large_pictures import large_item
 from acceptance.lighting import light_item
 from acceptance.live_bad import bad_item
 from acceptance.live_drives import live_item
@@ -67,6 +68,7 @@ ITEMS = {
     "safety": safety_item,
     "interop": interop_item,
     "late": late_item,
+    "large": large_item,
     "bad": bad_item,
     "mistakes": mistakes_item,
     "takeovers": takeovers_item,

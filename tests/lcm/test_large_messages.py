@@ -18,11 +18,18 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import lcm
+import numpy as np
 import pytest
 
+from graphnav import Image
 from graphnav.bus import Bus
+from graphnav.catalog import Catalog
+from graphnav.codec import encode
+from graphnav.graph import load_graph
 from graphnav.large_messages import child
 from graphnav.large_messages.child import FRAGMENT_BYTES, PACKET_BYTES, packets
+from graphnav.live.clock import LiveClock
+from graphnav.live.outlet import Outlet, bus_send
 
 CHANNELS = ("C", "CAMERA", "n" * 63)
 PATIENCE_S = 30.0
@@ -150,6 +157,23 @@ def test_the_newest_large_message_of_each_channel_is_sent_and_the_others_are_cou
     assert [(channel, data[0], len(data)) for channel, data in received] == [("a", 4, 300_000), ("b", 4, 300_000)]
     bus.send("z", b"")  # reads the answers
     assert bus.overtaken == {"a": 4, "b": 4}
+
+
+def test_an_output_counts_what_newer_pictures_replaced(group: str, bus: Bus) -> None:
+    receiver, clock = Python(group), LiveClock()
+    target = load_graph("robot_live", Catalog()).outputs["robot.image"]
+    outlet = Outlet(target, clock, bus_send(bus, NOTICES.put), bus.overtaken)
+    images = [Image(pixels=np.full((480, 640), k, np.uint8)) for k in range(4)]
+    sent = [encode(image, k, k) for k, image in enumerate(images)]
+    outlet.publish(images[0], sent[0], 0, clock.now_s(), clock.now_s())
+    assert receiver.wait_for(1) == [("CAMERA", sent[0])]
+    os.kill(pid := own_sender(), signal.SIGSTOP)
+    for k in (1, 2, 3):
+        outlet.publish(images[k], sent[k], k, clock.now_s(), clock.now_s())
+    os.kill(pid, signal.SIGCONT)
+    assert receiver.wait_for(2) == [("CAMERA", sent[0]), ("CAMERA", sent[3])]
+    bus.send("z", b"")  # reads the answers
+    assert (outlet.sent, outlet.overtaken, outlet.refused) == (2, 2, 0)
 
 
 def test_what_finds_no_room_is_counted(bus: Bus) -> None:
