@@ -39,7 +39,10 @@ def why_no_model(taught: Taught, inputs: Sequence[Mapping[str, Any]]) -> str:
     """Return the hint for a run without a model; ``inputs``: of a live run, their status at its end."""
     for one in inputs:
         if not one["accepted"]:
-            counts = [f"{count} {reason}" for reason, count in zip(one["reasons"], one["rejected"], strict=True)]
+            rejected = zip(one["reasons"], one["rejected"], one["details"], strict=True)
+            counts = [
+                f"{count} {reason}{' (' * bool(told)}{told}{')' * bool(told)}" for reason, count, told in rejected
+            ]
             if counts:
                 return f"no message on {one['channel']} could be used: {', '.join(counts)}; correct its sender"
             return f"no message on {one['channel']}: start its sender, or give its URL with --url"

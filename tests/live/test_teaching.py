@@ -133,7 +133,8 @@ def test_a_camera_of_another_type_is_named(
     with sending(outside(), lambda program: program.say("CAMERA", Twist(v_mps=0.0, omega_radps=0.0))):
         hint = refused(tmp_path, group, capsys)
     assert hint.startswith("no message on CAMERA could be used: ")
-    assert hint.endswith(" wrong type; correct its sender")
+    assert " wrong type" in hint
+    assert hint.endswith("; correct its sender")
 
 
 def test_odometry_by_another_clock_is_named(

@@ -13,8 +13,8 @@ from graphnav.codec import encode
 from graphnav.teaching import Coverage, Taught, gaps, why_no_model
 
 PERIOD_S = 0.1
-SILENT = {"channel": "CAMERA", "accepted": 0, "reasons": (), "rejected": ()}
-WRONG = {"channel": "CAMERA", "accepted": 0, "reasons": ("wrong type",), "rejected": (7,)}
+SILENT = {"channel": "CAMERA", "accepted": 0, "reasons": (), "rejected": (), "details": ()}
+WRONG = {"channel": "CAMERA", "accepted": 0, "reasons": ("wrong type",), "rejected": (7,), "details": ("a goal",)}
 
 
 def taught(*rates: tuple[float, float], residuals_px: Sequence[float] = (), flows: int | None = None) -> Taught:
@@ -66,7 +66,10 @@ def test_what_was_not_driven_is_named(rates: list[tuple[float, float]], missing:
 
 def test_why_there_is_no_model() -> None:
     assert why_no_model(taught(), [SILENT]) == "no message on CAMERA: start its sender, or give its URL with --url"
-    assert why_no_model(taught(), [WRONG]) == "no message on CAMERA could be used: 7 wrong type; correct its sender"
+    assert (
+        why_no_model(taught(), [WRONG])
+        == "no message on CAMERA could be used: 7 wrong type (a goal); correct its sender"
+    )
     assert why_no_model(taught(), []).startswith("no flow was computed: ")
     assert why_no_model(taught(flows=5), []).startswith("no motion of a frame is known: ")
     assert why_no_model(taught((0.3, 0.5), (0.1, 0.6)), []) == (
