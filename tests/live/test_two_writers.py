@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import graphnav_lcm
 
-from graphnav import GuardState, Stop
+from graphnav import GuardState, Stop, Twist
 from graphnav.codec import codec_of, encode
 
 if TYPE_CHECKING:
@@ -112,6 +112,29 @@ def test_two_that_do_not_number_their_pictures_are_told_by_their_addresses(live:
     assert "(pid " in told(run)
     show_until(program, cameras[1:], lambda: speeds(program)[-1:] == [9.0])
     run.stop()
+
+
+BESIDE = GUARDED.replace(
+    "stages:",
+    """  goal.twist: {channel: GOAL, type: graphnav_lcm.twist_t, max_age_s: 0.3}
+stages:
+  world: {use: probe.ticker, with: {rate_hz: 50}, in: {command: goal.twist}}""",
+)
+
+
+def test_a_takeover_of_an_input_that_no_command_is_made_of_stops_nothing(live: Begin, outside: Program) -> None:
+    program = outside("BASE")
+    camera = Camera(program, 7, 0)
+    run = live(BESIDE)
+    show_until(program, [camera], lambda: speeds(program)[-1:] == [7.0])
+    for seq in (100, 101, 0):
+        goal = Twist(v_mps=float(seq), omega_radps=0.0)
+        program.say_bytes("GOAL", encode(goal, time.time_ns() // 1000, seq))
+        show_until(program, [camera], lambda: True, 1.2 if seq else 0.3)
+    _, log = run.stop()
+    assert [m.v_mps for _, _, m in log.messages("goal.twist") if isinstance(m, Twist)] == [100.0, 101.0, 0.0]
+    driving = speeds(program)[speeds(program).index(7.0) :]
+    assert driving in ([7.0], [7.0, 0.0]), "the zero is the stop at the end of the run"
 
 
 def test_a_stop_counts_from_any_program(live: Begin, outside: Program) -> None:

@@ -20,6 +20,8 @@ from graphnav.errors import shown_name
 from graphnav.machine.packet_filter import keep_channels
 
 _POLL_S = 0.1
+_REST_S = 0.0005
+"""A rest after each packet: of a flood some are enough."""
 _HEAD_BYTES = 128
 _MAX_SOURCES = 16
 """Maximum number of sources that are kept for a channel; the one that has been silent longest is dropped."""
@@ -71,6 +73,7 @@ class PacketSources:
                 self._ending.wait(_POLL_S)
                 continue
             self._note(data, host, port)
+            time.sleep(_REST_S)
 
     def _note(self, data: bytes, host: str, port: int) -> None:
         kind = int.from_bytes(data[: _MAGIC.size], "big")

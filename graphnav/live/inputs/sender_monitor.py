@@ -219,9 +219,9 @@ class SenderMonitor:
         elapsed_s = message.arrival_s - newest.arrival_s
         if advance_s == 0:
             self._timeline = None
-            return self._rejected(message, REPEATED)
+            return self._rejected(message, REPEATED, "utime is that of an earlier message, expected a later time")
         if timeline is not None and message.stamp == timeline.stamp:
-            return self._rejected(message, REPEATED)
+            return self._rejected(message, REPEATED, "utime is that of an earlier message, expected a later time")
         is_ahead = delay.is_ahead(message.delay_s, message.arrival_s, max_age_s)
         # A stamp may lag by as much as its arrival was late: the excess of the wait over a period.
         if is_ahead or min(elapsed_s, self._periods.usual_s or 0.0) - advance_s > max_age_s:
@@ -232,9 +232,11 @@ class SenderMonitor:
                 timeline.add(message.stamp, message.arrival_s, message.delay_s, max_age_s)
             if timeline.count >= _ADOPTED_TIMELINE and elapsed_s > _MAX_GAP_PERIODS * (self._periods.usual_s or 0.0):
                 return self._adopt(message, timeline.min_delay_s, is_restart=True)
-            return self._rejected(message, JUMPED)
+            return self._rejected(message, JUMPED, self._fault)
         if advance_s < 0:
-            return self._rejected(message, BACKWARDS)
+            return self._rejected(
+                message, BACKWARDS, f"utime is {-advance_s:.3f} s before that of the newest, expected later"
+            )
         self._periods.add(advance_s)
         delay.add(message.delay_s, message.arrival_s)
         return self._accepted(message, delay, is_restart=False)

@@ -44,6 +44,8 @@ def test_repeated_and_backward_stamps_are_rejected(is_counting: bool) -> None:
     assert (again.accepted, again.utime, again.reason) == (False, newest, "repeated")
     assert older.reason == "backwards"
     assert camera.monitor.rejected == {"repeated": 1, "backwards": 1}
+    assert camera.monitor.detail("repeated") == "utime is that of an earlier message, expected a later time"
+    assert camera.monitor.detail("backwards") == "utime is 0.050 s before that of the newest, expected later"
     camera.seq += 2
     assert not any(reasons(camera.send(5)))
 
