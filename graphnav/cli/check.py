@@ -21,7 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resolved",
         action="store_true",
-        help="print the graph with everything it extends, every swap and every parameter; it loads from any folder",
+        help="print the graph with everything it extends, every swap and every parameter; it loads from any folder, "
+        "with --plugin where its plugins are in another one",
     )
 
 
