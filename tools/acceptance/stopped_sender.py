@@ -61,7 +61,7 @@ class Suspensions:
         self.told_s.append(time.monotonic() - begin_s)
         if look:
             top = subprocess.run([str(GRAPHNAV), "top", "--once"], capture_output=True, text=True, check=False).stdout
-            self.in_top += bool(re.search(r"guard\.state +may [^\n]*, but not taken for .* nothing is sent", top))
+            self.in_top += bool(re.search(r"guard\.state +may [^\n]*, but not taken for [^\n]* sent", top))
         end_s = begin_s + rng.uniform(*SUSPENDED_S)
         wait(lambda: time.monotonic() >= end_s)
         stop = self._commands.first_stop(begin_s)
@@ -117,7 +117,7 @@ def stopped_sender_item(seeds: Sequence[int], _jobs: int) -> bool:
     looked = len(range(0, n, 5))
     checks = {
         f"told in the terminal after {_spread(drive.told_s)} (limit {MAX_TOLD_S:g})": max(drive.told_s) <= MAX_TOLD_S,
-        f"in top 'nothing is sent' {drive.in_top} of {looked} times": drive.in_top == looked,
+        f"in top 'not taken' {drive.in_top} of {looked} times": drive.in_top == looked,
         f"in the log: {recorded} statuses with the fault": recorded >= n,
         f"first stop of the run itself after {_spread(drive.stop_s)} (limit {MAX_STOP_S:g})": (
             max(drive.stop_s) <= MAX_STOP_S

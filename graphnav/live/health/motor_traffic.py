@@ -19,7 +19,7 @@ class MotorTraffic:
 
     def __init__(self) -> None:
         self.heard = 0
-        self.substituted = 0
+        self.substituted = self._substituted = 0
         self.motors: MotorSender | None = None
         self.fault = ""
         """Why the motor channels get nothing, empty if they do."""
@@ -60,11 +60,14 @@ class MotorTraffic:
         is_failing = now_s - self._failed_s < _FAILING_S
         self.fault = "the network takes no messages: nothing is sent" if is_failing else ""
         if self._unread_s:
-            self.fault = f"not taken for {self._unread_s:.1f} s: nothing is sent"
+            sent = "only stops are sent, by the run" if self.substituted > self._substituted else "nothing is sent"
+            self.fault = f"not taken for {self._unread_s:.1f} s: {sent}"
             if not before_s:
                 yield (
                     f"motors: the process that sends the motor channels (pid {self.motors.pid}) has not taken commands "
                     f"for {self._unread_s:.2f} s: nothing is sent"
                 )
-        elif before_s:
+            return
+        self._substituted = self.substituted
+        if before_s:
             yield f"motors: commands are taken again, after {before_s:.2f} s"
