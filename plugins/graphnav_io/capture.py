@@ -70,7 +70,7 @@ def open_capture(path: Path, open_timeout_s: float = OPEN_TIMEOUT_S) -> CaptureF
         )
     found = path.stat()
     if stat.S_ISCHR(found.st_mode) and os.major(found.st_rdev) == VIDEO_DEVICES:
-        return _opened((text,), f"camera '{path}'", live=True)
+        return _opened((text, cv2.CAP_V4L2), f"camera '{path}'", live=True)
     if not stat.S_ISREG(found.st_mode):
         raise ParamError("path", f"'{path}' is not a regular file", "give a video file, a camera's number or a URL")
     if found.st_size == 0:

@@ -89,7 +89,7 @@ def graphnav_video_frames(recording: Recording, from_s: float, until_s: float) -
 
 @hookimpl
 def graphnav_write_video(frames: VideoFrames, file: Path) -> Path:
-    """Write MPEG-4 by OpenCV."""
+    """Write MPEG-4 that browsers play."""
     from graphnav_view.video.mp4 import write_frames
 
     return write_frames(frames, file)
