@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import subprocess
 import sys
@@ -10,19 +11,8 @@ from pathlib import Path
 from typing import Any
 
 STUDY = 'study.table.loc["corridor_ccw"].round(3)'
+GENERATOR = Path(__file__).resolve().parents[2] / "tools" / "gen_notebook.py"
 NOTEBOOK = Path(__file__).resolve().parents[2] / "docs" / "notebook.ipynb"
-
-EXECUTE = """
-import sys
-import nbformat
-from nbclient import NotebookClient
-
-notebook = nbformat.read(sys.argv[1], as_version=4)
-nbformat.validate(notebook)
-NotebookClient(notebook, timeout=300, resources={"metadata": {"path": sys.argv[2]}}).execute()
-nbformat.write(notebook, sys.argv[3])
-"""
-"""In a process of its own: Jupyter's packages warn of their own future."""
 
 
 def cells(path: Path) -> list[Mapping[str, Any]]:
@@ -32,16 +22,18 @@ def cells(path: Path) -> list[Mapping[str, Any]]:
 
 def executed(folder: Path) -> dict[str, list[Mapping[str, Any]]]:
     """Return the outputs of each cell by the cell's last line; the notebook runs in an empty folder."""
-    (folder / "work").mkdir()
-    command = [sys.executable, "-c", EXECUTE, str(NOTEBOOK), str(folder / "work"), str(folder / "executed.ipynb")]
+    command = [sys.executable, str(GENERATOR), "-o", str(folder / "executed.ipynb")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
     assert done.returncode == 0, done.stderr
-    assert list((folder / "work").iterdir()) == []
     return {"".join(cell["source"]).splitlines()[-1]: cell["outputs"] for cell in cells(folder / "executed.ipynb")}
 
 
-def test_it_is_kept_without_outputs() -> None:
-    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in cells(NOTEBOOK))
+def test_it_ships_with_the_outputs_of_its_cells() -> None:
+    kept = json.loads(NOTEBOOK.read_text())
+    sources = ["".join(cell["source"]) for cell in cells(NOTEBOOK)]
+    digest = hashlib.sha256(json.dumps(sources).encode()).hexdigest()
+    assert kept["metadata"]["graphnav_cells"] == digest, "run python tools/gen_notebook.py"
+    assert all(cell["outputs"] for cell in cells(NOTEBOOK))
 
 
 def shown(outputs_of: dict[str, list[Mapping[str, Any]]], line: str) -> Mapping[str, str]:
@@ -51,6 +43,8 @@ def shown(outputs_of: dict[str, list[Mapping[str, Any]]], line: str) -> Mapping[
 
 def test_it_runs_without_a_warning_and_shows_panels_metrics_tables_and_plots(tmp_path: Path) -> None:
     outputs_of = executed(tmp_path)
+    kept = {"".join(cell["source"]).splitlines()[-1]: cell["outputs"] for cell in cells(NOTEBOOK)}
+    assert shown(kept, STUDY) == shown(outputs_of, STUDY), "run python tools/gen_notebook.py"
     assert [out for outputs in outputs_of.values() for out in outputs if out.get("name") == "stderr"] == []
     html = shown(outputs_of, "run")["text/html"]
     assert html.count("data:image/png;base64,") == 2
