@@ -89,8 +89,10 @@ def _load(
         try:
             sources[path] = read_plugin(path)
         except OSError as error:
-            hint = did_you_mean(path.name, (other.name for other in path.parent.glob("*.py")))
-            problems.append(Problem(item.place, f"plugin {graph.parent / str(item.data)}: {_reason(error)}", hint))
+            is_absent = isinstance(error, FileNotFoundError)
+            near = did_you_mean(path.name, (other.name for other in path.parent.glob("*.py"))) if is_absent else ""
+            reason = "there is no such file" if is_absent else error.strerror
+            problems.append(Problem(item.place, f"plugin {graph.parent / str(item.data)}: {reason}", near))
     may_run = not sources or catalog.trust.allows(request_of(graph, sources))
     for path, item in named.items():
         if path in sources and not may_run:
@@ -102,10 +104,6 @@ def _load(
                 problems.append(Problem(item.place, error.what, error.hint))
             else:
                 yield PluginFile(path, str(item.data))
-
-
-def _reason(error: OSError) -> str:
-    return "there is no such file" if isinstance(error, FileNotFoundError) else str(error.strerror)
 
 
 def _left_out(graph: Path, item: Value, catalog: Catalog) -> Problem:

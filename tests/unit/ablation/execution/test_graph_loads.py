@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,7 +14,6 @@ from graphnav.ablation.plan import check_study
 from graphnav.ablation.study import parse_varies, study_of_command
 from graphnav.ablation.worker.perform_task import perform
 from graphnav.catalog import Catalog
-from graphnav.errors import Problem
 from graphnav.graph import Graph, load, parse_override
 from graphnav.graph.check import check
 from graphnav.spec import Spec
@@ -29,9 +29,9 @@ def loads(monkeypatch: pytest.MonkeyPatch) -> Loads:
     """Return what says how often a graph was checked in this process so far."""
     checked: list[Path] = []
 
-    def counted(spec: Spec, catalog: Catalog, path: Path, problems: list[Problem], notices: list[str]) -> Graph:
+    def counted(spec: Spec, catalog: Catalog, path: Path, *more: Any) -> Graph:
         checked.append(path)
-        return check(spec, catalog, path, problems, notices)
+        return check(spec, catalog, path, *more)
 
     monkeypatch.setattr(load, "check", counted)
     return lambda: len(checked)
