@@ -21,14 +21,18 @@ _FIRST_PORT, _N_PORTS = 10_000, 20_000
 _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % _N_PORTS}?ttl=0"
 
 
-def pytest_configure() -> None:
-    """Keep tests that run at the same time, and the user's trust, apart; let what tests start be interrupted.
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep tests that run at the same time, and the user's trust and cache, apart; let tests' processes be interrupted.
 
     A background job ignores these signals, and hands that on. Property tests try the same examples in every run.
     """
     os.environ["LCM_DEFAULT_URL"] = _URL
     os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="graphnav-state-")
     os.environ.pop("COLUMNS", None)  # pytest-xdist sets it, and tables would be as narrow
+    caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    os.environ.setdefault("MPLCONFIGDIR", os.path.join(caches, "matplotlib"))  # its list of fonts takes seconds
+    os.environ["XDG_CACHE_HOME"] = cache = tempfile.mkdtemp(prefix="graphnav_tests_")
+    config.add_cleanup(lambda: shutil.rmtree(cache, ignore_errors=True))
     hypothesis.settings.register_profile("any machine", deadline=None, derandomize=True)
     hypothesis.settings.load_profile("any machine")
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):

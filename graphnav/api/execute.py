@@ -9,6 +9,7 @@ from pathlib import Path
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph
 from graphnav.live import run_live
+from graphnav.runner.recording.full_log import FullLog
 from graphnav.runner.recording.run_recorded import LiveSink, run_recorded
 from graphnav.runner.recording.stall import StallLimit
 from graphnav.runner.recording.summary import Summary
@@ -55,10 +56,12 @@ def execute(
     on_failure: Callable[[GraphnavError], None],
     notice: Callable[[str], None],
     stall: StallLimit | None = None,
+    full: FullLog | None = None,
 ) -> Summary:
     """Run a graph into an existing, empty folder; see `run_recorded` and `run_live`.
 
     ``on_time`` gets seconds: the simulated time of the next tick; in a live run the time since the start, now and then.
+    ``full`` gets every message of a lockstep run.
     """
     if is_live:
         return run_live(
@@ -84,4 +87,5 @@ def execute(
         on_failure=on_failure,
         notice=notice,
         stall=stall,
+        full=full,
     )

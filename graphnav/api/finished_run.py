@@ -10,11 +10,13 @@ from types import MappingProxyType
 from typing import Self
 
 from graphnav.api.logs.log import Log
+from graphnav.api.notices import tell
 from graphnav.api.result_folder import KeptFolder
 from graphnav.api.run_html import run_html
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
-from graphnav.record import Recording, find_log
+from graphnav.record import find_log
+from graphnav.replay import open_completed
 from graphnav.runner import Outcome
 from graphnav.runner.recording.summary import Summary
 
@@ -70,7 +72,7 @@ class Run:
     @cached_property
     def log(self) -> Log:
         """The log of the run; raises UserError or LogError if the log was removed or replaced."""
-        return Log(Recording(find_log(self.folder)), keeps=self._folder)
+        return Log(open_completed(find_log(self.folder), tell=tell), keeps=self._folder)
 
     def check(self) -> Self:
         """Return the run itself; raise `RunError` if it failed."""

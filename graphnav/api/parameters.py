@@ -33,6 +33,8 @@ PARAMETERS = {
     "tap": 'What is sent to ``graphnav spy`` and other programs that watch: ``"thin"``, ``"full"``, ``"none"``.',
     "live": "Run by the wall clock and on channels of other programs; a graph with inputs is live by itself.",
     "url": "LCM URL of the channels that come in and leave, live.",
+    "record": 'What the log keeps: ``"all"`` messages, ``"replayable"``, those from which `open_log` and other '
+    'readers make the rest again, or ``"small"`` ones; None: the graph\'s, else replayable, live small.',
     "pictures": "Draw the panels and the map from the log.",
     "check": "Raise `RunError` if the run fails.",
     "clock": 'What measures: ``"wall"``, or ``"cpu"`` for the processor time of the run, which other work on the '

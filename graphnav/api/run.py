@@ -21,9 +21,11 @@ from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
 from graphnav.live import live_url
 from graphnav.record import LOG
-from graphnav.report.pictures import draw_pictures
+from graphnav.report.pictures import draw_all
 from graphnav.runner import Outcome
+from graphnav.runner.recording.full_log import FullLog
 from graphnav.runner.recording.run_recorded import new_run_id
+from graphnav.spec import RecordOption
 from graphnav.trust import Trust
 
 _drawing = threading.Lock()
@@ -43,6 +45,7 @@ def run(
     tap: TapMode = "none",
     live: bool = False,
     url: str | None = None,
+    record: RecordOption | None = None,
     pictures: bool = True,
     check: bool = False,
 ) -> Run:
@@ -69,7 +72,9 @@ def run(
     """
     _check_arguments(pace, tap, url)
     catalog = Catalog(Trust(runs_all=True))
-    checked = with_run_options(loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s})
+    checked = with_run_options(
+        loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s, "record": record}
+    )
     result = _run(checked, catalog, folder, _Mode(live, pace, url, tap), draws=pictures)
     if result.failure and not check:
         tell(f"the run failed: {result.failure}")
@@ -95,23 +100,25 @@ def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *
     kept = new_folder(folder)
     errors: list[GraphnavError] = []
     run_id = new_run_id()
-    with one_thread():
-        summary = execute(
-            graph,
-            stages,
-            kept.path,
-            is_live=is_live,
-            pace=mode.pace,
-            url=mode.url,
-            tap=open_tap(mode.tap, run_id, tell=tell),
-            run_id=run_id,
-            on_time=lambda _: None,
-            on_failure=errors.append,
-            notice=tell,
-        )
-    if summary.outcome == Outcome.STOPPED and not is_live:
-        raise KeyboardInterrupt
-    drawn = _draw(catalog, graph, kept.path) if draws and summary.frames else ()
+    with FullLog() as full:
+        with one_thread():
+            summary = execute(
+                graph,
+                stages,
+                kept.path,
+                is_live=is_live,
+                pace=mode.pace,
+                url=mode.url,
+                tap=open_tap(mode.tap, run_id, tell=tell),
+                run_id=run_id,
+                on_time=lambda _: None,
+                on_failure=errors.append,
+                notice=tell,
+                full=full if draws else None,
+            )
+        if summary.outcome == Outcome.STOPPED and not is_live:
+            raise KeyboardInterrupt
+        drawn = _draw(catalog, graph, kept.path, full) if draws and summary.frames else ()
     return Run(graph, summary, kept, drawn, errors[0] if errors else None)
 
 
@@ -124,11 +131,11 @@ def _check_arguments(pace: object, tap: object, url: object) -> None:
         raise wrong_type("url", url, "a string or None", 'write url="udpm://239.255.76.67:7667?ttl=0"')
 
 
-def _draw(catalog: Catalog, graph: Graph, folder: Path) -> Sequence[Path]:
+def _draw(catalog: Catalog, graph: Graph, folder: Path, full: FullLog) -> Sequence[Path]:
     """Return the pictures of a run; log those that cannot be drawn as notices."""
     try:
-        with _drawing:
-            return draw_pictures(add_plugins(catalog, graph.plugins), folder / LOG, folder, video=False)
+        with _drawing, full.recording(folder / LOG) as recording:
+            return draw_all(add_plugins(catalog, graph.plugins), recording, folder)
     except GraphnavError as error:
         tell(f"not drawn: {error}")
         return sorted(folder.glob("*.png"))

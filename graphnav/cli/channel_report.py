@@ -44,13 +44,14 @@ def report(
 
     Raises GraphnavError where nothing was received, UserError where a run is received that has no such channel.
     """
+    from graphnav.cli.opened_log import complete
     from graphnav.cli.tables import print_table
     from graphnav.notices import print_notice
     from graphnav.spy import MAX_CHANNELS, Feed, Traffic
 
     load_types_of(args)
     name, source = channel_and_feed(args)
-    feed = Feed(source)
+    feed = complete(Feed(source), None if name is None else [name])
     traffic = Traffic(feed.clock, name)
     for_s = _JSON_S if args.json and args.for_s is None else args.for_s
     times = ReportTimes(for_s)

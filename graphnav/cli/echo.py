@@ -44,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.cli.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
+    from graphnav.cli.opened_log import complete
     from graphnav.errors import Place, UserError
     from graphnav.spy import Feed, Selection, Traffic, parse_field
 
@@ -51,7 +52,7 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))
     paths = [parse_field(text) for text in args.fields]
     load_types_of(args)
-    feed = Feed(args.feed)
+    feed = complete(Feed(args.feed), [args.channel])
     traffic = Traffic(feed.clock, args.channel)
     form = Lines if not args.jsonl else JsonLines
     printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)

@@ -61,17 +61,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: export, list the files and the losses."""
-    from graphnav.cli.damaged_log import damage_told
+    from graphnav.cli.opened_log import damage_told, opened
     from graphnav.cli.progress import progress_bar
     from graphnav.export import Selection, duration_s, export_log
     from graphnav.machine.console import Console
-    from graphnav.record import Recording, find_log
+    from graphnav.record import find_log
     from graphnav.runner.recording.log_forecast import size_text
 
     catalog = catalog_of(args)
     load_types_of(args)
     selection = Selection(tuple(args.channels), args.from_s, args.until_s)
-    with Recording(find_log(args.run)) as recording, damage_told(recording):
+    with opened(find_log(args.run), catalog, args.plugins) as recording, damage_told(recording):
         until_s = min(duration_s(recording), selection.until_s)
         with progress_bar(Console(stderr=True), f"export {args.kind}", until_s) as show:
             done = export_log(
@@ -83,8 +83,7 @@ def main(args: argparse.Namespace) -> int:
                 catalog=catalog,
                 on_time=lambda at_s: show(round(at_s * 1e6)),
             )
-        left_out = recording.completion_notice()
     print(f"{args.target}: {done.contents}, {size_text(done.n_bytes)}")
-    for loss in (*done.losses, *filter(None, [left_out])):
+    for loss in done.losses:
         print_notice(loss)
     return OK

@@ -42,9 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and list the files."""
     from graphnav.catalog import Catalog
-    from graphnav.cli.damaged_log import damage_told
+    from graphnav.cli.opened_log import damage_told, opened
     from graphnav.loginfo import unfinished
-    from graphnav.record import Recording, find_log
+    from graphnav.record import find_log
     from graphnav.report.folder import removed_if_empty
     from graphnav.report.pictures import draw_all, draw_frames, draw_rows, draw_sheet
 
@@ -58,7 +58,7 @@ def main(args: argparse.Namespace) -> int:
     folder = args.folder or log.parent
     suffix = f".{args.format}"
     catalog = Catalog()
-    with Recording(log) as recording, damage_told(recording):
+    with opened(log, catalog) as recording, damage_told(recording):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             drawn: list[Path] = []
@@ -74,13 +74,10 @@ def main(args: argparse.Namespace) -> int:
             raise UserError.of(
                 f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"
             ) from error
-        left_out = recording.completion_notice()
         if not drawn:
             raise UserError.of(f"{log} contains nothing to draw", "record images, planes or a robot's states")
     for path in drawn:
         print(path)
     for damage in (*recording.damaged, *filter(None, [recording.truncated])):
         print_notice(f"{log}: {damage}; the pictures show the rest")
-    if left_out:
-        print_notice(left_out)
     return OK

@@ -306,5 +306,9 @@ def load(args: argparse.Namespace, *, partial: bool = False) -> tuple[Catalog, G
         graph = load_with(catalog, args.graph, overrides, args.plugins, problems, partial=partial)
         for problem in graph.left_out:
             print_notice(str(problem))
-        given = {"seed": getattr(args, "seed", None), "until_s": getattr(args, "until", None)}
-        return catalog, with_run_options(graph, given, {"seed": "--seed", "until_s": "--until"})
+        given = {
+            "seed": getattr(args, "seed", None),
+            "until_s": getattr(args, "until", None),
+            "record": getattr(args, "record", None),
+        }
+        return catalog, with_run_options(graph, given, {"seed": "--seed", "until_s": "--until", "record": "--record"})

@@ -51,14 +51,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.bus import Bus
+    from graphnav.cli.opened_log import opened
     from graphnav.notices import print_notice
     from graphnav.player import PlaybackClock, Player, select_events
     from graphnav.player.player import HELP
-    from graphnav.record import Recording, find_log
+    from graphnav.record import find_log
 
     channels = channels_of(args)
     url = url_of(args)
-    with Recording(find_log(args.log)) as recording:
+    with opened(find_log(args.log)) as recording:
         selection = select_events(recording, channels, args.start, args.end)
         _tell(recording, selection)
         bus = Bus(url)

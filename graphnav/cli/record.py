@@ -93,7 +93,8 @@ def main(args: argparse.Namespace) -> int:
 def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
     """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
     from graphnav.notices import print_notice
-    from graphnav.record.log_files import LogFiles, files_of
+    from graphnav.record.find_log import files_of
+    from graphnav.record.log_files import LogFiles
     from graphnav.recorder import Recorder
 
     channels = channels_of(args)

@@ -23,7 +23,6 @@ from graphnav.errors import LogError, UserError
 
 if TYPE_CHECKING:
     from graphnav.errors import GraphnavError
-    from graphnav.record import Recording
     from graphnav.replay import LogGraph, Tolerance
 
 
@@ -68,10 +67,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if anything differs."""
-    from graphnav.cli.damaged_log import damage_told
+    from graphnav.cli.opened_log import damage_told, opened
     from graphnav.cli.progress import progress_bar
     from graphnav.machine.console import Console
-    from graphnav.record import find_log
+    from graphnav.record import Recording, find_log
     from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay
 
     def show_failure(error: GraphnavError) -> None:
@@ -83,9 +82,13 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of("--cold starts at --from with fresh state, but there is no --from", "add --from S")
     log = find_log(args.log)
     catalog = catalog_of(args)
-    with _opened(log) as recording, damage_told(recording):
+    play = [word for words in args.play for word in words]
+    try:
+        recording = opened(log, catalog, args.plugins) if play else Recording(log)
+    except LogError as error:
+        raise UserError.of(str(error), "name a run folder, or a log") from error
+    with recording, damage_told(recording):
         made = graph_to_replay(recording, catalog, graph=args.graph, overrides=overrides_of(args), plugins=args.plugins)
-        play = [word for words in args.play for word in words]
         _print_notices(made, play)
         options = ReplayOptions(play, args.from_s, args.cold, args.tolerance or Tolerance())
         with progress_bar(Console(stderr=True), log.parent.name or log.name, None) as on_tick:
@@ -98,15 +101,6 @@ def main(args: argparse.Namespace) -> int:
         console = Console(highlight=False, soft_wrap=True)
         console.print(as_text(result, console), soft_wrap=True)
     return OK if result.is_equal else FAILED
-
-
-def _opened(log: Path) -> Recording:
-    from graphnav.record import Recording
-
-    try:
-        return Recording(log)
-    except LogError as error:
-        raise UserError.of(str(error), "name a run folder, or a log") from error
 
 
 def _print_notices(made: LogGraph, play: list[str]) -> None:

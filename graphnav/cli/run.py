@@ -18,6 +18,7 @@ from graphnav.notices import print_notice
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
     from graphnav.graph import Graph
+    from graphnav.runner.recording.full_log import FullLog
     from graphnav.runner.recording.run_recorded import LiveSink
     from graphnav.runner.recording.summary import Summary
     from graphnav.stage import Stage
@@ -60,6 +61,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
     )
+    parser.add_argument(
+        "--record",
+        choices=("all", "replayable", "small"),
+        help="what the log keeps: all messages; replayable: those from which 'figure', 'export', 'spy', 'view' and "
+        "'replay' make the rest again; small: those below 4 kB (default: the graph's, else replayable; live small)",
+    )
     parser.add_argument("--video", action="store_true", help="also draw video.mp4")
     parser.add_argument(
         "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
@@ -81,6 +88,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.machine.console import Console
     from graphnav.report.folder import make_run_folder, removed_if_empty
     from graphnav.report.table import print_summary
+    from graphnav.runner.recording.full_log import FullLog
     from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id
 
     catalog, graph = load(args)
@@ -89,29 +97,29 @@ def main(args: argparse.Namespace) -> int:
     stages = graph.make_stages()
     console, run_id = Console(stderr=args.json, highlight=False, soft_wrap=True), new_run_id()
     folder = make_run_folder(args.folder, graph.path.stem)
-    with removed_if_empty(folder):
+    with FullLog() as full, removed_if_empty(folder):
         for notice in (*graph.notices, *([live_notice] if is_live else [])):
             console.print(notice, markup=False)
         tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
         if tap is not None:
             console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
-        summary = _run(graph, stages, folder, args, tap, run_id, is_live=is_live)
-    if args.json:
-        print(json.dumps(summary.as_json() | {"folder": str(folder)}))
-    else:
-        print_summary(console, summary, graph.metrics, is_verbose=args.verbose)
-        if not args.verbose:
-            console.print(f"all metrics and the times of the stages: -v, or {SUMMARY}", style="dim", markup=False)
-    if summary.failure:
-        print(summary.failure, file=sys.stderr)
-    files = _draw(args, catalog, summary, folder)
+        summary = _run(graph, stages, folder, args, tap, run_id, None if args.no_pictures else full, is_live=is_live)
+        if args.json:
+            print(json.dumps(summary.as_json() | {"folder": str(folder)}))
+        else:
+            print_summary(console, summary, graph.metrics, is_verbose=args.verbose)
+            if not args.verbose:
+                console.print(f"all metrics and the times of the stages: -v, or {SUMMARY}", style="dim", markup=False)
+        if summary.failure:
+            print(summary.failure, file=sys.stderr)
+        files = _draw(args, catalog, summary, folder, full)
     console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
 
 
-def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path) -> list[str]:
+def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
     """Draw the pictures of a run; return the files of its folder as they are listed, the log with its size."""
-    from graphnav.report.pictures import draw_pictures
+    from graphnav.report.pictures import draw_all
     from graphnav.run_folder import GRAPH, LOG
     from graphnav.runner.recording.log_forecast import size_text
     from graphnav.runner.recording.run_recorded import SUMMARY
@@ -121,7 +129,8 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
         print(f"no pictures were drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
     elif not args.no_pictures and summary.frames:
         try:
-            pictures = [path.name for path in draw_pictures(catalog, folder / LOG, folder, video=args.video)]
+            with full.recording(folder / LOG) as recording:
+                pictures = [path.name for path in draw_all(catalog, recording, folder, video=args.video)]
         except DrawingError as error:
             print(f"not drawn: {error}", file=sys.stderr)
             if args.verbose:
@@ -154,6 +163,7 @@ def _run(
     args: argparse.Namespace,
     tap: LiveSink | None,
     run_id: str,
+    full: FullLog | None,
     *,
     is_live: bool,
 ) -> Summary:
@@ -190,4 +200,5 @@ def _run(
             on_failure=show_cause,
             notice=print_notice,
             stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
+            full=full,
         )

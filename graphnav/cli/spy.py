@@ -47,12 +47,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
+    from graphnav.cli.opened_log import complete
     from graphnav.machine.console import Console
-    from graphnav.notices import print_notice
     from graphnav.spy import Feed, Traffic, as_json, as_text, drops_of
 
     load_types_of(args)
-    feed = Feed(args.feed)
+    feed = complete(Feed(args.feed))
     if not (args.once or args.json) and _has_screen():
         return _full_screen(feed, args.graphics)
     traffic = Traffic(feed.clock)
@@ -70,8 +70,6 @@ def main(args: argparse.Namespace) -> int:
         return OK
     heading = f"{feed.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
     console.print(as_text(traffic, "; ".join([heading, *filter(None, [feed.truncated, drops_of(feed)])])))
-    if feed.completion_notice:
-        print_notice(feed.completion_notice)
     return OK
 
 
@@ -89,15 +87,11 @@ def _full_screen(feed: Feed, graphics: str) -> int:
     if not has_colours():
         os.environ["NO_COLOR"] = "1"
     from graphnav.catalog import Catalog
-    from graphnav.notices import print_notice
     from graphnav.spy.screen import SpyApp, painters, run_app, watch_of
-    from graphnav.spy.watch.log_watch import LogWatch
 
     gc.freeze()  # imported modules stay: the garbage collector need not scan them
     new_painter = painters(graphics)
     watch = watch_of(feed)
-    if isinstance(watch, LogWatch) and watch.completion_notice:
-        print_notice(watch.completion_notice)
     watch.start()
     try:
         return run_app(SpyApp(watch, Catalog(), Path.cwd(), new_painter))

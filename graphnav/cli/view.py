@@ -46,12 +46,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
+    from graphnav.cli.opened_log import complete
     from graphnav.notices import print_notice
     from graphnav.spy import Feed
     from graphnav.view import is_loopback
 
     load_types_of(args)
-    feed = Feed(args.feed)
+    feed = complete(Feed(args.feed))
     if feed.is_live:
         feed.check()
     serve = _serve_foxglove if args.foxglove else _serve_page
@@ -76,11 +77,9 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
     from graphnav.interrupts import plain_ctrl_c
     from graphnav.view import LiveSource, LogSource, PageServer
 
-    source = LiveSource(feed) if feed.is_live else LogSource(feed.path)
-    if isinstance(source, LogSource):
-        if not source.n_events:
-            raise feed.silence(None)
-        _print_notice_of(source.completion_notice)
+    source = LiveSource(feed) if feed.is_live else LogSource(feed.path, feed.open_log())
+    if isinstance(source, LogSource) and not source.n_events:
+        raise feed.silence(None)
 
     def ready(url: str) -> None:
         print(f"{feed.name} is shown at {url}  (Ctrl-C exits)", flush=True)
@@ -102,11 +101,9 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
     from graphnav.catalog import Catalog
     from graphnav.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer
 
-    source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path)
-    if isinstance(source, LogPlayer):
-        if not source.n_events:
-            raise feed.silence(None)
-        _print_notice_of(source.recording.completion_notice())
+    source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path, feed.open_log())
+    if isinstance(source, LogPlayer) and not source.n_events:
+        raise feed.silence(None)
     server = FoxgloveServer(source, Catalog())
 
     def ready(url: str, app_url: str) -> None:
@@ -119,13 +116,6 @@ def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> Non
         server.serve(host, port, ready, threading.Event())
     finally:
         source.close()
-
-
-def _print_notice_of(notice: str) -> None:
-    from graphnav.notices import print_notice
-
-    if notice:
-        print_notice(notice)
 
 
 def _open(url: str) -> None:

@@ -6,6 +6,7 @@ from graphnav.codec.definition import definition_of, lcm_text_of
 from graphnav.codec.envelope import decode, encode, not_finite
 from graphnav.codec.errors import DecodeError, EncodeError
 from graphnav.codec.find_type import SHIPPED, find_type
+from graphnav.codec.given_types import add_given_types
 from graphnav.codec.known_types import (
     add_type,
     known_types,
@@ -22,6 +23,7 @@ __all__ = [
     "Codec",
     "DecodeError",
     "EncodeError",
+    "add_given_types",
     "add_type",
     "codec_of",
     "comments_of",

@@ -68,7 +68,10 @@ def _field(lcm_class: type, name: str, typename: str, dims: tuple[Dim, ...]) -> 
 
 
 def _struct(lcm_class: type, typename: str) -> type:
-    """Return the class of a nested type, resolved as in the generated module."""
+    """Return the class of a nested type, resolved as in the generated module, or as `given_types` made it."""
+    if (given := vars(lcm_class).get("structs")) is not None:
+        lcm_struct: type = given[typename]
+        return lcm_struct
     package, *path = typename.split(".")
     found: type = functools.reduce(getattr, path, vars(sys.modules[lcm_class.__module__])[package])
     return found

@@ -7,6 +7,7 @@ from typing import Any
 
 from graphnav.graph.graph import Graph
 from graphnav.graph.node import InputChannel, Node, OutputChannel
+from graphnav.spec.run import RECORD_KEYS, RunOptions
 from graphnav.spec.write import write_value
 from graphnav.stage import params_of
 
@@ -32,7 +33,8 @@ def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Ite
         yield f"plugins: {write_value(plugins)}"
     yield "run:"
     for name in params_of(type(graph.run)):
-        yield f"  {name}: {write_value(getattr(graph.run, name))}"
+        if name == "record" or name not in RECORD_KEYS.values():
+            yield f"  {name}: {write_value(_record(graph.run) if name == 'record' else getattr(graph.run, name))}"
     yield "stages:"
     for node in graph.nodes:
         yield from _node_lines(node, portable_paths=portable_paths)
@@ -50,6 +52,12 @@ def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Ite
         if section:
             yield f"{key}:"
             yield from (f"  {write_value(name)}: {write_value(words)}" for name, words in section.items())
+
+
+def _record(run: RunOptions) -> Any:
+    """Return what the log keeps, as a mapping where its file is rotated."""
+    words = {key: getattr(run, name) for key, name in RECORD_KEYS.items()}
+    return words if run.rotate_mb is not None or run.rotate_s is not None else run.record
 
 
 def _input_words(given: InputChannel, *, portable_paths: bool) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from graphnav.codec import lcm_name, lcm_text_of
 from graphnav.graph import Graph
 from graphnav.live.firing import FIRED
 from graphnav.messages import About
+from graphnav.record import GAP
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recording.run_recorded import about_of
 
@@ -36,8 +37,8 @@ def live_about(graph: Graph, *, by_outside_names: bool) -> About:
     channels[STATUS] = lcm_name(graphnav_lcm.status_t)
     classes.append(graphnav_lcm.status_t)
     if not by_outside_names:
-        channels[FIRED] = lcm_name(graphnav_lcm.fired_t)
-        classes.append(graphnav_lcm.fired_t)
+        channels |= {FIRED: lcm_name(graphnav_lcm.fired_t), GAP: lcm_name(graphnav_lcm.gap_t)}
+        classes += [graphnav_lcm.fired_t, graphnav_lcm.gap_t]
     ordered = sorted(channels.items())
     return replace(
         about,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, closing
+from functools import partial
 from pathlib import Path
 
 from graphnav.bus import same_group
@@ -29,7 +30,7 @@ from graphnav.runner.lockstep import Outcome
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.failures import Failures
-from graphnav.runner.recording.kept_messages import ChannelsExcept, kept
+from graphnav.runner.recording.kept_messages import ChannelsExcept, kept, open_log
 from graphnav.runner.recording.progress_file import ProgressFile
 from graphnav.runner.recording.run_recorded import LiveSink, raise_if_asked_late, write_summary
 from graphnav.runner.recording.saved_graph import save_graph
@@ -134,7 +135,9 @@ class _LiveRun:
         played = [(one.source, one.mailbox) for one in intakes if one.source.log is not None]
         self._playback = Playback(played, self._wake.set)
         cleanup.callback(self._playback.close)
-        self._writer = writer = ThreadedLogWriter(self._folder / LOG, notice=notice)
+        self._writer = writer = ThreadedLogWriter(
+            self._folder / LOG, notice=notice, open_log=partial(open_log, graph.run)
+        )
         cleanup.callback(writer.close)
         self._runner = LiveRunner(graph, stages, self._clock, intakes, self._wake)
         for unit in self._runner.units.values():
@@ -249,4 +252,5 @@ def _live_part(status: Status, writer: ThreadedLogWriter, url: str, dropped_pack
         "memory_mb": status.memory_mb,
         "log_dropped": writer.dropped,
         "log_failure": writer.failure,
+        "log_gaps": [gap._asdict() for gap in writer.gaps],
     }

@@ -22,6 +22,7 @@ def as_json(info: LogInfo) -> dict[str, Any]:
         "unfinished": info.unfinished,
         "completion_hint": info.completion_hint,
         "channels": {channel.name: _channel(channel) for channel in info.channels},
+        "gaps": [{"from_us": gap.from_us, "until_us": utime, "messages": gap.n_messages} for utime, gap in info.gaps],
         "damaged": [{"at": damaged.at, "bytes": damaged.n_bytes} for damaged in info.damaged],
         "truncated": {"at": info.truncated.at, "bytes": info.truncated.n_bytes} if info.truncated is not None else None,
     }

@@ -62,6 +62,10 @@ def damage(info: LogInfo) -> Iterator[str]:
             yield f"{name}: no message can be decoded"
         if channel.n_restarts:
             yield f"{name}: sequence numbers restarted {_times(channel.n_restarts)}"
+    for utime, gap in info.gaps[:_MAX_SHOWN]:
+        from_s, until_s = ((us - info.begin_us) / 1e6 for us in (gap.from_us, utime))
+        what = f"{gap.n_messages:,} messages between {from_s:.3f} s and {until_s:.3f} s were not recorded"
+        yield f"{what}: {shown_name(gap.reason)}"
     if info.n_jumps:
         yield f"{info.n_jumps:,} timestamps jump: the clock was set, or they are damaged"
     yield from map(str, info.damaged[:_MAX_SHOWN])

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graphnav.codec import Codec, DecodeError, codec_of, lcm_name, type_of
+from graphnav.errors import LogError
 from graphnav.loginfo.log_origin import LogOrigin, origin_of
 from graphnav.loginfo.unfinished import unfinished
-from graphnav.record import Damaged, Recording, SequenceGaps, TruncatedEvent
+from graphnav.messages import Gap
+from graphnav.record import GAP, Damaged, Recording, SequenceGaps, TruncatedEvent
 from graphnav.record.sequence_gaps import numbered_fingerprints, seq_of
 
 _WALL_US = 1_000_000_000_000_000
@@ -63,6 +65,8 @@ class LogInfo:
     """How to make again what the log leaves out, see `Recording`."""
     damaged: list[Damaged]
     truncated: TruncatedEvent | None
+    gaps: tuple[tuple[int, Gap], ...] = ()
+    """Gaps in the recording, and the timestamps at which the log goes on, microseconds."""
     unfinished: str = ""
     """That the run did not finish, empty if it did or that is not known."""
 
@@ -103,8 +107,17 @@ def survey(path: Path) -> LogInfo:
             completion_hint=recording.completion_hint,
             damaged=recording.damaged,
             truncated=recording.truncated,
+            gaps=_gaps(recording),
             unfinished=unfinished(path),
         )
+
+
+def _gaps(recording: Recording) -> tuple[tuple[int, Gap], ...]:
+    try:
+        found = [(utime, gap) for utime, _, gap in recording.messages(GAP) if isinstance(gap, Gap)]
+    except LogError:
+        return ()
+    return tuple(found)
 
 
 class _Survey:

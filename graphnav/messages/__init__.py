@@ -3,7 +3,7 @@
 from graphnav.messages.local_map import LocalMap
 from graphnav.messages.message import ZERO_MEANS, FieldError, Message, snake_case
 from graphnav.messages.robot import Goal, GuardState, Map, Motion, Odometry, OdometryCheck, State, Steering, Stop, Twist
-from graphnav.messages.run import About, Fired, Status
+from graphnav.messages.run import About, Fired, Gap, Status
 from graphnav.messages.vision import Components, Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "FieldError",
     "Fired",
     "Flow",
+    "Gap",
     "Goal",
     "GuardState",
     "Image",

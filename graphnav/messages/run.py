@@ -46,6 +46,17 @@ class Status(Message, lcm=graphnav_lcm.status_t):
     edges: tuple[dict[str, Any], ...]
 
 
+class Gap(Message, lcm=graphnav_lcm.gap_t):
+    """A gap of a log, which begins at ``from_us`` and ends where this message is: the disk was full, or failed.
+
+    ``n_messages`` are missing; ``reason``: why they could not be written.
+    """
+
+    from_us: int
+    n_messages: int
+    reason: str
+
+
 class Fired(Message, lcm=graphnav_lcm.fired_t):
     """A firing of a stage in a live run, recorded so that the log can be replayed.
 

@@ -42,6 +42,11 @@ class AboutFirst:
         return self._log.n_events + len(self._held)
 
     @property
+    def last_us(self) -> int | None:
+        """The timestamp of the last event that is not held back, None without one."""
+        return self._log.last_us
+
+    @property
     def n_bytes(self) -> int:
         """The size of the log, excluding events held back."""
         return self._log.n_bytes
@@ -68,6 +73,10 @@ class AboutFirst:
         if self._held and self._now_s() >= self._until_s:
             self._release()
         self._log.flush()
+
+    def resume(self) -> None:
+        """Accept events again after a write error."""
+        self._log.resume()
 
     def close(self) -> None:
         """Write the events held back, flush and close."""

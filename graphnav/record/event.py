@@ -58,10 +58,11 @@ class Damaged(NamedTuple):
 class LogFile:
     """The bytes of a log, read on demand: a mapped file would count as memory of the process."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path | int) -> None:
+        """Open a file by its path, or by a descriptor, which is duplicated; raises LogError if it cannot be read."""
         self._fd = -1
         try:
-            self._fd = open_regular(path)
+            self._fd = os.dup(path) if isinstance(path, int) else open_regular(path)
             self.size = os.fstat(self._fd).st_size
             self.read(0, 1)
         except OSError as error:

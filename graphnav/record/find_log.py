@@ -1,7 +1,8 @@
-"""Find a log by the path of its file or of its run folder."""
+"""Find a log by the path of its file or of its run folder, and the files that it is split into."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from graphnav.errors import UserError
@@ -20,3 +21,20 @@ def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:
     if not log.is_file():
         raise UserError.of(f"{path} holds no {LOG}" if path.is_dir() else f"there is no {path}", hint)
     return log
+
+
+def numbered(path: Path, number: int) -> Path:
+    """Return the name of the ``number``-th file of a recording: ``drive.0003.lcmlog``."""
+    return path.with_name(f"{path.stem}.{number:04}{path.suffix}")
+
+
+def files_of(path: Path) -> list[Path]:
+    """Return the existing files of a split recording, by number."""
+    name = re.compile(rf"{re.escape(path.stem)}\.[0-9]{{4,}}{re.escape(path.suffix)}")
+    return sorted(file for file in path.parent.glob("*") if name.fullmatch(file.name))
+
+
+def parts_of(log: Path) -> list[Path]:
+    """Return the files of a log, oldest first: that of a run may be ``run.lcmlog``, ``run.0001.lcmlog`` and so on."""
+    first, *others = [numbered(log, 0), *files_of(log)] if log.name == LOG else [log]
+    return [log] if first in others else [log, *others]

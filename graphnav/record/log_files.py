@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import time
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from typing import NamedTuple
 from graphnav.errors import LogError
 from graphnav.record.about_first import is_about
 from graphnav.record.event import HEADER
+from graphnav.record.find_log import numbered
 from graphnav.record.recording import ABOUT
 from graphnav.record.writer import LogWriter
 
@@ -27,21 +27,11 @@ class Split(NamedTuple):
     us: int | None = None
 
 
-def numbered(path: Path, number: int) -> Path:
-    """Return the name of the ``number``-th file of a recording: ``drive.0003.lcmlog``."""
-    return path.with_name(f"{path.stem}.{number:04}{path.suffix}")
-
-
-def files_of(path: Path) -> list[Path]:
-    """Return the existing files of a split recording, by number."""
-    name = re.compile(rf"{re.escape(path.stem)}\.[0-9]{{4,}}{re.escape(path.suffix)}")
-    return sorted(file for file in path.parent.glob("*") if name.fullmatch(file.name))
-
-
 class LogFiles:
     """A log in one file, or, with ``split``, in numbered files of which the newest ``rotate`` are kept.
 
-    Each file after the first begins with the newest description of a run. ``free_quota_bytes``: the recording ends when
+    Each file after the first begins with the newest description of a run. The first file has the number 0; without
+    ``numbers_first`` it has the name of ``path`` itself. ``free_quota_bytes``: the recording ends when
     less disk space is free. ``free_bytes`` returns the free disk space.
 
     Raises OSError if the first file cannot be opened, LogError if less is free at the start.
@@ -54,6 +44,8 @@ class LogFiles:
         rotate: int | None = None,
         free_quota_bytes: int | None = None,
         free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        *,
+        numbers_first: bool = True,
     ) -> None:
         self._path, self._split, self._rotate = path, split, rotate
         self._quota_bytes, self._free_bytes = free_quota_bytes, free_bytes
@@ -63,7 +55,7 @@ class LogFiles:
         self._about = b""
         self._n_events = self._n_bytes = self._n_copies = 0
         self._begin_us: int | None = None
-        self.paths = [path if split is None else numbered(path, 0)]
+        self.paths = [numbered(path, 0) if split is not None and numbers_first else path]
         """Existing files, oldest first."""
         if free_quota_bytes is not None:
             self._look_at_disk(free_quota_bytes)
@@ -73,6 +65,11 @@ class LogFiles:
     def n_events(self) -> int:
         """The number of events written, including removed files."""
         return self._n_events + max(0, self._log.n_events - self._n_copies)
+
+    @property
+    def last_us(self) -> int | None:
+        """The timestamp of the last event of the newest file, None without one."""
+        return self._log.last_us
 
     @property
     def n_bytes(self) -> int:
@@ -97,6 +94,14 @@ class LogFiles:
             self._check_quota(self._quota_bytes)
         self._log.flush()
 
+    def resume(self) -> None:
+        """Accept events again after a write error."""
+        self._log.resume()
+        if self._log.n_events == 0:  # the copy of the description was lost, too
+            self._n_copies = 0
+            if self._about and self._number:
+                self._copy_about(self._begin_us or 0)
+
     def close(self) -> None:
         """Flush and close; idempotent."""
         self._log.close()
@@ -110,21 +115,27 @@ class LogFiles:
         )
 
     def _begin_file(self, channel: str, utime: int) -> None:
-        self._log.close()
-        self._n_events, self._n_bytes = self.n_events, self.n_bytes
-        self._number += 1
-        path = numbered(self._path, self._number)
+        self._log.flush()
+        path = numbered(self._path, self._number + 1)
         try:
-            self._log = LogWriter(path)
+            following = LogWriter(path)
         except OSError as error:
             raise LogError(f"{path}: {error.strerror}") from error
+        self._log.close()
+        self._n_events, self._n_bytes = self.n_events, self.n_bytes
+        self._log, self._n_copies = following, 0
+        self._number += 1
         self.paths.append(path)
         self._begin_us = utime
-        self._n_copies = int(bool(self._about) and channel != ABOUT)
-        if self._n_copies:
-            self._log.write(ABOUT, utime, self._about)
+        if self._about and channel != ABOUT:
+            self._copy_about(utime)
         if self._rotate is not None:
             self._remove_oldest(self._rotate)
+
+    def _copy_about(self, utime: int) -> None:
+        """Begin a file with the description of the run."""
+        self._n_copies = 1
+        self._log.write(ABOUT, utime, self._about)
 
     def _remove_oldest(self, n_kept: int) -> None:
         while len(self.paths) > n_kept:

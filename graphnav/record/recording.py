@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import cached_property
@@ -10,21 +11,35 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self, TypeVar
 
-from graphnav.codec import DecodeError, codec_of, decode, message_class_of, type_named, type_of
+from graphnav.codec import (
+    DecodeError,
+    add_given_types,
+    codec_of,
+    decode,
+    fields_of,
+    message_class_of,
+    type_named,
+    type_of,
+)
 from graphnav.errors import LogError, UserError, shown_name
 from graphnav.messages import About, Message
 from graphnav.record.event import Damaged, Entry, Event, LogFile, TruncatedEvent
+from graphnav.record.find_log import parts_of
 from graphnav.record.index import Index
 from graphnav.record.scan import scan
 from graphnav.record.timeline import Timeline
 from graphnav.run_folder import LOG
-from graphnav.spec import parse_yaml
+from graphnav.spec import option_in, parse_yaml
 
 M = TypeVar("M", bound=Message)
 
 ABOUT = "graphnav.about"
 """The channel of the first event, which describes the log."""
 
+SMALL_BYTES = 4096
+"""Messages below this are kept by every log, whatever it leaves out."""
+
+_RESERVED = "graphnav."
 _FINGERPRINT_BYTES = 8
 _HEAD = struct.Struct(">8sqq")
 
@@ -50,23 +65,53 @@ class Recording:
 
     ``channels`` maps each channel to its lcm-gen class, or to None if the type is not installed. ``truncated``:
     the incomplete last event, None if the log is complete; ``damaged``: the bytes between events that were skipped.
+    ``content``: the file to read in place of ``path``, by its path or descriptor: the same log with what it leaves out.
 
     Raises LogError if the file cannot be read or is not a log.
     """
 
-    def __init__(self, path: Path | str) -> None:
+    def __init__(self, path: Path | str, content: Path | int | None = None) -> None:
         self.path = Path(path)
+        self.is_completed = content is not None
+        """Whether what ``path`` leaves out was made again."""
         self.truncated: TruncatedEvent | None = None
         self.damaged: list[Damaged] = []
-        self._file = LogFile(self.path)
         self._index = Index()
-        for entry in scan(self.path, self._file):
+        self._files: list[LogFile] = []
+        self._begins: list[int] = []
+        """Where each file begins in all their bytes."""
+        self._n_bytes = 0
+        for part in parts_of(self.path) if content is None else [content]:
+            self._add(LogFile(part), is_first=not self._files)
+        if self.about is not None and None in self.channels.values():
+            add_given_types(self.about.lcm_text)
+            del self.channels
+
+    def _add(self, file: LogFile, *, is_first: bool) -> None:
+        """Add the events of a file; those after the first begin with a copy of the description, which is left out."""
+        begin = self._n_bytes
+        self._files.append(file)
+        self._begins.append(begin)
+        self._n_bytes += file.size
+        if self.truncated is not None:
+            self.damaged.append(Damaged(*self.truncated))
+            self.truncated = None
+        is_copy = not is_first
+        for entry in scan(self.path, file):
             if isinstance(entry, TruncatedEvent):
-                self.truncated = entry
+                self.truncated = TruncatedEvent(begin + entry.at, entry.n_bytes)
             elif isinstance(entry, Damaged):
-                self.damaged.append(entry)
+                self.damaged.append(Damaged(begin + entry.at, entry.n_bytes))
             else:
-                self._index.add(entry)
+                if not is_copy or entry.channel != ABOUT:
+                    self._index.add(entry._replace(start=begin + entry.start, stop=begin + entry.stop))
+                is_copy = False
+
+    def _read(self, start: int, stop: int) -> bytes:
+        """Return bytes of one file, whose positions count in all files."""
+        number = bisect_right(self._begins, start) - 1
+        begin = self._begins[number]
+        return self._files[number].read(start - begin, stop - begin)
 
     @cached_property
     def about(self) -> About | None:
@@ -102,22 +147,36 @@ class Recording:
         }
 
     @property
-    def completion_hint(self) -> str:
-        """How to make again what the log leaves out, which ``record: replayable`` allows; else an empty string."""
+    def leaves_out(self) -> bool:
+        """Whether large messages are left out that a replay makes again, as ``record: replayable`` allows."""
         try:
             options = self.graph.get("run")
         except LogError:
-            return ""
+            return False
         is_of_tap = self.about is not None and bool(self.about.run_id)  # which sends everything
-        if is_of_tap or not isinstance(options, dict) or options.get("record") != "replayable":
-            return ""
-        log = self.path.parent if self.path.name == LOG else self.path
-        return f"make the rest again: graphnav replay {shown_name(str(log))} -o full.lcmlog"
+        if self.is_completed or is_of_tap or not isinstance(options, dict):
+            return False
+        return option_in(options.get("record")) == "replayable"
 
-    def completion_notice(self) -> str:
-        """Return a notice of what the log leaves out, as `completion_hint`; else an empty string."""
-        hint = self.completion_hint
-        return f"{self.path} leaves out large messages that a replay makes again\n  {hint}" if hint else ""
+    @property
+    def completion_hint(self) -> str:
+        """How to write the log with what it leaves out; an empty string if it `leaves_out` nothing."""
+        log = self.path.parent if self.path.name == LOG else self.path
+        return f"make the rest again: graphnav replay {shown_name(str(log))} -o full.lcmlog" if self.leaves_out else ""
+
+    def lacks(self, channel: str) -> bool:
+        """Whether messages of a channel may be left out; false only where that is certain.
+
+        Of what can be made again a log keeps every message below 4 kB, and the first of any size.
+        """
+        if not self.leaves_out or channel.startswith(_RESERVED):
+            return False
+        numbers = self._index.channels.get(channel, ())
+        sizes = (self._index[number] for number in numbers)
+        n_large = sum(entry.stop - entry.start >= SMALL_BYTES for entry in sizes)
+        lcm_class = self.channels.get(channel)
+        is_small = not n_large and lcm_class is not None and _has_fixed_size(lcm_class)
+        return n_large < 2 and not is_small  # a second large one is kept only where all are
 
     @property
     def begin_us(self) -> int:
@@ -131,8 +190,8 @@ class Recording:
 
     @property
     def n_bytes(self) -> int:
-        """The size of the file."""
-        return self._file.size
+        """The size of its files."""
+        return self._n_bytes
 
     @cached_property
     def timeline(self) -> Timeline:
@@ -223,8 +282,9 @@ class Recording:
             raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
 
     def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+        """Close the files."""
+        for file in self._files:
+            file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -236,18 +296,28 @@ class Recording:
 
     def _stamp(self, entry: Entry) -> int:
         begin = entry.start + _FINGERPRINT_BYTES
-        return int.from_bytes(self._file.read(begin, min(begin + 8, entry.stop)), "big", signed=True)
+        return int.from_bytes(self._read(begin, min(begin + 8, entry.stop)), "big", signed=True)
 
     def _head(self, entry: Entry, place: int) -> Head:
-        data = self._file.read(entry.start, min(entry.start + _HEAD.size, entry.stop))
+        data = self._read(entry.start, min(entry.start + _HEAD.size, entry.stop))
         first = _HEAD.unpack(data) if len(data) == _HEAD.size else (b"", 0, 0)
         return Head(entry.channel, place, entry.utime, entry.stop - entry.start, *first)
 
     def _event(self, entry: Entry) -> Event:
-        return Event(entry.channel, entry.utime, self._file.read(entry.start, entry.stop))
+        return Event(entry.channel, entry.utime, self._read(entry.start, entry.stop))
 
     def _decoded(self, channel: str, index: int, wrapper: type[M]) -> tuple[int, int, M]:
         try:
             return decode(wrapper, self.event(channel, index).data)
         except DecodeError as error:
             raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
+
+
+def _has_fixed_size(lcm_class: type) -> bool:
+    """Whether every message of a type has the same size."""
+    return all(
+        field.primitive != "string"
+        and all(isinstance(dim, int) for dim in field.dims)
+        and (field.struct is None or _has_fixed_size(field.struct))
+        for field in fields_of(lcm_class)
+    )

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
+from graphnav.codec import encode
 from graphnav.errors import LogError
+from graphnav.messages import Gap
 from graphnav.record.writer import LogWriter
+
+GAP = "graphnav.gap"
+"""The channel on which a log says that messages are missing."""
 
 _MAX_QUEUED_BYTES = 64 << 20
 _EVENT_BYTES = 200
@@ -17,6 +24,9 @@ _EVENT_BYTES = 200
 _IDLE_S = 0.5
 _GATHER_S = 0.01
 """Events within this time wake the thread once, which saves context switches."""
+_RETRY_S, _MAX_RETRY_S = 1.0, 30.0
+"""After a write error the disk is tried again this often; less often each time that it refuses within `_STEADY_S`."""
+_STEADY_S = 5.0
 _CLOSE_S = 5.0
 
 
@@ -31,22 +41,48 @@ class Log(Protocol):
     def n_bytes(self) -> int:
         """Their size."""
 
+    @property
+    def last_us(self) -> int | None:
+        """The timestamp of the last event, None without one."""
+
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Append an event; raises LogError if the disk refuses it."""
 
     def flush(self) -> None:
         """Hand all events to the kernel; called periodically while the queue is empty."""
 
+    def resume(self) -> None:
+        """Accept events again after an error."""
+
     def close(self) -> None:
         """Flush and close."""
+
+
+class LogGap(NamedTuple):
+    """Messages that are missing in a log: their number, and the timestamps of the events around them, microseconds."""
+
+    from_us: int
+    until_us: int
+    n_messages: int
+
+
+class _Pause(NamedTuple):
+    """Why events are dropped at present; the timestamps of the last event in the log and of the last one dropped."""
+
+    reason: str
+    from_us: int
+    until_us: int
 
 
 class ThreadedLogWriter:
     """A log behind a bounded queue.
 
-    An event that does not fit into the queue of ``max_bytes`` is dropped and counted. A write error ends the recording:
-    ``failure`` is set, ``notice`` is called once with it from another thread, and every later event is dropped; the log
-    up to the error is complete. ``open_log`` opens the log.
+    An event that does not fit into the queue of ``max_bytes`` is dropped and counted. If the disk refuses an event (it
+    is full), events are dropped and counted, and the disk is tried again once a second; once it has room, a `Gap` on
+    `GAP` says what is missing, and the recording goes on. Any other error ends the recording, and so does a disk that
+    still refuses when the log is closed: ``failure`` says so. The log up to an error is complete. ``notice`` is called
+    from another thread when events begin to be missing, when they are recorded again, and when the recording ends.
+    ``open_log`` opens the log.
 
     Raises OSError if the file cannot be opened at all.
     """
@@ -59,13 +95,18 @@ class ThreadedLogWriter:
         open_log: Callable[[Path], Log] = LogWriter,
     ) -> None:
         self.path = Path(path)
-        self.dropped = 0
-        """The number of events that are not in the log."""
         self.failure = ""
         """Why the recording ended early, empty if it did not."""
+        self.gaps: list[LogGap] = []
+        """Gaps that the log tells: the disk refused these messages."""
         self._log = open_log(self.path)
         self._max_bytes, self._notice = max_bytes, notice
-        self._offered = 0
+        self._offered = self._refused = self._taken = 0
+        """Events that were given, those that were not queued, and those that the thread took from the queue."""
+        self._lost = self._told = 0
+        """Of those taken, the ones that are not in the log, and the ones that ``gaps`` tell."""
+        self._pause: _Pause | None = None
+        self._wait_s, self._retry_s, self._resumed_s = _RETRY_S, 0.0, -math.inf
         self._queued_bytes = 0
         self._queue: deque[tuple[str, int, bytes]] = deque()
         self._is_closing = self._is_waiting = False
@@ -73,6 +114,11 @@ class ThreadedLogWriter:
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name="graphnav log", daemon=True)
         self._thread.start()
+
+    @property
+    def dropped(self) -> int:
+        """The number of events that are not in the log."""
+        return self._refused + self._lost
 
     @property
     def n_events(self) -> int:
@@ -90,7 +136,7 @@ class ThreadedLogWriter:
         with self._changed:
             self._offered += 1
             if self.failure or self._is_closing or self._queued_bytes + size > self._max_bytes:
-                self.dropped += 1
+                self._refused += 1
                 return
             self._queue.append((channel, utime, data))
             self._queued_bytes += size
@@ -113,6 +159,8 @@ class ThreadedLogWriter:
             try:
                 while (events := self._next()) is not None:
                     self._write_all(events)
+                if self._pause is not None and not self._resumes(self._pause.until_us):
+                    self._fail(self._pause.reason)
             finally:
                 self._log.close()
         except (LogError, OSError) as error:
@@ -134,15 +182,60 @@ class ThreadedLogWriter:
         return events
 
     def _write_all(self, events: list[tuple[str, int, bytes]]) -> None:
-        """Write events, or flush if there are none."""
-        if not events:
+        """Write events, or flush if there are none; drop them while the disk refuses them."""
+        n_done = 0
+        try:
+            if not events and self._pause is None:
+                self._log.flush()
+            if events and (self._pause is None or self._resumes(events[0][1])):
+                for channel, utime, data in events:
+                    if self.failure:
+                        return
+                    self._log.write(channel, utime, data)
+                    n_done += 1
+                    with self._changed:
+                        self._queued_bytes -= len(data) + _EVENT_BYTES
+        except (LogError, OSError) as error:
+            if not isinstance(error, OSError) and not isinstance(error.__cause__, OSError):
+                raise
+            self._begin_pause(str(error), events[n_done][1] if events else 0)
+        rest = events[n_done:]
+        with self._changed:
+            self._taken += len(events)
+            self._queued_bytes -= sum(len(data) + _EVENT_BYTES for _, _, data in rest)
+            self._lost = self._taken - (self._log.n_events - len(self.gaps))
+        if rest and self._pause is not None:
+            self._pause = self._pause._replace(until_us=rest[-1][1])
+
+    def _begin_pause(self, reason: str, utime: int) -> None:
+        """Begin to drop events, from one with this timestamp on."""
+        now_s = time.monotonic()
+        is_again = now_s - self._resumed_s < _STEADY_S
+        self._wait_s = min(2 * self._wait_s, _MAX_RETRY_S) if is_again else _RETRY_S
+        self._retry_s = now_s + self._wait_s
+        last_us = self._log.last_us
+        self._pause = _Pause(reason, utime if last_us is None else last_us, utime)
+        self._notice(f"{reason}; messages are dropped until the disk takes them")
+
+    def _resumes(self, utime: int) -> bool:
+        """Whether the disk takes events again, from one with this timestamp on; the log then tells what is missing."""
+        pause, now_s = self._pause, time.monotonic()
+        if pause is None or (now_s < self._retry_s and not self._is_closing):
+            return False
+        self._retry_s = now_s + self._wait_s
+        gap = LogGap(pause.from_us, utime, self._lost - self._told)
+        try:
+            self._log.resume()
+            told = Gap(from_us=gap.from_us, n_messages=gap.n_messages, reason=pause.reason)
+            self._log.write(GAP, utime, encode(told, utime, len(self.gaps)))
             self._log.flush()
-        for channel, utime, data in events:
-            if self.failure:
-                return
-            self._log.write(channel, utime, data)
-            with self._changed:
-                self._queued_bytes -= len(data) + _EVENT_BYTES
+        except (LogError, OSError):
+            return False
+        self.gaps.append(gap)
+        self._told, self._pause, self._resumed_s = self._lost, None, now_s
+        span_s = (gap.until_us - gap.from_us) / 1e6
+        self._notice(f"{self.path}: recording again; {gap.n_messages} messages of {span_s:.1f} s are missing")
+        return True
 
     def _fail(self, failure: str) -> None:
         """End the recording, once."""
@@ -152,5 +245,5 @@ class ThreadedLogWriter:
             self.failure = failure
             self._queue.clear()
             self._queued_bytes = 0
-            self.dropped = self._offered - self.n_events
+            self._lost = self._offered - self._refused - (self._log.n_events - len(self.gaps))
         self._notice(failure)

@@ -22,7 +22,7 @@ class LogWriter:
 
     Events are written in one call per 256 kB or half a second, so that a killed process loses at most that much. After
     a write error (disk full or removed) the incomplete event is removed and LogError is raised; the log up to there
-    stays complete.
+    stays complete, and goes on after `resume`.
 
     Raises OSError if the file cannot be opened at all.
     """
@@ -30,10 +30,13 @@ class LogWriter:
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self.n_events = 0
+        self.last_us: int | None = None
+        """The timestamp of the last event, None without one."""
         self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
         self._complete_bytes = 0
+        self._complete_us: int | None = None
         self._flushed_s = time.monotonic()
         self._failure: LogError | None = None
 
@@ -43,12 +46,15 @@ class LogWriter:
         return self._complete_bytes + self._waiting_bytes
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Append an event; raises LogError, once and for all, if the disk refuses it."""
+        """Append an event; raises LogError, until `resume`, if the disk refuses it."""
+        if self._failure is not None:
+            raise self._failure
         name = channel.encode()
         header = HEADER.pack(SYNC, self.n_events, utime, len(name), len(data)) + name
         self._waiting += (header, data)
         self._waiting_bytes += len(header) + len(data)
         self.n_events += 1
+        self.last_us = utime
         if (
             self._waiting_bytes >= _FLUSH_BYTES
             or len(self._waiting) >= 2 * _FLUSH_EVENTS
@@ -67,6 +73,11 @@ class LogWriter:
         except OSError as error:
             self._failure = self._cut(waiting, error)
             raise self._failure from error
+
+    def resume(self) -> None:
+        """Accept events again after a write error."""
+        self._failure = None
+        self._waiting, self._waiting_bytes = [], 0
 
     def close(self) -> None:
         """Flush and close; idempotent."""
@@ -97,17 +108,22 @@ class LogWriter:
             while rest:
                 rest = rest[os.write(self._fd, rest) :]
         self._complete_bytes += total
+        self._complete_us = self.last_us
 
     def _cut(self, buffers: list[bytes], error: OSError) -> LogError:
         """Cut the file after the last complete event and return the error message."""
         end, kept = self._complete_bytes, self.n_events - len(buffers) // 2
+        last_us = self._complete_us
         size = os.fstat(self._fd).st_size
         for header, data in zip(buffers[::2], buffers[1::2], strict=True):
             if end + len(header) + len(data) > size:
                 break
             end += len(header) + len(data)
             kept += 1
+            last_us = HEADER.unpack_from(header)[2]
         self.n_events, self._complete_bytes = kept, end
+        self.last_us = self._complete_us = last_us
         if size > end:
             os.ftruncate(self._fd, end)
+            os.lseek(self._fd, end, os.SEEK_SET)
         return LogError(f"{self.path}: {error.strerror}; the log holds {kept} complete events")

@@ -11,10 +11,10 @@ from typing import Protocol
 
 from graphnav.codec import DecodeError, encode
 from graphnav.errors import GraphnavError, StageError, UserError
-from graphnav.graph import Graph
 from graphnav.graph.wiring.channels import RESERVED
 from graphnav.interrupts import third_party_code
 from graphnav.live.about import live_about
+from graphnav.messages import About
 from graphnav.record import ABOUT, LogWriter, Recording
 from graphnav.replay.comparison.comparison import Comparison, Scope
 from graphnav.replay.comparison.field_differences import Tolerance
@@ -74,13 +74,14 @@ def replay(
     options: ReplayOptions,
     *,
     out: Path | None = None,
+    about: About | None = None,
     on_tick: Callable[[int], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
 ) -> ReplayResult:
     """Step the stages of a graph by a log, and compare their messages with the recorded ones.
 
-    ``out``: the file for the replay's own log. ``on_tick`` is called with the time of the replayed run, microseconds,
-    ``on_failure`` with the error of a stage that ends the replay.
+    ``out``: the file for the replay's own log, ``about`` its description, None for that of ``made``. ``on_tick`` is
+    called with the time of the replayed run, microseconds, ``on_failure`` with the error of a stage that ends it.
 
     Raises
     ------
@@ -92,7 +93,7 @@ def replay(
     wall_begin_s = time.monotonic()
     work = _Replay(recording, made, options, is_logged=out is not None)
     with third_party_code(), ExitStack() as cleanup:
-        log = None if out is None else cleanup.enter_context(_log_writer(out, work.logged_graph, made, work.begin_us))
+        log = None if out is None else cleanup.enter_context(_log_writer(out, about or work.about, work.begin_us))
         replayer = work.begin(log)
         cleanup.callback(replayer.close)
         work.step(replayer, on_tick, on_failure)
@@ -135,12 +136,12 @@ class _Replay:
             raise UserError.of(what, f"--from {self._options.from_s:g} is after the end")
 
     @property
-    def logged_graph(self) -> Graph:
-        """The graph in the log of the replay, which holds everything unless a stage is not needed."""
+    def about(self) -> About:
+        """The description in the log of the replay, which holds everything unless a stage is not needed."""
         graph = self._made.graph
-        if graph.run.record != "replayable" or self._plan.not_needed:
-            return graph
-        return replace(graph, run=replace(graph.run, record="all"))
+        if graph.run.record == "replayable" and not self._plan.not_needed:
+            graph = replace(graph, run=replace(graph.run, record="all"))
+        return live_about(graph, by_outside_names=False) if self._made.is_live else about_of(graph)
 
     def begin(self, log: LogWriter | None) -> Replayer:
         """Wire the stages to what compares their messages; return what steps them."""
@@ -215,14 +216,13 @@ def _reproduced(reproduction: Reproduction) -> Iterator[Reproduced]:
         yield Reproduced(node.name, tuple(made), tuple(heard), tuple(checked))
 
 
-def _log_writer(path: Path, graph: Graph, made: LogGraph, begin_us: int) -> LogWriter:
+def _log_writer(path: Path, about: About, begin_us: int) -> LogWriter:
     if path.exists():
         raise UserError.of(f"{path} already exists", "choose another file with -o")
     try:
         writer = LogWriter(path)
     except OSError as error:
         raise UserError.of(f"cannot write {path}: {error.strerror}", "choose another file with -o") from error
-    about = live_about(graph, by_outside_names=False) if made.is_live else about_of(graph)
     writer.write(ABOUT, begin_us, encode(about, begin_us, 0))
     return writer
 

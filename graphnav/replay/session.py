@@ -75,7 +75,9 @@ def lockstep_session(
         again = None
         if reproduction is not None:
             again = ReproducedSources(reproduction, reproduction.make_stages(), recording, contents)
-        timetable = Timetable(ticks, before, start_us, contents.last_us if math.isinf(reach.until_us) else 0)
+        timetable = Timetable(
+            ticks, before, start_us, *((contents.last_us, contents.stops) if math.isinf(reach.until_us) else (0, ()))
+        )
         return ReplayRunner(plan, stages, Bus("memq://"), recording, timetable, Sinks(sinks, logs), again)
 
     return Session(make, contents.last_us, reach.lost)

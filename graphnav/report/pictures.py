@@ -14,8 +14,12 @@ from graphnav.record import LOG, Recording
 PNG = ".png"
 
 
-def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> list[Path]:
-    """Draw all pictures that the installed drawing plugins make of ``log`` into ``folder``; return the files.
+def draw_all(
+    catalog: Catalog, recording: Recording, folder: Path, suffix: str = PNG, *, video: bool = False
+) -> list[Path]:
+    """Draw all pictures that the installed drawing plugins make of a log into ``folder``; return the files.
+
+    ``suffix``: the format, ``.png``, ``.svg`` or ``.pdf``. ``video``: also draw the panels as a video.
 
     Raises
     ------
@@ -24,12 +28,6 @@ def draw_pictures(catalog: Catalog, log: Path, folder: Path, *, video: bool) -> 
     GraphnavError
         A picture cannot be written; it can be drawn later from the log.
     """
-    with Recording(log) as recording:
-        return draw_all(catalog, recording, folder, PNG, video=video)
-
-
-def draw_all(catalog: Catalog, recording: Recording, folder: Path, suffix: str, *, video: bool) -> list[Path]:
-    """Draw as `draw_pictures` does, in the format of ``suffix``: ``.png``, ``.svg`` or ``.pdf``."""
     with _drawing_into(catalog, recording, folder):
         drawn = catalog.hook.graphnav_draw(recording=recording, folder=folder, video=video, suffix=suffix)
     return [path for paths in drawn for path in paths]
@@ -38,7 +36,7 @@ def draw_all(catalog: Catalog, recording: Recording, folder: Path, suffix: str, 
 def draw_frames(
     catalog: Catalog, recording: Recording, times_s: Sequence[float], folder: Path, suffix: str
 ) -> list[Path]:
-    """Draw the panels of the frames nearest to ``times_s`` (seconds from the start); raises as `draw_pictures`.
+    """Draw the panels of the frames nearest to ``times_s`` (seconds from the start); raises as `draw_all`.
 
     Raises UserError for a time outside the log.
     """
@@ -59,7 +57,7 @@ def draw_rows(
 def draw_sheet(
     catalog: Catalog, recording: Recording, every_s: float, span_s: tuple[float, float], folder: Path, suffix: str
 ) -> list[Path]:
-    """Draw a contact sheet, a frame every ``every_s`` of ``span_s`` (from the start); raises as `draw_pictures`.
+    """Draw a contact sheet, a frame every ``every_s`` of ``span_s`` (from the start); raises as `draw_all`.
 
     Raises UserError for a span without frames, or with too many.
     """

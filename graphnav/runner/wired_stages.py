@@ -10,7 +10,7 @@ from typing import Any
 from graphnav.bus import Bus
 from graphnav.codec import DecodeError, decode
 from graphnav.graph import Channel, Graph
-from graphnav.messages import Message
+from graphnav.messages import Message, Twist
 from graphnav.runner.lockstep_unit import LockstepUnit
 from graphnav.runner.owned_stages import OwnedStages, Sink
 from graphnav.stage import Stage
@@ -27,6 +27,24 @@ class WiredStages(OwnedStages[LockstepUnit]):
         self._units = {node.name: LockstepUnit(node, stages[node.name], self._publish) for node in graph.nodes}
         self._plain = {i.channel.name for n in graph.nodes for i in n.inputs if i.channel and i.port.is_plain}
         self._consumed = self._subscribe()
+        self._commands = {channel.name: channel for channel in command_channels(graph)}
+        self._commanded_us: dict[str, int] = {}
+        """The stamp of the last command on each of these channels."""
+
+    def give_stops(self) -> None:
+        """Take back the last command on every channel that moves a world: the sinks get a stop with its stamp.
+
+        No stage gets it: the run has ended.
+
+        Raises
+        ------
+        LogError
+            A log cannot be written.
+        """
+        for name, utime in self._commanded_us.items():
+            channel = self._commands[name]
+            self._give(channel, utime, self._next_seq(channel), Twist(v_mps=0.0, omega_radps=0.0))
+        self._commanded_us.clear()
 
     def _fire(self, unit: LockstepUnit, stamp: int) -> str | None:
         outcome = unit.fire(stamp)
@@ -45,6 +63,8 @@ class WiredStages(OwnedStages[LockstepUnit]):
             raise ValueError("it has a stamp of its own, but feeds a plain input: read it as Latest or Since")
         consumed = channel.name in self._consumed
         seq = self._next_seq(channel)
+        if channel.name in self._commands:
+            self._commanded_us[channel.name] = utime
         if not consumed and not self._sinks:
             return
         data = self._give(channel, utime, seq, message)
@@ -81,3 +101,9 @@ class WiredStages(OwnedStages[LockstepUnit]):
         first(utime, message)
         for deliver in others:  # a stage that changes what it was given changes nothing for others
             deliver(utime, message.twin())
+
+
+def command_channels(graph: Graph) -> list[Channel]:
+    """Return the channels of commands that sources sample: what moves the robot of a world."""
+    found = (i.channel for node in graph.sources for i in node.inputs if i.channel is not None)
+    return list({channel.name: channel for channel in found if channel.message is Twist}.values())

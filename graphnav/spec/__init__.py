@@ -17,7 +17,7 @@ from graphnav.spec.declared import (
 )
 from graphnav.spec.file_bytes import read_bytes
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, QueueSpec, parse_times
-from graphnav.spec.run import RecordOption, RunOptions, check_url
+from graphnav.spec.run import RECORD_KEYS, RecordOption, RunOptions, check_url, option_in
 from graphnav.spec.scalar import Scalar, parse_scalar
 from graphnav.spec.spec import Spec, StageSpec, parse_spec
 from graphnav.spec.value import Entry, Value
@@ -27,6 +27,7 @@ from graphnav.spec.yaml import MAX_BYTES, parse_yaml
 __all__ = [
     "DIALECT",
     "MAX_BYTES",
+    "RECORD_KEYS",
     "TIME_KEYS",
     "Entry",
     "FileFormat",
@@ -47,6 +48,7 @@ __all__ = [
     "key",
     "keys_of",
     "object_schema",
+    "option_in",
     "param_schema",
     "parse_scalar",
     "parse_spec",

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from graphnav.errors import ParamError
 from graphnav.stage import param
 
 RecordOption = Literal["all", "small", "replayable"]
 """Selection of the messages that a log keeps."""
+
+RECORD_KEYS = {"keep": "record", "rotate_mb": "rotate_mb", "rotate_s": "rotate_s"}
+"""Keys of ``record`` where it is written as a mapping, and the options that these are."""
+
+
+def option_in(written: object) -> RecordOption | None:
+    """Return what a log keeps by ``record`` of a graph, which may be written as a mapping; None if it does not say."""
+    word = written.get("keep") if isinstance(written, dict) else written
+    return next((option for option in get_args(RecordOption) if option == word), None)
+
 
 URL_SCHEMES = ("udpm://", "memq://")
 """Between processes, and inside one."""
@@ -38,8 +48,13 @@ class RunOptions:
     record: Literal["all", "small", "replayable"] | None = param(
         None,
         doc="what the log keeps; small: messages below 4 kB, and the first of every channel; replayable: also what "
-        "inputs and sources bring, of which 'graphnav replay' makes the rest again; null: all in lockstep, small live",
+        "inputs and sources bring, from which commands that read the log make the rest again; null: replayable in "
+        "lockstep, small live",
     )
+    rotate_mb: float | None = param(
+        None, gt=0.0, le=1e9, doc="begin a new file of the log before one exceeds so many megabytes"
+    )
+    rotate_s: float | None = param(None, gt=0.0, le=1e9, doc="begin a new file of the log after so many seconds")
     portable: bool = param(
         False,
         doc="refuse to run where the log would not be the same on every machine: numpy, OpenCV and BLAS must compute "

@@ -38,7 +38,8 @@ class Feed:
         self.name = name or tap_url()
         self.is_live = self.name.startswith("udpm:")
         self.truncated = ""
-        self.completion_notice = ""
+        self.recording: Recording | None = None
+        """The log as its user opened it, None to open what stands in the file; it is closed when it was read."""
         self._bus: Bus | None = None
         self._dropped_packets = 0
         if not self.is_live:
@@ -57,6 +58,11 @@ class Feed:
     def check(self) -> None:
         """Raise BusError early if a live feed cannot be opened."""
         require_route(with_defaults(self.name))
+
+    def open_log(self) -> Recording:
+        """Return the log, which the caller closes; raises LogError if it cannot be read."""
+        recording, self.recording = self.recording, None
+        return recording or Recording(self.path)
 
     def listen(self, for_s: float | None) -> Generator[Received | None]:
         """Yield messages, for ``for_s`` seconds if live; yields None periodically while no messages arrive."""
@@ -98,9 +104,8 @@ class Feed:
             bus.close()
 
     def _recorded(self) -> Generator[Received | None]:
-        with Recording(self.path) as recording:
+        with self.open_log() as recording:
             self.truncated = str(recording.truncated or "")
-            self.completion_notice = recording.completion_notice()
             for event in recording.events():
                 yield Received(event.channel, event.data, event.utime / 1e6)
 

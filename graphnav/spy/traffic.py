@@ -120,6 +120,10 @@ class Traffic:
             del self.runs[min(self.runs, key=self.runs.__getitem__)]
 
 
+_STAMPED = 16
+"""The bytes of a message's fingerprint and timestamp."""
+
+
 class ChannelTraffic:
     """The messages of one channel.
 
@@ -143,14 +147,18 @@ class ChannelTraffic:
         self._recent_s = None if clock is None else RECENT_S
         self._arrivals, self._stamps = Window(self._recent_s), Window(self._recent_s)
         self._last_seq = self._last_utime = self._published = self._numbered = 0
+        self._n_stops = 0
 
     def receive(self, received: Received) -> None:
         """Count a message."""
         data = received.data
         self.count += 1
         self.last_bytes = len(data)
+        is_at_once = self._clock is None and received.at_s == self.received_s
+        if is_at_once and self._newest is not None and data[:_STAMPED] == self._newest[:_STAMPED]:
+            self._n_stops += 1  # it takes back the last command of a run, at the time of that
         self.received_s = received.at_s
-        self._arrivals.add(received.at_s, received.at_s, self.count, len(data))
+        self._arrivals.add(received.at_s, received.at_s, self.count - self._n_stops, len(data))
         self.history.add(received.at_s)
         lcm_class = type_of(data)
         self.is_unknown, self.fingerprint = lcm_class is None, data[:8]
@@ -176,7 +184,7 @@ class ChannelTraffic:
         self._published += step
         self._numbered += 1
         self._last_seq, self._last_utime = seq, utime
-        self._stamps.add(received.at_s, utime / 1e6, self._published, len(received.data))
+        self._stamps.add(received.at_s, utime / 1e6, self._published - self._n_stops, len(received.data))
 
     def _take_type(self, lcm_class: type) -> None:
         """Set the type of the channel; forget messages of another type."""

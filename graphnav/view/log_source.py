@@ -23,15 +23,15 @@ _MAX_TOLD = 3
 class LogSource:
     """Plays a log from its beginning; times are seconds from there.
 
-    Timestamps that jump are corrected by `Timeline`. ``damage``: a description of the log's damage;
-    ``completion_notice``: of what it leaves out, see `Recording`. Raises LogError if the file cannot be read.
+    Timestamps that jump are corrected by `Timeline`. ``damage``: a description of the log's damage.
+    ``recording``: the log at ``path``, if it is open already. Raises LogError if the file cannot be read.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, recording: Recording | None = None) -> None:
         self.lock = threading.Lock()
         self.name = str(path)
         self.failure = ""
-        self._recording = Recording(path)
+        self._recording = recording or Recording(path)
         self._index = self._recording.index
         self._times_us = self._recording.timeline.at_us
         lost = [
@@ -39,7 +39,6 @@ class LogSource:
             *([str(self._recording.truncated)] if self._recording.truncated else []),
         ]
         self.damage = "; ".join(lost[:_MAX_TOLD]) + (f"; and {len(lost) - _MAX_TOLD} more" if lost[_MAX_TOLD:] else "")
-        self.completion_notice = self._recording.completion_notice()
         self.speed_ratio = 1.0
         self.is_playing = True
         self._at_s = 0.0

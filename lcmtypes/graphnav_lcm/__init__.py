@@ -9,6 +9,7 @@ from .components_t import components_t as components_t
 from .edge_status_t import edge_status_t as edge_status_t
 from .fired_t import fired_t as fired_t
 from .flow_t import flow_t as flow_t
+from .gap_t import gap_t as gap_t
 from .goal_t import goal_t as goal_t
 from .guard_state_t import guard_state_t as guard_state_t
 from .image_t import image_t as image_t

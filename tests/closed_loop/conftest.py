@@ -20,10 +20,11 @@ Drive = Callable[..., tuple[Summary, Recording]]
 
 @pytest.fixture
 def drive(tmp_path: Path) -> Drive:
-    """Return a function that runs a shipped graph with a seed and swaps, and gives its summary and log."""
+    """Return a function that runs a shipped graph with a seed and swaps, and gives its summary and full log."""
 
     def run(name: str, seed: int, *sets: str) -> tuple[Summary, Recording]:
-        graph = load_graph(name, Catalog(Trust(runs_all=True)), [*map(parse_override, (*sets, f"run.seed={seed}"))])
+        everything = () if any(text.startswith("run.record=") for text in sets) else ("run.record=all",)
+        graph = load_graph(name, Catalog(Trust(runs_all=True)), [*map(parse_override, (*everything, *sets, f"run.seed={seed}"))])
         folder = tmp_path / f"{len(list(tmp_path.iterdir()))}"
         folder.mkdir()
         summary = run_recorded(graph, graph.make_stages(), folder)

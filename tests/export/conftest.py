@@ -23,7 +23,7 @@ TYPES = sorted((Path(__file__).parents[1] / "lcm" / "types").glob("*.lcm"))
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the run folder of two seconds of driving: 20 images, and all that is made of them."""
     folder = tmp_path_factory.mktemp("drive") / "run"
-    words = ["run", "corridor_ccw", "--until", "2", "--no-tap", "--no-pictures", "-o", str(folder)]
+    words = ["run", "corridor_ccw", "--until", "2", "--no-tap", "--no-pictures", "--record", "all", "-o", str(folder)]
     assert main(words) == 0
     return folder
 

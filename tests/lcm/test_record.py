@@ -7,6 +7,7 @@ import re
 import signal
 import socket
 import subprocess
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
@@ -255,44 +256,56 @@ def _newest(folder: Path) -> int:
     return max(int(file.stem.rpartition(".")[2]) for file in folder.iterdir())
 
 
-def test_a_full_disk_is_told_at_once_and_ends_it(
+def test_a_full_disk_is_told_at_once_and_recording_goes_on_when_there_is_room(
     tmp_path: Path, group: str, capfd: pytest.CaptureFixture[str], disk_of: DiskOf
 ) -> None:
     path, bus = tmp_path / "log", Bus(group)
-    sent = 0
+    notices: list[str] = []
 
-    def publish(recorder: Recorder) -> None:
-        nonlocal sent
-        while not recorder.failure:
+    def publish_until_told(n_notices: int) -> None:
+        while len(notices) < n_notices:
             bus.publish("x", bytes(50_000))
-            sent += 1
             time.sleep(0.001)
 
-    notices: list[str] = []
     with disk_of(1_000_000):
         recorder = Recorder(group, path, ChannelFilter(), notice=notices.append)
         recorder.start()
-        publish(recorder)
-        recorder.close()
+        publish_until_told(1)
+    publish_until_told(2)
+    recorder.close()
     bus.close()
-    assert notices == [f"{path}: File too large; the log holds 19 complete events"]
-    assert recorder.dropped > 0
-    assert len(events_of(path)) == 19
+    assert notices[0] == (
+        f"{path}: File too large; the log holds 19 complete events; messages are dropped until the disk takes them"
+    )
+    assert re.fullmatch(rf"{path}: recording again; {recorder.dropped} messages of [0-9.]+ s are missing", notices[1])
+    assert recorder.failure == ""
+    with Recording(path) as recording:
+        assert (recording.truncated, recording.damaged) == (None, [])
+        channels = [event.channel for event in recording.events()]
+    assert channels.index("graphnav.gap") == 19
+    assert channels.count("graphnav.gap") == 1
+    assert len(channels) > 20
 
 
 def test_a_full_disk_is_a_failure(group: str, capsys: pytest.CaptureFixture[str]) -> None:
-    bus = Bus(group)
-    publisher = subprocess.Popen(
-        [GRAPHNAV, "pub", "TWIST", "Twist", "--rate", "100", "--url", group], stdout=subprocess.DEVNULL
-    )
-    try:
-        assert main(["record", group, "-o", "/dev/full", "--force", "--for", "60"]) == 1
-    finally:
-        publisher.terminate()
-        publisher.wait()
+    is_over = threading.Event()
+
+    def publish() -> None:
+        bus = Bus(group)
+        while not is_over.wait(0.01):
+            bus.publish("TWIST", twist(0))
         bus.close()
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        assert main(["record", group, "-o", "/dev/full", "--force", "--for", "2"]) == 1
+    finally:
+        is_over.set()
+        thread.join()
     out, err = capsys.readouterr()
-    assert err == "/dev/full: No space left on device; the log holds 0 complete events\n"
+    failure = "/dev/full: No space left on device; the log holds 0 complete events"
+    assert err == f"{failure}; messages are dropped until the disk takes them\n{failure}\n"
     assert "messages not written" in out
 
 

@@ -10,7 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.record import LogWriter, Recording, ThreadedLogWriter
+from graphnav.messages import Gap
+from graphnav.record import GAP, LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
+from graphnav.record.find_log import files_of, numbered
+from graphnav.record.log_files import LogFiles, Split
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
@@ -119,24 +122,63 @@ def test_a_disk_that_hangs_ends_the_recording_when_it_is_closed(tmp_path: Path, 
     assert log.dropped == 3
 
 
-@pytest.mark.parametrize("n_bytes", [100_000, 100_017, 1_000_000])
+@pytest.mark.parametrize("n_bytes", [97 * 1029, 97 * 1029 + 17, 971 * 1029 + 50])
 def test_a_full_disk_ends_the_recording_and_not_the_caller(disk_of: DiskOf, tmp_path: Path, n_bytes: int) -> None:
     notices: list[str] = []
     with disk_of(n_bytes):
         log = ThreadedLogWriter(tmp_path / "log", notice=notices.append)
         for k in range(3000):
             log.write("x", k, bytes(1000))
-        wait_until(lambda: bool(log.failure))
+        wait_until(lambda: bool(notices))
+        assert log.failure == "", "there may be room again"
         log.write("x", 3000, b"")
         log.close()
     kept = n_bytes // 1029
     assert log.failure.endswith(f"File too large; the log holds {kept} complete events")
-    assert notices == [log.failure]
-    assert (log.n_events, log.dropped) == (kept, 3001 - kept)
+    assert notices == [f"{log.failure}; messages are dropped until the disk takes them", log.failure]
+    assert (log.n_events, log.dropped, log.gaps) == (kept, 3001 - kept, [])
     assert log.n_bytes == (tmp_path / "log").stat().st_size == kept * 1029
     with Recording(tmp_path / "log") as recording:
         assert recording.truncated is None
         assert recording.utimes("x") == list(range(kept))
+
+
+@pytest.mark.parametrize("n_parts", [0, 1])
+def test_once_the_disk_has_room_the_recording_goes_on_and_tells_the_gap(
+    disk_of: DiskOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, n_parts: int
+) -> None:
+    monkeypatch.setattr(threaded_writer, "_RETRY_S", 0.0)
+    notices: list[str] = []
+
+    def open_log(path: Path) -> LogFiles:
+        return LogFiles(path, Split(n_bytes=50_000) if n_parts else None)
+
+    with disk_of(20_000):
+        log = ThreadedLogWriter(tmp_path / "log", notice=notices.append, open_log=open_log)
+        for k in range(30):
+            log.write("x", 10 + k, bytes(1000))
+        wait_until(lambda: log.dropped == 30 - 20_000 // 1029)
+    for k in range(30, 60):
+        log.write("x", 10 + k, bytes(1000))
+    log.close()
+    kept = [*range(19), *range(30, 60)]
+    assert (log.failure, log.dropped, log.gaps) == ("", 11, [LogGap(28, 40, 11)])
+    first = numbered(tmp_path / "log", 0) if n_parts else tmp_path / "log"
+    found = []
+    for path in files_of(tmp_path / "log") or [first]:
+        with Recording(path) as recording:
+            assert (recording.truncated, recording.damaged) == (None, [])
+            found += [event.utime - 10 for event in recording.events() if event.channel == "x"]
+            gaps = list(recording.messages(GAP))
+            if path == first:
+                stamp, _, gap = gaps[0]
+                assert isinstance(gap, Gap)
+                assert (stamp, gap.from_us, gap.n_messages) == (40, 28, 11)
+                assert gap.reason in notices[0]
+            else:
+                assert gaps == []
+    assert found == kept
+    assert notices[1] == f"{tmp_path / 'log'}: recording again; 11 messages of 0.0 s are missing"
 
 
 def test_a_disk_that_is_full_from_the_start_is_told_when_it_is_closed() -> None:

@@ -82,14 +82,16 @@ def _full(what: str, log: Path, url: str, max_bytes: int | None = None) -> tuple
     with _recording(log, url, max_bytes) as process, _flood(url):
         await_file(log)
         full_s = _await_size(log, process)
+        assert process.stdout is not None
+        told = [line.decode().rstrip() for _, line in zip(range(3), process.stdout, strict=False)][2:]
+        took_s = time.monotonic() - full_s
+        process.send_signal(signal.SIGINT)
         try:
-            said, _ = process.communicate(timeout=30)
+            process.communicate(timeout=30)
         except subprocess.TimeoutExpired:
             return False, f"record onto {what}: it does not end"
-        took_s = time.monotonic() - full_s
     left = _left(log)
-    told = [line for line in said.decode().splitlines()[2:] if log.name in line]
-    good = process.returncode == 1 and bool(told) and took_s <= _MAX_TOLD_S
+    good = process.returncode == 1 and any(log.name in line for line in told) and took_s <= _MAX_TOLD_S
     good = good and left.n_damaged == left.n_truncated_bytes == 0 and left.n_events > 0
     return good, (
         f"record onto {what}: ended with status {process.returncode} {took_s:.1f} s after {_FULL_BYTES} bytes, "

@@ -15,7 +15,7 @@ from graphnav.errors import DrawingError, GraphnavError, LogError, StageError, U
 from graphnav.graph import Graph, graph_of
 from graphnav.pictures import drawing
 from graphnav.record import LOG, Recording
-from graphnav.report.pictures import draw_pictures
+from graphnav.report.pictures import draw_all
 from graphnav.runner import Outcome
 from graphnav.runner.recording.run_recorded import run_recorded
 from graphnav.runner.recording.stall import StallLimit
@@ -75,7 +75,8 @@ def _draw(catalog: Catalog, scratch: Path) -> None:
     """Draw a run and its end; a picture that a plugin cannot draw costs no other."""
     errors = []
     try:
-        draw_pictures(catalog, scratch / LOG, scratch, video=False)
+        with Recording(scratch / LOG) as recording:
+            draw_all(catalog, recording, scratch)
     except DrawingError as error:
         errors.append(str(error))
     try:

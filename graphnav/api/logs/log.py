@@ -22,6 +22,7 @@ from graphnav.arrays import Doubles, Longs
 from graphnav.codec import lcm_name, message_class_of
 from graphnav.errors import LogError, UserError, did_you_mean, shown_name
 from graphnav.record import Recording, find_log
+from graphnav.replay import open_completed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,7 +32,8 @@ def open_log(path: PathLike) -> Log:
     """Open the log of a run folder, or a log file of graphnav, lcm-logger or any other LCM program.
 
     ``path``: the folder or the file. A damaged log can be opened too: complete messages can be read, and `Log.damage`
-    lists the losses. What a log recorded with ``record: replayable`` leaves out is logged as a warning.
+    lists the losses. What a log with ``record: replayable`` leaves out, the default of lockstep runs, a replay makes
+    again; that is logged as a warning, as is why it cannot.
 
     Raises
     ------
@@ -42,12 +44,9 @@ def open_log(path: PathLike) -> Log:
     """
     name = path_of(path, "path", "runs/1")
     try:
-        recording = Recording(find_log(name))
+        return Log(open_completed(find_log(name), tell=tell))
     except OSError as error:
         raise UserError.of(f"cannot read {name}: {error.strerror}", "name a run folder or a log") from error
-    if notice := recording.completion_notice():
-        tell(notice)
-    return Log(recording)
 
 
 _MAX_NAMES = 40

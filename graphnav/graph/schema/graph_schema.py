@@ -6,7 +6,7 @@ from graphnav.catalog import Catalog
 from graphnav.graph.schema.outside_schema import inputs_schema, outputs_schema, queues_schema
 from graphnav.graph.schema.schema_parts import CHANNEL, PORT
 from graphnav.graph.schema.schema_variants import by_keys, stage_variants
-from graphnav.spec import DIALECT, RunOptions, Schema, object_schema, param_schema, record_object
+from graphnav.spec import DIALECT, RECORD_KEYS, RunOptions, Schema, object_schema, param_schema, record_object
 from graphnav.spec.outside import MAX_EVERY_MS, MIN_EVERY_MS
 from graphnav.spec.spec import RESERVED_STAGES, STAGE_NAME, ProcessKeys
 from graphnav.stage import Stage, params_of, ports_of, summary_of
@@ -53,7 +53,7 @@ def _graph() -> Schema:
                 "items": {"type": "string", "minLength": 1},
                 "description": "files with stages, relative to this one",
             },
-            "run": _optional({name: param_schema(param) for name, param in params_of(RunOptions).items()}),
+            "run": _optional(_run()),
             "stages": {
                 "type": "object",
                 "minProperties": 1,
@@ -73,6 +73,17 @@ def _graph() -> Schema:
         },
         required=["stages"],
     )
+
+
+def _run() -> dict[str, Schema]:
+    declared = {name: param_schema(param) for name, param in params_of(RunOptions).items()}
+    record = object_schema({key: declared[name] for key, name in RECORD_KEYS.items()}, [])
+    both = {"anyOf": [declared["record"], record], "description": declared["record"].get("description", "")}
+    return {
+        name: both if name == "record" else schema
+        for name, schema in declared.items()
+        if name == "record" or name not in RECORD_KEYS.values()
+    }
 
 
 def _stage(uses: list[str]) -> Schema:

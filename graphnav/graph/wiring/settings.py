@@ -10,7 +10,7 @@ from typing import Any, Literal
 from graphnav.errors import ParamError, Problem, did_you_mean
 from graphnav.graph.node import Origin, Setting
 from graphnav.graph.paths import beside, has_path, resolve_paths
-from graphnav.spec import Entry, RunOptions, StageSpec, check_url
+from graphnav.spec import RECORD_KEYS, Entry, RunOptions, StageSpec, check_url
 from graphnav.stage import Param, Stage, params_of
 
 SET: Literal["--set"] = "--set"
@@ -67,9 +67,10 @@ def _written(param: Param, entry: Entry, folders: Mapping[str, Path]) -> Any:
 def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOptions:
     """Return what ``run:`` says; what is wrong is added to ``problems``."""
     declared = params_of(RunOptions)
-    problems += _unknown(entries, declared, "'run' has no key")
+    top = {name: param for name, param in declared.items() if name not in RECORD_KEYS.values() or name == "record"}
+    problems += _unknown(entries, top, "'run' has no key")
     given: dict[str, Any] = {}
-    for name, entry in entries.items():
+    for name, entry in _flat(entries, declared, problems).items():
         if name in declared:
             try:
                 given[name] = declared[name].parse(entry.value.plain())
@@ -78,6 +79,18 @@ def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOpt
             except ParamError as error:
                 problems.append(Problem(entry.value.place, f"run: {error.what}", error.hint))
     return RunOptions(**given)
+
+
+def _flat(entries: Mapping[str, Entry], declared: Mapping[str, Param], problems: list[Problem]) -> dict[str, Entry]:
+    """Return the entries of ``run``, in which ``record`` may be a mapping, by the names of options."""
+    found = {name: entry for name, entry in entries.items() if name not in RECORD_KEYS.values() or name == "record"}
+    record = found.get("record")
+    if record is not None and isinstance(record.value.data, dict):
+        del found["record"]
+        words: dict[str, Entry] = record.value.data
+        problems += _unknown(words, {key: declared[name] for key, name in RECORD_KEYS.items()}, "'record' has no key")
+        found |= {RECORD_KEYS[key]: entry for key, entry in words.items() if key in RECORD_KEYS}
+    return found
 
 
 def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:

@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 from graphnav.codec import DecodeError, codec_of
 from graphnav.graph import Channel
-from graphnav.record import Recording
+from graphnav.record import SMALL_BYTES, Recording
 from graphnav.replay.comparison.field_differences import Tolerance, field_differences
 from graphnav.replay.comparison.result import ChannelResult, FieldResult, FirstDifference
 from graphnav.replay.log.contents import Contents, Logged
-from graphnav.runner.recording.kept_messages import SMALL_BYTES
 
 _SEQ_BEGIN, _SEQ_END = 16, 24
 """Position of the sequence number, after the fingerprint and the timestamp."""

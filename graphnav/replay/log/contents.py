@@ -15,6 +15,7 @@ from graphnav.graph.wiring.channels import RESERVED
 from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.record.recording import Head
+from graphnav.runner.wired_stages import command_channels
 
 _MAX_TOLD = 5
 
@@ -48,6 +49,8 @@ class Contents:
     """By channel, for each damaged message the timestamp of the preceding one, minus infinity without one."""
     lost: tuple[str, ...]
     """Descriptions of the damage."""
+    stops: tuple[Logged, ...]
+    """The stops with which a lockstep run took back its last commands, which are in none of the others."""
     is_own: bool
     """Whether a lockstep run wrote the log, not a logger: then its events have the messages' timestamps."""
 
@@ -92,6 +95,7 @@ def read_contents(
             order.append(message)
     if not is_own and not is_live:
         _refuse_several_runs(recording, messages, _stamped(graph))
+    stops = [] if is_live else _taken_stops(graphs, messages, order)
     if len(lost) > _MAX_TOLD:
         lost = [*lost[:_MAX_TOLD], f"and {len(lost) - _MAX_TOLD} more"]
     return Contents(
@@ -100,8 +104,19 @@ def read_contents(
         other_types,
         damaged,
         tuple(lost),
+        tuple(stops),
         is_own,
     )
+
+
+def _taken_stops(graphs: Sequence[Graph], messages: Mapping[str, list[Logged]], order: list[Logged]) -> list[Logged]:
+    """Remove the commands that take back the ones before, and return them: no stage publishes two of one stamp."""
+    names = dict.fromkeys(channel.name for graph in graphs for channel in command_channels(graph))
+    found = (messages[name] for name in names)
+    stops = [sent.pop() for sent in found if len(sent) > 1 and sent[-1].utime == sent[-2].utime]
+    for stop in stops:
+        order.remove(stop)
+    return stops
 
 
 def _lost_bytes(recording: Recording) -> list[str]:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
-from typing import Any, get_args
+from typing import Any
 
 from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, decode
@@ -16,8 +16,8 @@ from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, Recording
 from graphnav.run_folder import GRAPH
 from graphnav.runner.lockstep_status import STATUS
-from graphnav.runner.recording.kept_messages import complete_channels, record_option
-from graphnav.spec import RecordOption, parse_yaml, read_bytes
+from graphnav.runner.recording.kept_messages import complete_channels
+from graphnav.spec import RecordOption, option_in, parse_yaml, read_bytes
 
 _SEED = Target("run", key="seed")
 
@@ -126,10 +126,9 @@ def _is_live(about: About | None) -> bool:
 
 
 def _option(about: About | None) -> RecordOption:
-    """Return what the log keeps."""
-    given = None if about is None else _section(_yaml_of(about), "run").get("record")
-    known = next((option for option in get_args(RecordOption) if option == given), None)
-    return record_option(known, is_live=_is_live(about))
+    """Return what the log keeps; one of lockstep that does not say, before version 0.8, keeps everything."""
+    given = None if about is None else option_in(_section(_yaml_of(about), "run").get("record"))
+    return given or ("small" if _is_live(about) else "all")
 
 
 def _with_seed(graph: Graph, about: About | None, overrides: Sequence[Override]) -> Graph:

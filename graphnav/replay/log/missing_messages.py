@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from graphnav.graph import Channel, Graph
+from graphnav.record import SMALL_BYTES
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.plan import Plan
-from graphnav.runner.recording.kept_messages import SMALL_BYTES
 from graphnav.stage import Port
 
 

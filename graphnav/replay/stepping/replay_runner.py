@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from graphnav.bus import Bus
 from graphnav.codec import decode
+from graphnav.errors import StageError
 from graphnav.graph import Channel
 from graphnav.messages import Message
 from graphnav.record import Recording
@@ -15,7 +16,7 @@ from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.reproduced_sources import Made, ReproducedSources
 from graphnav.runner.owned_stages import Sink
-from graphnav.runner.wired_stages import WiredStages
+from graphnav.runner.wired_stages import WiredStages, command_channels
 from graphnav.stage import Stage
 
 
@@ -23,13 +24,15 @@ class Timetable(NamedTuple):
     """When the stages step: at ``ticks``, from ``start_us`` on.
 
     ``before``: messages from before the first tick, for stages that sample their channels. ``end_us``: the newest stamp
-    of the log, up to which sources are stepped again; 0 if only a part of the log can be replayed.
+    of the log, up to which sources are stepped again; 0 if only a part of the log can be replayed. ``stops``: with
+    which the run took back its last commands.
     """
 
     ticks: Sequence[Tick]
     before: Sequence[Logged]
     start_us: int
     end_us: int
+    stops: Sequence[Logged] = ()
 
 
 class Sinks(NamedTuple):
@@ -59,6 +62,7 @@ class ReplayRunner(WiredStages):
         self._recording, self._timetable = recording, timetable
         self._results, self._player_sinks = sinks
         self._again = again
+        self._commands = {channel.name: channel for channel in command_channels(plan.graph)}
         self._played = {channel.name for channel in plan.played}
         self._messages = {channel.name: channel.message for channel in plan.graph.channels.values()}
         outside = dict.fromkeys(channel.stage for channel in plan.played if channel.ref in plan.graph.inputs)
@@ -101,6 +105,25 @@ class ReplayRunner(WiredStages):
         DecodeError
             A message of the log is damaged.
         """
+        try:
+            yield from self._replay()
+        except StageError:
+            self._stop()
+            raise
+        self._stop()
+
+    def _stop(self) -> None:
+        """Take back the last commands as the run did; only logs get that."""
+        for stop in self._timetable.stops:
+            if stop.channel in self._played:
+                data = self._recording.event(stop.channel, stop.place).data
+                for sink in self._player_sinks:
+                    sink.write(stop.channel, stop.utime, data)
+        self._sinks = self._player_sinks
+        if self._timetable.stops:
+            self.give_stops()
+
+    def _replay(self) -> Iterator[int]:
         self._catch_up()
         for message in self._timetable.before:
             data = self._recording.event(message.channel, message.place).data

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from pathlib import Path
 
 from graphnav.graph import Channel, Graph, Node
+from graphnav.record import SMALL_BYTES, LogWriter
+from graphnav.record.log_files import LogFiles, Split
+from graphnav.record.threaded_writer import Log
 from graphnav.runner.owned_stages import Sink
-from graphnav.spec import RecordOption
+from graphnav.spec import RecordOption, RunOptions
 from graphnav.stage import Source
-
-SMALL_BYTES = 4096
 
 
 def kept(graph: Graph, sink: Sink, channels: Collection[str] | None, *, is_live: bool) -> Sink:
@@ -24,8 +26,17 @@ def kept(graph: Graph, sink: Sink, channels: Collection[str] | None, *, is_live:
 
 
 def record_option(given: RecordOption | None, *, is_live: bool) -> RecordOption:
-    """Return what a log keeps: the ``record`` option of its graph, or the default."""
-    return given or ("small" if is_live else "all")
+    """Return what the log of a run keeps: the ``record`` option of its graph, or the default."""
+    return given or ("small" if is_live else "replayable")
+
+
+def open_log(run: RunOptions, path: Path) -> Log:
+    """Open the log of a run, in one file, or in several as its options say; raises OSError if that is not possible."""
+    if run.rotate_mb is None and run.rotate_s is None:
+        return LogWriter(path)
+    n_bytes = None if run.rotate_mb is None else round(run.rotate_mb * 1e6)
+    us = None if run.rotate_s is None else round(run.rotate_s * 1e6)
+    return LogFiles(path, Split(n_bytes, us), numbers_first=False)
 
 
 def complete_channels(graph: Graph, option: RecordOption, *, is_live: bool) -> frozenset[str]:

@@ -6,6 +6,7 @@ import time
 import uuid
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -15,13 +16,15 @@ from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph, resolved_yaml
 from graphnav.interrupts import CtrlC, working_folder_restored
 from graphnav.messages import About
-from graphnav.record import ABOUT, LOG, LogWriter
+from graphnav.record import ABOUT, LOG
+from graphnav.record.threaded_writer import Log
 from graphnav.runner.interrupt import Interrupt
 from graphnav.runner.lockstep import Outcome, Runner
 from graphnav.runner.lockstep_status import LockstepStatus
 from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.failures import Failures
-from graphnav.runner.recording.kept_messages import kept, record_option
+from graphnav.runner.recording.full_log import FullLog
+from graphnav.runner.recording.kept_messages import kept, open_log, record_option
 from graphnav.runner.recording.log_forecast import LogForecast
 from graphnav.runner.recording.progress_file import ProgressFile
 from graphnav.runner.recording.saved_graph import save_graph
@@ -83,6 +86,7 @@ def run_recorded(
     notice: Callable[[str], None] = lambda _: None,
     make_runner: MakeRunner = Runner,
     stall: StallLimit | None = None,
+    full: FullLog | None = None,
 ) -> Summary:
     """Run ``graph`` once into ``folder``, which must exist, and return the content of its ``summary.json``.
 
@@ -91,7 +95,7 @@ def run_recorded(
     option. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows. ``on_tick`` gets
     the stamp of the next tick, ``on_failure`` every error in ``failure``, ``notice`` warnings of lateness and of a
     large log. ``make_runner``: a runner that measures, in place of the plain one; its sinks are the log and the tap.
-    ``stall``: when a call into a stage that does not return ends the process, None for never.
+    ``stall``: when a call into a stage that does not return ends the process, None for never. ``full``: gets all.
 
     Raises
     ------
@@ -101,13 +105,14 @@ def run_recorded(
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
     folder = folder.absolute()
+    graph = _telling_what_is_kept(graph) if keep is None else graph
     run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
     with ProgressFile(folder, {node.name: node.use for node in graph.nodes}) as progress, Interrupt() as interrupt:
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
         try:
             with working_folder_restored(), ExitStack() as cleanup:
                 run.watch(progress, stall, cleanup)
-                run.begin(stages, keep, cleanup, make_runner)
+                run.begin(stages, keep, cleanup, make_runner, full)
                 run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, interrupt.poll)
                 interrupt.settle()
         except CtrlC:  # while it ended, such as in a stage that does not close
@@ -133,7 +138,12 @@ class _LockstepRun:
         """Whether the stages are wired, so that there is something to summarise."""
 
     def begin(
-        self, stages: dict[str, Stage], keep: Collection[str] | None, cleanup: ExitStack, make_runner: MakeRunner
+        self,
+        stages: dict[str, Stage],
+        keep: Collection[str] | None,
+        cleanup: ExitStack,
+        make_runner: MakeRunner,
+        full: FullLog | None,
     ) -> None:
         """Open the log, announce the run and wire the stages; ``cleanup`` gets what closes all that."""
         self.writer = _begin(self._graph, self._folder)
@@ -143,6 +153,10 @@ class _LockstepRun:
             cleanup.callback(self._tap.close)
             self._tap.announce(about_of(self._graph))
             sinks.append(self._tap)
+        if full is not None and self._graph.run.record == "replayable":
+            full.open(self._folder)
+            full.write(ABOUT, 0, self._about())
+            sinks.append(full)
         bus = Bus("memq://")
         cleanup.callback(bus.close)
         self._runner = make_runner(self._graph, stages, bus, sinks)
@@ -193,14 +207,20 @@ class _LockstepRun:
 
         try:
             with self._failures.noted():
-                self.writer.write(ABOUT, 0, encode(about_of(self._graph), 0, 0))
+                self.writer.write(ABOUT, 0, self._about())
                 runner.reset(self._graph.run.seed)
                 self._started_s = time.monotonic()
                 self.outcome = runner.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
             self.outcome = Outcome.STOPPED
+        with self._failures.noted():
+            runner.give_stops()
         self._scores = scores_of(runner.units, self._failures.noted) if runner.is_ready else {}
         self._wall_s = time.monotonic() - self._started_s
+
+    def _about(self) -> bytes:
+        """Return the first event of the log."""
+        return encode(about_of(self._graph), 0, 0)
 
     def summary(self, behind_s: float) -> Summary:
         """Return the summary of a run that has ended."""
@@ -224,6 +244,11 @@ class _LockstepRun:
         )
 
 
+def _telling_what_is_kept(graph: Graph) -> Graph:
+    """Return the graph for the log, which says what the log keeps, whatever the default is when it is read."""
+    return replace(graph, run=replace(graph.run, record=record_option(graph.run.record, is_live=False)))
+
+
 def write_summary(summary: Summary, folder: Path) -> None:
     """Write a summary into a run folder.
 
@@ -244,17 +269,17 @@ def raise_if_asked_late(interrupt: Interrupt, summary: Summary) -> None:
         raise CtrlC
 
 
-def _begin(graph: Graph, folder: Path) -> LogWriter:
+def _begin(graph: Graph, folder: Path) -> Log:
     """Save the graph and open the log."""
     save_graph(graph, folder)
     try:
-        return LogWriter(folder / LOG)
+        return open_log(graph.run, folder / LOG)
     except OSError as error:
         raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
 
 
 def _forecast(
-    graph: Graph, keep: Collection[str] | None, writer: LogWriter, folder: Path, notice: Callable[[str], None]
+    graph: Graph, keep: Collection[str] | None, writer: Log, folder: Path, notice: Callable[[str], None]
 ) -> LogForecast | None:
     """Return the forecast of the log's size, None for a log of selected channels or of small messages."""
     option = record_option(graph.run.record, is_live=False)

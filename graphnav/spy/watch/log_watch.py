@@ -8,7 +8,6 @@ from bisect import bisect_left, bisect_right
 from dataclasses import replace
 from pathlib import Path
 
-from graphnav.record import Recording
 from graphnav.spy.feed import Feed, Received
 from graphnav.spy.traffic import ChannelTraffic, Traffic
 from graphnav.spy.watch.row import Row, row_of
@@ -31,8 +30,7 @@ class LogWatch:
     def __init__(self, feed: Feed) -> None:
         self.name = feed.name
         self.path: Path = feed.path
-        self._recording = Recording(self.path)
-        self.completion_notice = self._recording.completion_notice()
+        self._recording = feed.open_log()
         self._traffic = Traffic(None)
         self._lock = threading.Lock()
         self._closing = threading.Event()

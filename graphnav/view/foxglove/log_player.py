@@ -24,14 +24,16 @@ class LogPlayer:
     """Plays a log, initially paused at its beginning; times are microseconds from there.
 
     ``begin_us`` is added to them for viewers: the timestamp of the first event, 0 if out of range for viewers. All
-    methods are thread-safe. Raises LogError if the file cannot be read.
+    methods are thread-safe. ``recording``: the log at ``path``, if it is open already.
+
+    Raises LogError if the file cannot be read.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, recording: Recording | None = None) -> None:
         self.name = str(path)
         self.failure = ""
         self.arrivals = Arrivals()
-        self.recording = Recording(path)
+        self.recording = recording or Recording(path)
         self._index = self.recording.index
         timeline = self.recording.timeline
         self._at_us = timeline.at_us

@@ -41,7 +41,23 @@ def drive(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 def test_a_recorded_drive_gives_sensible_flow_panels_and_a_video(drive: Path, tmp_path: Path) -> None:
     run = tmp_path / "run"
-    assert main(["run", "video_plane", "--set", f"camera.path={drive}", "-o", str(run), "--no-tap", "--video"]) == 0
+    assert (
+        main(
+            [
+                "run",
+                "video_plane",
+                "--set",
+                f"camera.path={drive}",
+                "-o",
+                str(run),
+                "--no-tap",
+                "--video",
+                "--record",
+                "all",
+            ]
+        )
+        == 0
+    )
     assert {"panels.png", "video.mp4", "run.lcmlog"} <= {path.name for path in run.iterdir()}
     assert not (run / "map.png").exists()
     with Recording(run / "run.lcmlog") as recording:

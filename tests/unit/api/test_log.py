@@ -31,7 +31,7 @@ def log_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "plugins: [door_stages.py]\nrun: {until_s: 1}\nstages:\n  sensor: {use: door.sensor}\n"
         "  steer: {use: door.steerer, in: {flow: sensor.flow}}\n"
     )
-    return graphnav.run(graph, pictures=False, folder=folder / "run").folder / "run.lcmlog"
+    return graphnav.run(graph, pictures=False, record="all", folder=folder / "run").folder / "run.lcmlog"
 
 
 def test_channels_tell_type_count_and_times(log_file: Path) -> None:

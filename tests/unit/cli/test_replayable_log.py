@@ -1,8 +1,9 @@
-"""Commands that read a replayable log say how to make again what it leaves out."""
+"""Commands that read a log make again what it leaves out, and read what a full log would hold."""
 
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,44 +11,141 @@ import pytest
 
 import graphnav
 from graphnav.cli import main
+from graphnav.record import Recording
+from graphnav.replay import completed_log
 
-NOTICE = (
-    "run/run.lcmlog leaves out large messages that a replay makes again\n"
-    "  make the rest again: graphnav replay run -o full.lcmlog\n"
-)
+BEFORE = "run/run.lcmlog leaves out large messages: made again before\n"
+MADE = "run/run.lcmlog leaves out large messages: made again in "
 Capture = pytest.CaptureFixture[str]
+Caplog = pytest.LogCaptureFixture
+Run = Callable[..., None]
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> Callable[[str], None]:
-    """Return a function that records a short drive in the folder ``run``, with a ``record`` option."""
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> Run:
+    """Return a function that records a short drive in a folder; what is made again is kept by this test alone."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
-    def record(option: str) -> None:
-        words = ["run", "approach", "--until", "1", "--no-tap", "--no-pictures", "--set", f"run.record={option}"]
-        assert main([*words, "-o", "run"]) == 0
+    def record(*words: str, folder: str = "run") -> None:
+        assert main(["run", "approach", "--until", "1", "--no-tap", "--no-pictures", "-o", folder, *words]) == 0
         capsys.readouterr()
 
     return record
 
 
+def cached() -> list[Path]:
+    """Return the logs that were made."""
+    return sorted(Path("cache/graphnav/logs").iterdir())
+
+
+def test_it_is_the_default_and_is_completed_byte_for_byte(run: Run, caplog: Caplog) -> None:
+    run()
+    run("--record", "all", folder="full")
+    with Recording("run/run.lcmlog") as recording:
+        assert recording.graph["run"]["record"] == "replayable"
+        assert recording.n_bytes < Path("full/run.lcmlog").stat().st_size / 5
+    with graphnav.open_log("run"):
+        assert [path.read_bytes() for path in cached()] == [Path("full/run.lcmlog").read_bytes()]
+    assert [record.message.startswith(MADE) for record in caplog.records] == [True]
+
+
 @pytest.mark.parametrize(
     "words",
     [
-        ["figure", "run", "-o", "pictures"],
-        ["export", "run", "--to", "csv", "-o", "tables"],
-        ["spy", "run", "--once"],
+        ["figure", "RUN", "-o", "OUT"],
+        ["export", "RUN", "--to", "csv", "-o", "OUT"],
+        ["export", "RUN", "--to", "images", "--channel", "robot.image", "-o", "OUT"],
+        ["spy", "RUN", "--once"],
+        ["echo", "flow.flow", "RUN", "--jsonl"],
+        ["bw", "flow.flow", "RUN"],
+        ["hz", "RUN"],
     ],
     ids=lambda words: str(words[0]),
 )
-def test_a_command_tells_it_last(run: Callable[[str], None], capsys: Capture, words: list[str]) -> None:
-    run("replayable")
-    assert main(words) == 0
-    assert capsys.readouterr().err.endswith(NOTICE)
+def test_a_command_reads_what_a_full_log_holds(run: Run, capsys: Capture, words: list[str]) -> None:
+    said, files = [], []
+    for option, folder in (("replayable", "run"), ("all", "full")):
+        run("--record", option, folder=folder)
+        assert main([{"RUN": folder, "OUT": f"{folder}-out"}.get(word, word) for word in words]) == 0
+        told = capsys.readouterr()
+        said.append(told.out.replace(folder, "run"))
+        files.append({path.name: path.read_bytes() for path in Path(f"{folder}-out").rglob("*") if path.is_file()})
+        assert told.err.startswith(MADE) == (option == "replayable")
+        assert told.err.count("\n") <= 1
+    assert said[0] == said[1]
+    assert files[0] == files[1]
 
 
-def test_info_tells_it(run: Callable[[str], None], capsys: Capture) -> None:
-    run("replayable")
+def test_what_is_recorded_is_read_at_once(run: Run, capsys: Capture) -> None:
+    run()
+    for channel in ("guard.twist", "robot.image", "graphnav.about"):
+        assert main(["echo", channel, "run", "-n", "1"]) == 0
+    assert main(["info", "run"]) == 0
+    assert main(["replay", "run"]) == 0
+    assert capsys.readouterr().err == ""
+    assert not Path("cache").exists()
+
+
+def test_it_is_made_once_and_few_are_kept(run: Run, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    run()
+    run("--seed", "8", folder="other")
+    assert main(["hz", "run"]) == main(["hz", "run"]) == 0
+    assert capsys.readouterr().err.endswith(BEFORE)
+    (first,) = cached()
+    monkeypatch.setattr(completed_log, "MAX_CACHE_BYTES", 1000)
+    assert main(["hz", "other"]) == 0
+    (second,) = cached()
+    assert first != second
+    assert main(["hz", "run"]) == 0
+    assert MADE in capsys.readouterr().err
+
+
+def test_without_a_cache_it_is_made_every_time(run: Run, caplog: Caplog) -> None:
+    run()
+    Path("cache").write_text("a file, where the folder would be")
+    for _ in range(2):
+        with graphnav.open_log("run") as log:
+            assert len(list(log.messages("flow.flow"))) == 10
+    assert [record.message.startswith(MADE) for record in caplog.records] == [True, True]
+
+
+def test_a_run_draws_what_a_full_log_would_show(run: Run, tmp_path: Path) -> None:
+    for option in ("replayable", "all"):
+        words = ["run", "approach", "--until", "1", "--no-tap", "--record", option, "-o", option]
+        assert main(words) == 0
+    names = sorted(path.name for path in Path("all").iterdir())
+    assert sorted(path.name for path in Path("replayable").iterdir()) == names
+    for name in (name for name in names if name.endswith(".png")):
+        assert Path("replayable", name).read_bytes() == Path("all", name).read_bytes()
+    assert not (tmp_path / "cache" / "graphnav").exists(), "it draws from what it published"
+
+
+def test_where_it_cannot_be_made_what_there_is_is_shown(run: Run, capsys: Capture, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(PLUGIN)
+    run("--plugin", "mine.py", "--set", "steer=mine.ahead")
+    shutil.copy("run/run.lcmlog", "alone.lcmlog")
+    assert main(["spy", "alone.lcmlog", "--once"]) == 0
+    said = capsys.readouterr()
+    assert "flow.flow" in said.out
+    assert said.err == (
+        "alone.lcmlog leaves out large messages, which cannot be made again: there is no family 'mine'\n"
+        "  what it holds is shown; 'graphnav replay' tells more\n"
+    )
+
+
+def test_a_stage_that_computes_otherwise_today_makes_nothing(run: Run, capsys: Capture, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(PLUGIN)
+    run("--plugin", "mine.py", "--set", "steer=mine.ahead")
+    saved = Path("run/plugins/mine.py")
+    saved.write_text(PLUGIN.replace("theta_rad=0.0", "theta_rad=0.5"))
+    assert main(["spy", "run", "--once"]) == 0
+    assert "cannot be made again: a replay does not come out equal here, on steer.steering" in capsys.readouterr().err
+    assert not list(Path("cache/graphnav/logs").iterdir())
+
+
+def test_info_tells_it(run: Run, capsys: Capture) -> None:
+    run()
     hint = "make the rest again: graphnav replay run -o full.lcmlog"
     assert main(["info", "run"]) == 0
     assert f"it leaves out large messages that a replay makes again; {hint}" in capsys.readouterr().out.splitlines()
@@ -55,15 +153,8 @@ def test_info_tells_it(run: Callable[[str], None], capsys: Capture) -> None:
     assert json.loads(capsys.readouterr().out)["completion_hint"] == hint
 
 
-def test_python_logs_it(run: Callable[[str], None], caplog: pytest.LogCaptureFixture) -> None:
-    run("replayable")
-    with graphnav.open_log("run") as log:
-        assert len(list(log.messages("robot.image"))) == 11
-    assert [f"{record.message}\n" for record in caplog.records] == [NOTICE]
-
-
-def test_the_log_of_the_replay_leaves_nothing_out(run: Callable[[str], None], capsys: Capture) -> None:
-    run("replayable")
+def test_the_log_of_the_replay_leaves_nothing_out(run: Run, capsys: Capture) -> None:
+    run()
     assert main(["replay", "run", "-o", "full.lcmlog"]) == 0
     said = capsys.readouterr()
     assert said.err == ""
@@ -72,7 +163,29 @@ def test_the_log_of_the_replay_leaves_nothing_out(run: Callable[[str], None], ca
     assert capsys.readouterr().err == ""
 
 
-def test_other_logs_are_not_told(run: Callable[[str], None], capsys: Capture) -> None:
-    run("all")
-    assert main(["figure", "run", "-o", "pictures"]) == 0
-    assert capsys.readouterr().err == ""
+def test_what_is_played_is_made_again_first(run: Run, capsys: Capture) -> None:
+    run()
+    assert main(["replay", "run", "--play", "flow.flow"]) == 0
+    said = capsys.readouterr()
+    assert said.err.startswith(MADE)
+    assert "no differences" in said.out
+
+
+PLUGIN = """
+import numpy as np
+from graphnav import Plane, Stage, Steering, hookimpl
+
+V = np.array([0.0, 1.0])
+
+
+class Ahead(Stage):
+    \"\"\"Drives ahead.\"\"\"
+
+    def step(self, plane: Plane) -> Steering:
+        return Steering(V, V, V, theta_rad=0.0, eigenvalues=V)
+
+
+@hookimpl
+def graphnav_stages():
+    return [Ahead]
+"""

@@ -13,7 +13,8 @@ from graphnav.errors import LogError
 from graphnav.messages import About
 from graphnav.record import ABOUT, Recording
 from graphnav.record.about_first import WAIT_S, AboutFirst
-from graphnav.record.log_files import LogFiles, Split, files_of, numbered
+from graphnav.record.find_log import files_of, numbered
+from graphnav.record.log_files import LogFiles, Split
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 SAID = encode(About("stages: {}\n", "", "cafe", 7, (), ()), 0, 0)

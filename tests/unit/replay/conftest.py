@@ -40,12 +40,14 @@ def catalog() -> Catalog:
 
 @pytest.fixture
 def record(tmp_path: Path) -> Record:
-    """Return a function that runs the text of a graph with swaps and gives its log."""
+    """Return a function that runs the text of a graph with swaps and gives its log, of everything by default."""
 
     def run(text: str = LOOP, *sets: str, name: str = "run") -> Path:
         path = tmp_path / f"{name}.yaml"
         path.write_text(textwrap.dedent(text))
-        graph = load_graph(path, catalog(), [*map(parse_override, sets)])
+        is_said = "record:" in text or any(one.startswith("run.record=") for one in sets)
+        everything = () if is_said else ("run.record=all",)
+        graph = load_graph(path, catalog(), [*map(parse_override, (*everything, *sets))])
         folder = tmp_path / name
         folder.mkdir()
         run_recorded(graph, graph.make_stages(), folder)

@@ -67,10 +67,8 @@ NOISE = """
 """
 
 
-@pytest.mark.parametrize(
-    ("record", "hint"), [("all", SMALLER), (None, SMALLER), ("replayable", SMALL), ("small", None)]
-)
-def test_a_run_that_keeps_everything_is_forecast(
+@pytest.mark.parametrize(("record", "hint"), [("all", SMALLER), (None, SMALL), ("replayable", SMALL), ("small", None)])
+def test_a_large_log_is_forecast(
     load: Callable[[str], Graph],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

@@ -1,0 +1,127 @@
+"""Make LCM types from the definitions that a log holds, so that it decodes where their packages are not installed.
+
+No program is run: the definitions are parsed here, and a type holds only its layout.
+"""
+
+from __future__ import annotations
+
+import functools
+import keyword
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from graphnav.codec.known_types import add_type, type_named, type_of
+from graphnav.codec.layout import PRIMITIVES, Dim, fingerprint
+
+_NAME = r"[A-Za-z_][A-Za-z0-9_]*"
+_STRUCT = re.compile(
+    rf"(?:^package ({_NAME}(?:\.{_NAME})*);\n\n)?^struct ({_NAME})\n\{{\n((?:    .*\n)*)\}}$", re.MULTILINE
+)
+_MEMBER = re.compile(rf"    ((?:{_NAME}\.)*{_NAME}) ({_NAME})((?:\[(?:{_NAME}|[0-9]{{1,9}})\])*);")
+_DIM = re.compile(r"\[(\w+)\]")
+_MAX_TYPES = 1000
+_MASK = (1 << 64) - 1
+
+
+class _Member(NamedTuple):
+    """A field as it is defined."""
+
+    typename: str
+    name: str
+    dims: tuple[Dim, ...]
+
+
+def add_given_types(text: str) -> None:
+    """Register the types of definitions, as `lcm_text_of` writes them, unless they are known or cannot be made."""
+    defined = dict(_structs(text))
+    made: dict[str, type | None] = {}
+    for name in defined:
+        lcm_class = _made(name, defined, made, ())
+        if lcm_class is not None and type_of(fingerprint(lcm_class)) is None:
+            add_type(name, lcm_class)
+
+
+def _structs(text: str) -> Iterator[tuple[str, tuple[_Member, ...]]]:
+    """Yield the fields of each type by its name; a definition with a line that is not a field is left out."""
+    for number, found in enumerate(_STRUCT.finditer(text)):
+        if number == _MAX_TYPES:
+            return
+        package, short, body = found.groups()
+        members = [_MEMBER.fullmatch(line) for line in body.splitlines()]
+        read = tuple(_member(*member.groups()) for member in members if member is not None)
+        names = [one.name for one in read]
+        is_sized = all(isinstance(dim, int) or dim in names for one in read for dim in one.dims)
+        if len(read) == len(members) == len(set(names)) and is_sized and not any(map(keyword.iskeyword, names)):
+            yield f"{package}.{short}" if package else short, read
+
+
+def _member(typename: str, name: str, dims: str) -> _Member:
+    return _Member(typename, name, tuple(int(dim) if dim.isdigit() else dim for dim in _DIM.findall(dims)))
+
+
+def _made(
+    name: str,
+    defined: Mapping[str, tuple[_Member, ...]],
+    made: dict[str, type | None],
+    outer: tuple[str, ...],
+) -> type | None:
+    """Return a type by its name, None if it is not known, or contains itself."""
+    if name not in defined:
+        return type_named(name)
+    if name not in made and name not in outer:
+        structs = {
+            one.typename: _made(one.typename, defined, made, (*outer, name))
+            for one in defined[name]
+            if one.typename not in PRIMITIVES
+        }
+        known = {typename: struct for typename, struct in structs.items() if struct is not None}
+        made[name] = _class(name, defined[name], known) if len(known) == len(structs) else None
+    return made.get(name)
+
+
+def _class(name: str, members: tuple[_Member, ...], structs: Mapping[str, type]) -> type:
+    """Return a class with the layout of a type, as `graphnav.codec.layout` reads it from those of lcm-gen."""
+    package, _, short = name.rpartition(".")
+    made = type(
+        short,
+        (),
+        {
+            "__module__": f"{package}.{short}" if package else short,
+            "__slots__": (),
+            "__typenames__": [one.typename for one in members],
+            "__dimensions__": [list(one.dims) or None for one in members],
+            "structs": dict(structs),
+            "_get_hash_recursive": classmethod(
+                lambda cls, parents: 0 if cls in parents else _hash(members, structs, (*parents, cls))
+            ),
+            "_get_packed_fingerprint": classmethod(lambda cls: cls._get_hash_recursive(()).to_bytes(8, "big")),
+        },
+    )
+    type.__setattr__(made, "__slots__", [one.name for one in members])
+    return made
+
+
+def _hash(members: tuple[_Member, ...], structs: Mapping[str, Any], parents: tuple[type, ...]) -> int:
+    """Return LCM's hash of a type, of which the fingerprint is made (lcm-gen, ``lcm_struct_hash``)."""
+    value = 0x12345678
+    for one in members:
+        value = _text(value, one.name)
+        if one.typename in PRIMITIVES:
+            value = _text(value, one.typename)
+        value = _update(value, len(one.dims))
+        for dim in one.dims:
+            value = _text(_update(value, isinstance(dim, str)), str(dim))
+    nested = (structs[one.typename] for one in members if one.typename not in PRIMITIVES)
+    value = (value + sum(int(struct._get_hash_recursive(parents)) for struct in nested)) & _MASK  # noqa: SLF001
+    return (value << 1 | value >> 63) & _MASK
+
+
+def _text(value: int, text: str) -> int:
+    return functools.reduce(_update, text.encode(), _update(value, len(text)))
+
+
+def _update(value: int, number: int) -> int:
+    """Add a number to a hash of 64 bits with a sign."""
+    signed = value - (1 << 64) if value >> 63 else value
+    return (((signed << 8) ^ (signed >> 55)) + number) & _MASK

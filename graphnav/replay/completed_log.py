@@ -1,0 +1,179 @@
+"""Complete a log by what it leaves out: a replay makes it again, and a cache keeps it."""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav.catalog import Catalog
+from graphnav.errors import GraphnavError, UserError, message_line
+from graphnav.messages import About
+from graphnav.record import Recording
+from graphnav.record.find_log import parts_of
+from graphnav.replay.comparison.result import ReplayResult
+from graphnav.replay.log.log_graph import graph_to_replay
+from graphnav.replay.replay import ReplayOptions, replay
+
+MAX_CACHE_BYTES = 2 << 30
+"""Of all completed logs together; those that were not used for the longest time are removed."""
+_SUFFIX = ".lcmlog"
+_CHUNK_BYTES = 1 << 20
+
+
+class _Completion(NamedTuple):
+    """The file with everything, None if it cannot be made; then ``why``. ``wall_s``: 0 if it had been made before."""
+
+    content: Path | None
+    why: str = ""
+    wall_s: float = 0.0
+
+
+def open_completed(
+    path: Path,
+    catalog: Catalog | None = None,
+    plugins: Sequence[Path] = (),
+    *,
+    channels: Collection[str] | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+    on_tick: Callable[[int], None] = lambda _: None,
+) -> Recording:
+    """Open a log; if it leaves out messages that a replay makes again, with them, as the run had published them.
+
+    ``channels``: those that are read, None for all; nothing is made if the log has every message of them. ``tell`` gets
+    one notice: that messages were made again, or why they cannot be. Then the log is opened as it is. The messages that
+    the log does hold must come out equal. ``catalog``, ``plugins``: as for `graph_to_replay`; ``on_tick`` gets the time
+    of the replayed run, microseconds.
+
+    Raises
+    ------
+    LogError
+        The file cannot be read or is not a log.
+    """
+    recording = Recording(path)
+    wanted = recording.channels if channels is None else channels
+    if not recording.leaves_out or not any(recording.lacks(channel) for channel in wanted):
+        return recording
+    made = _complete(recording, catalog or Catalog(), plugins, on_tick)
+    if made.content is None:
+        tell(
+            f"{path} leaves out large messages, which cannot be made again: {made.why}\n"
+            "  what it holds is shown; 'graphnav replay' tells more"
+        )
+        return recording
+    how = f"made again in {made.wall_s:.1f} s" if made.wall_s else "made again before"
+    tell(f"{path} leaves out large messages: {how}")
+    completed = Recording(path, made.content)
+    completed.truncated, completed.damaged = recording.truncated, recording.damaged
+    recording.close()
+    return completed
+
+
+def cache_folder() -> Path | None:
+    """Return the folder of completed logs, below ``XDG_CACHE_HOME`` or ``~/.cache``; None without a home folder."""
+    given = os.environ.get("XDG_CACHE_HOME", "")
+    try:
+        return (Path(given) if os.path.isabs(given) else Path.home() / ".cache") / "graphnav" / "logs"
+    except RuntimeError:
+        return None
+
+
+def _complete(
+    recording: Recording, catalog: Catalog, plugins: Sequence[Path], on_tick: Callable[[int], None]
+) -> _Completion:
+    try:
+        kept = _kept_path(recording.path)
+        if kept is not None and kept.is_file():
+            with suppress(OSError):
+                os.utime(kept)
+            return _Completion(kept)
+        begin_s = time.monotonic()
+        pending = _pending_path(kept)
+        try:
+            made = graph_to_replay(recording, catalog, plugins=plugins)  # loads the plugins of the run, if trusted
+            if made.is_live:
+                return _Completion(None, "live stages do not publish the same again")
+            result = replay(recording, made, ReplayOptions(), out=pending, about=_about(recording), on_tick=on_tick)
+            if why := _why_not(recording, result):
+                return _Completion(None, why)
+            return _Completion(_keep(pending, kept), wall_s=time.monotonic() - begin_s)
+        finally:
+            pending.unlink(missing_ok=True)
+    except UserError as error:
+        return _Completion(None, error.problems[0].what)
+    except GraphnavError as error:
+        return _Completion(None, message_line(error))
+    except OSError as error:
+        return _Completion(None, f"cannot write them: {error.strerror}")
+
+
+def _about(recording: Recording) -> About | None:
+    """Return the description that the log would have had if it had kept everything."""
+    about = recording.about
+    if about is None:
+        return None
+    lines = about.graph_yaml.splitlines(keepends=True)
+    yaml = "".join(line.replace("replayable", "all") if line.startswith("  record: ") else line for line in lines)
+    return replace(about, graph_yaml=yaml)
+
+
+def _why_not(recording: Recording, result: ReplayResult) -> str:
+    """Return why the replay is not the recorded run; empty if it is, to the end of the log."""
+    differing = [name for name, channel in result.channels.items() if not channel.is_equal]
+    if differing:
+        return f"a replay does not come out equal here, on {', '.join(differing[:3])}"
+    after = {head.logged_us for head in recording.heads() if head.logged_us > round(result.until_s * 1e6)}
+    if len(after) > 1:  # a run that failed, or was killed, may have begun one tick more
+        return result.failure or f"a replay ends at {result.until_s:.2f} s"
+    return ""
+
+
+def _kept_path(log: Path) -> Path | None:
+    """Return the place of the completed log in the cache, by the content of the log; None without a cache."""
+    folder = cache_folder()
+    if folder is None:
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    except OSError:
+        return None
+    if not os.access(folder, os.W_OK | os.X_OK) or folder.stat().st_uid != os.geteuid():
+        return None
+    digest = hashlib.sha256()
+    for part in parts_of(log):
+        with part.open("rb") as file:
+            while block := file.read(_CHUNK_BYTES):
+                digest.update(block)
+    return folder / f"{digest.hexdigest()}{_SUFFIX}"
+
+
+def _pending_path(kept: Path | None) -> Path:
+    """Return a path for the log that is being made; without a cache in a folder that ends with this process."""
+    if kept is not None:
+        return kept.with_name(f".{kept.stem}.{os.getpid()}.{time.monotonic_ns()}")
+    scratch = tempfile.mkdtemp(prefix="graphnav_log_")
+    atexit.register(shutil.rmtree, scratch, ignore_errors=True)
+    return Path(scratch) / "made"
+
+
+def _keep(pending: Path, kept: Path | None) -> Path:
+    """Give a complete log its name, and remove old ones beyond the size of the cache."""
+    if kept is None:
+        return pending.rename(pending.with_name(f"full{_SUFFIX}"))
+    pending.replace(kept)
+    logs = [(path.stat().st_mtime_ns, path.stat().st_size, path) for path in kept.parent.glob(f"*{_SUFFIX}")]
+    n_bytes = sum(size for _, size, _ in logs)
+    for _, size, path in sorted(logs):
+        if n_bytes <= MAX_CACHE_BYTES or path == kept:
+            break
+        path.unlink(missing_ok=True)
+        n_bytes -= size
+    return kept
