@@ -61,12 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
     )
-    parser.add_argument(
-        "--record",
-        choices=("all", "replayable", "small"),
-        help="what the log keeps: all messages; replayable: those from which 'figure', 'export', 'spy', 'view' and "
-        "'replay' make the rest again; small: those below 4 kB (default: the graph's, else replayable; live small)",
-    )
+    _add_record_option(parser)
     parser.add_argument("--video", action="store_true", help="also draw video.mp4")
     parser.add_argument(
         "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
@@ -77,6 +72,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--verbose",
         action="store_true",
         help="print every metric, what each stage did, and the traceback of a failure",
+    )
+
+
+def _add_record_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--record",
+        choices=("all", "replayable", "small"),
+        help="what the log keeps: all messages; replayable: those from which 'figure', 'export', 'spy', 'view' and "
+        "'replay' make the rest again; small: those below 4 kB (default: the graph's, else replayable; live small)",
     )
 
 

@@ -104,8 +104,7 @@ def run_recorded(
     CtrlC
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
-    folder = folder.absolute()
-    graph = _telling_what_is_kept(graph) if keep is None else graph
+    graph, folder = _telling_what_is_kept(graph) if keep is None else graph, folder.absolute()
     run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
     with ProgressFile(folder, {node.name: node.use for node in graph.nodes}) as progress, Interrupt() as interrupt:
         clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)

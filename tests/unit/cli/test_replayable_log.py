@@ -11,7 +11,7 @@ import pytest
 
 import graphnav
 from graphnav.cli import main
-from graphnav.record import Recording
+from graphnav.record import LogWriter, Recording
 from graphnav.replay import completed_log
 
 BEFORE = "run/run.lcmlog leaves out large messages: made again before\n"
@@ -134,14 +134,24 @@ def test_where_it_cannot_be_made_what_there_is_is_shown(run: Run, capsys: Captur
     )
 
 
-def test_a_stage_that_computes_otherwise_today_makes_nothing(run: Run, capsys: Capture, tmp_path: Path) -> None:
+def test_a_plugin_that_was_changed_does_not_run(run: Run, capsys: Capture, tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(PLUGIN)
     run("--plugin", "mine.py", "--set", "steer=mine.ahead")
-    saved = Path("run/plugins/mine.py")
-    saved.write_text(PLUGIN.replace("theta_rad=0.0", "theta_rad=0.5"))
+    Path("run/plugins/mine.py").write_text("raise SystemExit('it ran')\n")
     assert main(["spy", "run", "--once"]) == 0
-    assert "cannot be made again: a replay does not come out equal here, on steer.steering" in capsys.readouterr().err
-    assert not list(Path("cache/graphnav/logs").iterdir())
+    assert "cannot be made again: left out: plugin plugins/mine.py, Python code that" in capsys.readouterr().err
+
+
+def test_what_does_not_come_out_as_recorded_is_not_shown(run: Run, capsys: Capture) -> None:
+    run()
+    with Recording("run/run.lcmlog") as recording:
+        events = list(recording.events())
+    with LogWriter("run/run.lcmlog") as log:
+        for channel, utime, data in events:
+            log.write(channel, utime, data[:-1] + b"!" if channel == "control.twist" else data)
+    assert main(["spy", "run", "--once"]) == 0
+    assert "cannot be made again: a replay does not come out equal here, on control.twist" in capsys.readouterr().err
+    assert not cached()
 
 
 def test_info_tells_it(run: Run, capsys: Capture) -> None:
