@@ -24,7 +24,7 @@ def measure(until_s: float = UNTIL_S, play: tuple[str, ...] = PLAY) -> dict[str,
     """Return the wall seconds of one run and of one replay of it, and their ratio."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        graph = load_graph(GRAPH, Catalog(), [*map(parse_override, (f"run.until_s={until_s}", SLOW))])
+        graph = load_graph(GRAPH, Catalog(), [*map(parse_override, (f"run.until_s={until_s}", "run.record=all", SLOW))])
         stages = graph.make_stages()
         begin_s = time.monotonic()
         summary = run_recorded(graph, stages, folder)

@@ -149,7 +149,9 @@ def collected(drive: Drive, given: Mapping[str, object]) -> Samples:
     """Return the cells of every fourth frame of a drive."""
     with tempfile.TemporaryDirectory() as folder:
         run = Path(folder) / "run"
-        graphnav.run(GRAPH, set={**drive.changes, **given}, seed=drive.seed, folder=run, pictures=False, check=True)
+        graphnav.run(
+            GRAPH, set={**drive.changes, **given}, seed=drive.seed, folder=run, record="all", pictures=False, check=True
+        )
         with Recording(run / "run.lcmlog") as log:
             return _cells(log)
 

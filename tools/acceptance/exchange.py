@@ -85,7 +85,20 @@ def _tapped(folder: Path, tap: str, seed: int, url: str, recorder: Sequence[str]
     try:
         await_file(log)
         time.sleep(1.0)
-        words = ["run", "corridor_ccw", "--seed", str(seed), "--pace", "1", "--until", str(_DRIVE_S), "--tap", tap]
+        words = [
+            "run",
+            "corridor_ccw",
+            "--seed",
+            str(seed),
+            "--pace",
+            "1",
+            "--until",
+            str(_DRIVE_S),
+            "--record",
+            "all",
+            "--tap",
+            tap,
+        ]
         command = [str(GRAPHNAV), *words, "--no-pictures", "-o", str(folder)]
         subprocess.run(command, check=True, capture_output=True, env={**os.environ, "LCM_DEFAULT_URL": url})
         time.sleep(1.0)

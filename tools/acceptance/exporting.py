@@ -41,7 +41,19 @@ def exports_item(seeds: Sequence[int], _jobs: int) -> bool:
     shown = Path(tempfile.mkdtemp(prefix="graphnav-exports-")) / "rerun.png"
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        words = ["run", "corridor_ccw", "--seed", str(seeds[0]), "--until", str(_UNTIL_S), "--set", _SLOW, "--no-tap"]
+        words = [
+            "run",
+            "corridor_ccw",
+            "--seed",
+            str(seeds[0]),
+            "--until",
+            str(_UNTIL_S),
+            "--set",
+            _SLOW,
+            "--no-tap",
+            "--record",
+            "all",
+        ]
         subprocess.run([GRAPHNAV, *words, "--no-pictures", "-o", folder / "run"], check=True, capture_output=True)
         passed = True
         with Recording(folder / "run" / LOG) as recording:

@@ -70,6 +70,7 @@ def _logged(tap: str, buffer: str) -> tuple[int, int, int]:
         )
         time.sleep(1)
         command = [str(GRAPHNAV), "run", "corridor_ccw", "--seed", "3", "--pace", "1", "--tap", tap, "--until", "30"]
+        command += ["--record", "all"]
         subprocess.run([*command, "--no-pictures", "-o", f"{scratch}/run"], check=True, capture_output=True)
         time.sleep(1)
         logger.terminate()

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
+from graphnav.graph import shipped_folder
 from graphnav.record import ABOUT, LOG
 
 DRIVES = (("corridor_ccw", 15.0), ("pillars", 15.0), ("approach", 10.0))
@@ -21,7 +22,7 @@ N_SEEDS = 3
 
 def replayable_item(seeds: Sequence[int], _jobs: int) -> bool:
     """Record each drive in full and replayable; print the sizes, and whether the replay makes the full log."""
-    passed = True
+    passed = _readers_agree(seeds[0]) and _sizes(seeds[0])
     for graph, until_s in DRIVES:
         for seed in seeds[:N_SEEDS]:
             with tempfile.TemporaryDirectory() as scratch:
@@ -32,6 +33,42 @@ def replayable_item(seeds: Sequence[int], _jobs: int) -> bool:
                 f"{'ok  ' if is_good else 'MISS'} {graph}, seed {seed}, {until_s:g} s: {found.kept_bytes / 1e6:.1f} of "
                 f"{found.full_bytes / 1e6:.1f} MB, ratio {found.ratio:.3f} (at most {MAX_RATIO}); "
                 f"{found.n_differing} of {found.n_messages} messages differ from the full log"
+            )
+    return passed
+
+
+def _sizes(seed: int) -> bool:
+    """Print the sizes of the default and the full log of every graph that ships and runs in lockstep."""
+    for path in sorted(shipped_folder().glob("*.yaml")):
+        with tempfile.TemporaryDirectory() as scratch:
+            try:
+                full, kept = (_drive(path.stem, 5.0, seed, record, Path(scratch)) for record in ("all", None))
+            except subprocess.CalledProcessError:
+                say(f"     {path.stem}: not a graph that runs alone in lockstep")
+                continue
+            sizes = [log.stat().st_size / 1e6 for log in (kept, full)]
+            say(f"     {path.stem}, 5 s: {sizes[0]:.2f} of {sizes[1]:.2f} MB")
+    return True
+
+
+def _readers_agree(seed: int) -> bool:
+    """Print whether commands write of a default log what they write of a full one."""
+    passed = True
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        logs = [_drive("corridor_ccw", 15.0, seed, record, folder).parent for record in ("all", None)]
+        for words in (["figure"], ["export", "--to", "mcap"], ["export", "--to", "csv"], ["spy", "--once"], ["hz"]):
+            found = []
+            for log in logs:
+                out = folder / f"out-{len(list(folder.iterdir()))}"
+                target = ["-o", str(out)] if words[0] in {"figure", "export"} else []
+                done = subprocess.run([str(GRAPHNAV), *words, str(log), *target], check=True, capture_output=True)
+                files = sorted(path for path in (out, *out.rglob("*")) if path.is_file())
+                text = b"" if target else done.stdout.replace(str(log).encode(), b"")
+                found.append((text, [path.read_bytes() for path in files]))
+            passed &= found[0] == found[1]
+            say(
+                f"{'ok  ' if found[0] == found[1] else 'MISS'} {' '.join(words)}: of the default log as of the full one"
             )
     return passed
 
@@ -60,11 +97,12 @@ def _compared(graph: str, until_s: float, seed: int, folder: Path) -> _Compared:
     return _Compared(full.stat().st_size, kept.stat().st_size, len(expected), n_differing)
 
 
-def _drive(graph: str, until_s: float, seed: int, record: str, folder: Path) -> Path:
+def _drive(graph: str, until_s: float, seed: int, record: str | None, folder: Path) -> Path:
     command = [str(GRAPHNAV), "run", graph, "--seed", str(seed), "--until", str(until_s), "--no-tap", "--no-pictures"]
-    command += ["--set", f"run.record={record}", "-o", str(folder / record)]
-    subprocess.run(command, check=True, capture_output=True)
-    return folder / record / LOG
+    run = folder / (record or "default")
+    command += [*(["--record", record] if record else []), "-o", str(run)]
+    subprocess.run(command, check=True, capture_output=True, timeout=600)
+    return run / LOG
 
 
 def _events(log: Path) -> list[tuple[str, int, bytes]]:

@@ -37,6 +37,6 @@ def record_tiny(folder: Path, *, is_live: bool) -> Path:
 def record_drive(folder: Path, until_s: float) -> Path:
     """Drive through the corridor in lockstep and return the log; ``folder`` must not exist."""
     folder.mkdir()
-    graph = load_graph("corridor_ccw", Catalog(), [parse_override(f"run.until_s={until_s}")])
+    graph = load_graph("corridor_ccw", Catalog(), [*map(parse_override, (f"run.until_s={until_s}", "run.record=all"))])
     run_recorded(graph, graph.make_stages(), folder)
     return folder / LOG

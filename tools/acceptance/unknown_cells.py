@@ -52,7 +52,7 @@ def _seconds_from_sight_to_contact(seed: int) -> float:
     """Return how long the wall was in view before the contact, NaN without a contact."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "run"
-        summary = drive(GRAPH, seed, OFF, folder)
+        summary = drive(GRAPH, seed, (*OFF, "run.record=all"), folder)
         if summary["outcome"] != "contact":
             return float("nan")
         with Recording(folder / "run.lcmlog") as log:
