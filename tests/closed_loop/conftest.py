@@ -24,7 +24,9 @@ def drive(tmp_path: Path) -> Drive:
 
     def run(name: str, seed: int, *sets: str) -> tuple[Summary, Recording]:
         everything = () if any(text.startswith("run.record=") for text in sets) else ("run.record=all",)
-        graph = load_graph(name, Catalog(Trust(runs_all=True)), [*map(parse_override, (*everything, *sets, f"run.seed={seed}"))])
+        graph = load_graph(
+            name, Catalog(Trust(runs_all=True)), [*map(parse_override, (*everything, *sets, f"run.seed={seed}"))]
+        )
         folder = tmp_path / f"{len(list(tmp_path.iterdir()))}"
         folder.mkdir()
         summary = run_recorded(graph, graph.make_stages(), folder)
