@@ -15,6 +15,7 @@ from acceptance.driving import drives_item, sign_item
 from acceptance.empty_floor import empty_floor_item
 from acceptance.exchange import exchange_item
 from acceptance.exporting import exports_item
+from acceptance.frozen import frozen_false_item, frozen_item
 from acceptance.guarding import guard_item
 from acceptance.large_pictures import large_item
 from acceptance.lighting import light_item
@@ -63,6 +64,8 @@ ITEMS = {
     "bench": bench_item,
     "fresh": fresh_item,
     "guard": guard_item,
+    "frozen": frozen_item,
+    "frozen_false": frozen_false_item,
     "live": live_item,
     "load": load_item,
     "safety": safety_item,

@@ -27,7 +27,7 @@ What one of the two falsely adds to the other in the fit, by obstacles, is a sha
 """
 MOTIONLESS_RATIO, AGREES_RATIO, SCALE_RATIO = 0.2, 3.0, 10.0
 """Odometry that measures less than the first is motionless; the second agrees; more than the third is another unit."""
-_CROSS = 0.3
+_CROSS, _CROSS_REVERSED = 0.3, 0.05
 _MIN_SCALED_FRAMES = 3
 _MIN_SHOWN_PX = 0.1
 _MAX_CELLS, _MIN_CELLS = 48, 12
@@ -156,8 +156,8 @@ def _sums(frames: Sequence[_Frame]) -> tuple[Doubles, Doubles]:
     return measured, shown
 
 
-def _min_shown(shown: Doubles, axis: int) -> float:
-    return float(MIN_MOVED_RAD + _CROSS * abs(shown[1 - axis]))
+def _min_shown(shown: Doubles, axis: int, cross: float = _CROSS) -> float:
+    return float(MIN_MOVED_RAD + cross * abs(shown[1 - axis]))
 
 
 def _compared(frames: Sequence[_Frame], axis: int) -> _Finding | None:
@@ -172,9 +172,9 @@ def _compared(frames: Sequence[_Frame], axis: int) -> _Finding | None:
     ]
     if len(scaled) >= _MIN_SCALED_FRAMES and abs(measured) > SCALE_RATIO * max(abs(shown), floor):
         return _Finding("scale", abs(measured) / max(abs(shown), floor), SCALE_RATIO, axis)
-    if abs(shown) < _min_shown(_sums(frames)[1], axis):
-        return None
-    ratio = measured / shown
-    if abs(ratio) < MOTIONLESS_RATIO:
-        return _Finding("motionless", ratio, MOTIONLESS_RATIO, axis)
-    return _Finding("reversed", ratio, 0.0, axis) if ratio < 0.0 else None
+    both = _sums(frames)[1]
+    if abs(shown) >= _min_shown(both, axis) and abs(measured) < MOTIONLESS_RATIO * abs(shown):
+        return _Finding("motionless", measured / shown, MOTIONLESS_RATIO, axis)
+    # Both have to be large, and against each other: a smaller share of the other motion is enough.
+    is_large = min(abs(measured), abs(shown)) >= MIN_MOVED_RAD and abs(shown) >= _min_shown(both, axis, _CROSS_REVERSED)
+    return _Finding("reversed", measured / shown, 0.0, axis) if is_large and measured * shown < 0.0 else None

@@ -3,8 +3,9 @@
 Robot and navigation each have a group of their own, and relays carry the channels named from one to the other, so that
 a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"jitter_s": 0.03}``,
 ``{"drop": "half"}``, ``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"stamps": "milliseconds"}``
-(see `STAMPS`), ``{"picture": "white"}``, ``{"picture": "covered"}``;
-``{}`` means no fault. Each line replaces the one before. ``{"corrupt": KIND}`` corrupts every second message of the
+(see `STAMPS`), ``{"picture": "white"}``, ``{"picture": "covered"}``, ``{"freeze_gray": 1.0}`` (the last picture under
+new stamps, with noise of so many gray levels); of odometry ``{"odometry": KIND}`` (see `ODOMETRY`); ``{}`` means no
+fault. Each line replaces the one before. ``{"corrupt": KIND}`` corrupts every second message of the
 first channel, whichever it is. It imports nothing of the runner: what it tests is not what it is made of.
 """
 
@@ -13,18 +14,20 @@ from __future__ import annotations
 import argparse
 import heapq
 import json
+import math
 import random
 import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import lcm
 import numpy as np
 
 from acceptance.corrupt import Corrupter
-from graphnav import Image
+from graphnav import Image, Odometry
 from graphnav.codec import decode, encode
 
 CAMERA = "CAMERA"
@@ -36,6 +39,13 @@ STAMPS: dict[str, Callable[[int], int]] = {
     "zero": lambda _: 0,
 }
 """Stamps in another unit or of another clock."""
+ODOMETRY: dict[str, Callable[[Odometry], Odometry]] = {
+    "jump": lambda o: replace(o, x_m=o.x_m + 100.0),
+    "zero": lambda o: replace(o, x_m=0.0, y_m=0.0, yaw_rad=0.0, v_mps=0.0, omega_radps=0.0),
+    "reversed": lambda o: replace(o, yaw_rad=-o.yaw_rad, omega_radps=-o.omega_radps),
+    "degrees": lambda o: replace(o, yaw_rad=math.degrees(o.yaw_rad), omega_radps=math.degrees(o.omega_radps)),
+}
+"""Wrong odometry."""
 _LEVEL = {"white": 255, "covered": 4}
 
 
@@ -65,6 +75,9 @@ class Relay:
         delay_s = 0.0
         if (kind := self.fault.get("corrupt")) and channel == self._first:
             data = self._corrupter.spoil(kind, data)
+        elif channel == "ODOMETRY" and (wrong := self.fault.get("odometry")):
+            utime, seq, odometry = decode(Odometry, data)
+            data = encode(ODOMETRY[wrong](odometry), utime, seq)
         elif channel == CAMERA:
             delay_s = float(self.fault.get("delay_s", 0.0))
             delay_s += self._random.uniform(0.0, float(self.fault.get("jitter_s", 0.0)))
@@ -97,6 +110,12 @@ class Relay:
             noise = np.random.default_rng(self._images).normal(0.0, 1.0, image.pixels.shape)
             pixels = np.clip(_LEVEL[picture] + noise, 0, 255).astype(np.uint8)
             data = encode(Image(pixels=pixels, step_px=image.step_px), utime, seq)
+        if (noise_gray := fault.get("freeze_gray")) is not None and self._last is not None:
+            utime, seq, _ = decode(Image, data)
+            _, _, image = decode(Image, self._last)
+            noise = np.random.default_rng(self._images).normal(0.0, noise_gray, image.pixels.shape)
+            pixels = np.clip(image.pixels + noise + 0.5, 0, 255).astype(np.uint8)
+            return encode(Image(pixels=pixels, step_px=image.step_px), utime, seq)
         self._last = data
         return data
 

@@ -73,9 +73,9 @@ class Rig:
         """Let the camera's relay go on."""
         self._relays["CAMERA"].send_signal(signal.SIGCONT)
 
-    def fault(self, fault: Mapping[str, Any]) -> None:
-        """Tell the relay what to do to the camera from now on; nothing for an empty mapping."""
-        self._tell("CAMERA", fault)
+    def fault(self, fault: Mapping[str, Any], channel: str = "CAMERA") -> None:
+        """Tell the relay what to do to the camera, or to odometry, from now on; nothing for an empty mapping."""
+        self._tell(channel, fault)
 
     def corrupt(self, channel: str, kind: str) -> None:
         """Let every second message of a channel be spoiled from now on; none where ``kind`` is empty."""

@@ -90,6 +90,11 @@ FAULTS: dict[str, tuple[str, Told, Way]] = {
     "always 0": ("motionless", lambda us, pose: Pose(0.0, 0.0, 0.0), Way()),
     "no turn": ("motionless", lambda us, pose: pose._replace(yaw_rad=0.0), Way(v_mps=0.1)),
     "turns the wrong way": ("reversed", lambda us, pose: pose._replace(yaw_rad=-pose.yaw_rad), Way(v_mps=0.0)),
+    "a gentle turn the wrong way": (
+        "reversed",
+        lambda us, pose: pose._replace(yaw_rad=-pose.yaw_rad),
+        Way(omega_radps=0.12),
+    ),
     "drives the wrong way": ("reversed", lambda us, pose: Pose(-pose.x_m, -pose.y_m, pose.yaw_rad), Way()),
     "degrees": ("scale", in_degrees, Way(omega_radps=0.2)),
     "millimetres, slowly": ("scale", lambda us, p: Pose(1e3 * p.x_m, 1e3 * p.y_m, p.yaw_rad), Way(v_mps=0.004)),
