@@ -5,11 +5,12 @@ from __future__ import annotations
 import importlib.util
 import re
 import sys
-import traceback
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from importlib.machinery import SourceFileLoader
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import Any, get_args
 
@@ -17,10 +18,20 @@ import pluggy
 
 import graphnav.hooks
 from graphnav.adapter import Adapters, collect_adapters
-from graphnav.errors import CatalogError, DeclarationError, Hint, did_you_mean, message_line, one_line, shown_value
+from graphnav.errors import (
+    CatalogError,
+    DeclarationError,
+    Hint,
+    did_you_mean,
+    fix_the_plugin,
+    message_line,
+    one_line,
+    raised_line,
+    shown_value,
+)
 from graphnav.interrupts import USER_ENDS, third_party_code
-from graphnav.messages import snake_case
-from graphnav.stage import Role, Source, Stage, former_names, metrics_of, params_of, ports_of
+from graphnav.messages import Message, snake_case
+from graphnav.stage import Port, Role, Source, Stage, former_names, metrics_of, params_of, ports_of
 from graphnav.trust import Trust, read_plugin
 
 GROUP = "graphnav"
@@ -28,6 +39,9 @@ GROUP = "graphnav"
 
 ADAPTERS = "adapters"
 """Reserved family of packages that provide adapters, which any graph with inputs or outputs may use."""
+
+OWN = "graphnav"
+"""The distribution whose families come with graphnav."""
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -79,6 +93,18 @@ class Catalog:
                 raise CatalogError(str(error), "fix the plugin") from error
         return self._adapters
 
+    def load_types(self) -> None:
+        """Import the adapters and the families of other packages, which registers their messages and LCM types.
+
+        What cannot be imported is left out. The families of graphnav itself define no types.
+        """
+        with suppress(CatalogError):
+            self.adapters()
+        for family, points in self._entry_points.items():
+            if family != ADAPTERS and any(point.dist is None or point.dist.name != OWN for point in points):
+                with suppress(CatalogError):
+                    self.load(family)
+
     def names(self, family: str) -> tuple[str, ...]:
         """Return the names of a family's stages, sorted.
 
@@ -118,6 +144,23 @@ class Catalog:
         """Return whether a loaded family or file has this stage."""
         return use in self._origins
 
+    def ports(self, message: type[Message]) -> Iterator[tuple[str, Port, bool]]:
+        """Yield ``family.stage`` and the port of every installed stage that writes or reads a message type.
+
+        The flag says whether it writes it. What cannot be imported is left out.
+        """
+        for family in self.families():
+            with suppress(CatalogError):
+                for use in (f"{family}.{name}" for name in self.names(family)):
+                    ports = ports_of(self.stage(use))
+                    yield from ((use, port, True) for port in ports.outputs if port.message is message)
+                    yield from ((use, port, False) for port in ports.inputs if port.message is message)
+
+    def writers(self, message: type[Message]) -> list[str]:
+        """Return the installed stages that write a message type and that a stage may read."""
+        writers = dict.fromkeys(use for use, _, is_output in self.ports(message) if is_output)
+        return [use for use in writers if self.stage(use).role != "score"]
+
     def origin(self, use: str) -> str:
         """Return the package or file that a loaded stage comes from."""
         return self._origins[use]
@@ -145,10 +188,10 @@ class Catalog:
             except USER_ENDS:
                 raise
             except BaseException as error:
-                raise CatalogError(
-                    f"family '{family}' cannot be imported from {origin}: {one_line(error)}",
-                    "fix the package, or install its dependencies",
-                ) from error
+                what = f"family '{family}' cannot be imported from {origin}: {one_line(error)}"
+                raised = raised_line(error, [point.module])
+                hint = "fix the package, or install its dependencies" + (f": {raised}" if raised else "")
+                raise CatalogError(what, hint, error) from error
             self._register(family, module, origin)
         self._loaded.add(family)
 
@@ -248,7 +291,8 @@ class Catalog:
         except pluggy.PluginValidationError as error:
             raise CatalogError(f"{origin}: {message_line(error)}") from error
         except BaseException as error:
-            raise CatalogError(f"{origin}: {name} failed: {one_line(error)}", "fix the plugin") from error
+            what = f"{origin}: {name} failed: {one_line(error)}"
+            raise CatalogError(what, fix_the_plugin(error), error) from error
 
     def _hint_without_family(self, word: str) -> str:
         if word in self.families():
@@ -329,13 +373,18 @@ def _import_file(path: Path, source: bytes | None) -> ModuleType:
         code = spec.loader.source_to_code(read_plugin(path) if source is None else source, str(path))
         with third_party_code():
             exec(code, module.__dict__)  # noqa: S102 - the plugin, which the user named or trusts
-    except SyntaxError as error:
-        where = f"{path}:{error.lineno}" if error.lineno else str(path)
-        raise CatalogError(f"plugin {where}: {error.msg}") from error
     except USER_ENDS:
         raise
     except BaseException as error:
-        lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
-        where = f"{path}:{lines[-1]}" if lines else str(path)
-        raise CatalogError(f"plugin {where}: {one_line(error)}") from error
+        raise CatalogError(_import_failure(error, path), raised=error) from error
     return module
+
+
+def _import_failure(error: BaseException, path: Path) -> str:
+    """Return what a one-file plugin raised while it was imported, with its line."""
+    lines = [line.lineno for line in extract_tb(error.__traceback__) if Path(line.filename).resolve() == path.resolve()]
+    what = one_line(error)
+    if isinstance(error, SyntaxError) and error.filename and Path(error.filename).resolve() == path.resolve():
+        lines, what = [error.lineno], f"{type(error).__name__}: {error.msg}"
+    where = f"{path}:{lines[-1]}" if lines and lines[-1] else str(path)
+    return f"plugin {where}: {what}"

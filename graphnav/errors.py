@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import difflib
 import re
+import sys
 import unicodedata
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
+from types import MappingProxyType, TracebackType
 from typing import Literal
 
 from graphnav.interrupts import USER_ENDS
 
 _MAX_LINE = 1000
 """The longest line that is made of what a plugin raised or returned, characters."""
+
+_NO_PLUGINS = {"", "graphnav", "pluggy", *sys.stdlib_module_names}
+"""Top-level packages through which a plugin is called."""
 
 ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate", "untrusted"]
 """A name that is not known, several candidates for one wire, something given twice, code that is not trusted and so did
@@ -67,6 +71,8 @@ class Problem:
     what: str
     hint: Hint = ""
     kind: ProblemKind = "wrong"
+    raised: BaseException | None = field(default=None, compare=False)
+    """The exception of a plugin, if that is the problem: its traceback can be shown."""
 
     def __post_init__(self) -> None:
         if self.kind == "wrong" and self.suggestion:
@@ -129,17 +135,21 @@ class DeclarationError(GraphnavError):
 class CatalogError(UserError):
     """A stage is not in the catalog, or its plugin cannot be used; shown at the ``use`` that asked for it."""
 
-    def __init__(self, what: str, hint: Hint = "") -> None:
-        self.what, self.hint = what, hint
-        super().__init__(Problem(None, what, hint))
+    def __init__(self, what: str, hint: Hint = "", raised: BaseException | None = None) -> None:
+        self.what, self.hint, self.raised = what, hint, raised
+        super().__init__(Problem(None, what, hint, raised=raised))
+
+    def problem(self, place: Place | None, before: str = "") -> Problem:
+        """Return it as a problem at the place of the ``use`` that asked for it; ``before`` precedes what it says."""
+        return Problem(place, before + self.what, self.hint, raised=self.raised)
 
 
 class StageError(GraphnavError):
     """A stage raised, or returned what it may not; the run stops, its log is complete; exit status 1."""
 
-    def __init__(self, stage: str, use: str, at_s: float, what: str) -> None:
+    def __init__(self, stage: str, use: str, at_s: float, what: str, raised_at: str = "") -> None:
         self.stage, self.use, self.at_s, self.what = stage, use, at_s, what
-        super().__init__(f"stage '{stage}' ({use}) failed at {at_s:.2f} s: {what}")
+        super().__init__(str(Problem(None, f"stage '{stage}' ({use}) failed at {at_s:.2f} s: {what}", raised_at)))
 
     @property
     def cause(self) -> str:
@@ -193,6 +203,41 @@ def failure_line(error: BaseException) -> str:
     """Return what a plugin raised in one line: the message alone where the type adds nothing to it."""
     is_telling = isinstance(error, ValueError | RuntimeError)
     return (message_line(error) if is_telling else "") or one_line(error)
+
+
+def raised_line(error: BaseException, modules: Iterable[str] = ()) -> str:
+    """Return where a plugin raised, as ``ZeroDivisionError at my_stage.py:17 in step``; empty if not within its files.
+
+    The location is that of the innermost call into a file of the plugin, not into numpy's that it uses. ``modules``:
+    those that are the plugin's, besides the package whose code was called.
+    """
+    frames = [(tb.tb_frame, tb.tb_lineno) for tb in _tracebacks(error)]
+    names = [str(frame.f_globals.get("__name__", "")) for frame, _ in frames]
+    packages = [name.partition(".")[0] for name in names]
+    called = next((package for package in packages if package not in _NO_PLUGINS), None)
+    own = {called, *(module.partition(".")[0] for module in modules)} - _NO_PLUGINS
+    found = [k for k, package in enumerate(packages) if package in own]
+    if not found:
+        return ""
+    (frame, line), name = frames[found[-1]], names[found[-1]]
+    path = Path(frame.f_code.co_filename)
+    depth = name.count(".") + (2 if path.stem == "__init__" else 1)
+    file, function = "/".join(path.parts[-depth:]), frame.f_code.co_name
+    where = "" if function == "<module>" else f" in {function}"
+    return _bounded(shown_name(f"{type(error).__name__} at {file}:{line}{where}"))
+
+
+def fix_the_plugin(error: BaseException, modules: Iterable[str] = ()) -> str:
+    """Return the hint for what a plugin raised before a run: its location, as `raised_line` gives it."""
+    raised = raised_line(error, modules)
+    return f"fix the plugin: {raised}" if raised else "fix the plugin"
+
+
+def _tracebacks(error: BaseException) -> Iterator[TracebackType]:
+    found = error.__traceback__
+    while found is not None:
+        yield found
+        found = found.tb_next
 
 
 def shown_value(value: object) -> str:

@@ -112,18 +112,20 @@ def load_with(
     problems: Sequence[Problem] = (),
     *,
     partial: bool = False,
+    makes_stages: bool = True,
 ) -> Graph:
     """Return a checked graph; ``catalog`` holds the ``plugins`` already, and the run's folder gets copies of them.
 
     ``problems``: what is wrong with options that were read before, to be reported with the graph's. ``partial``: as of
-    `load_graph`.
+    `load_graph`. ``makes_stages``: whether the stages will be made, so that what they miss is reported with the other
+    errors.
 
     Raises
     ------
     UserError
         All errors of the graph.
     """
-    found = load_graph(graph, catalog, overrides, problems, partial=partial)
+    found = load_graph(graph, catalog, overrides, problems, partial=partial, makes_stages=makes_stages)
     return replace(found, plugins=tuple(dict.fromkeys((*found.plugins, *(path.resolve() for path in plugins)))))
 
 

@@ -8,24 +8,28 @@ import io
 import os
 import re
 import sys
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from itertools import takewhile
+from typing import TYPE_CHECKING, Any
 
 from graphnav.cli.lasting_output import ReaderLeftError, lasting_output
-from graphnav.cli.status import FAILED, INTERRUPTED, PIPE_CLOSED, USER_ERROR
+from graphnav.cli.status import FAILED, INTERRUPTED, OK, PIPE_CLOSED, USER_ERROR
 from graphnav.interrupts import ctrl_c_not_lost
 from graphnav.machine.escaped_output import escaped_output
 from graphnav.machine.pins import unpin
 from graphnav.machine.single_thread import ONE_THREAD
 from graphnav.machine.start_up import end_at_interrupt, raise_at_interrupt
 
+if TYPE_CHECKING:
+    from graphnav.errors import UserError
+
 COMMANDS = {
     "run": "run a graph into a run folder: log, summary, pictures",
     "ablate": "swap stages and conditions, repeat over seeds, compare with statistics",
     "tune": "search the parameters of rivals, the same budget for each, in worlds for tuning",
-    "check": "report all errors of a graph, with line and column",
+    "check": "report all errors of graphs, with line and column",
     "draw": "draw a graph: boxes in the terminal, svg, mermaid or dot",
-    "stages": "list the installed stages, or describe one",
+    "stages": "list the installed stages, describe one, or list what writes and reads a message",
     "new-stage": "write a working one-file plugin and its test",
     "schema": "print the JSON Schema of graphs, studies or maps, for completion in editors",
     "teach": "run an obstacle-free graph and save the learned planar model",
@@ -59,7 +63,31 @@ _EMPTIED = re.compile("(--[^=]+)=--|(-[A-Za-z])--")
 
 
 class _Parser(argparse.ArgumentParser):
-    """Raises the error that keeps its help from being printed, such as that of a full disk."""
+    """Takes options by their full names only, and says what is near to an unknown one.
+
+    Raises the error that keeps its help from being printed, such as that of a full disk.
+    """
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **{"allow_abbrev": False} | kwargs)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Refuse an unknown option before the command; what follows the command is its own parser's."""
+        words = list(sys.argv[1:] if args is None else args)
+        self._refuse_unknown(takewhile(lambda word: word.startswith("-"), words))
+        return super().parse_known_args(args, namespace)
+
+    def _refuse_unknown(self, words: Iterable[str]) -> None:
+        """Exit with the error of the first unknown ``--option``, which names the nearest."""
+        from graphnav.errors import did_you_mean
+
+        for word in words:
+            name = word.partition("=")[0]
+            if name.startswith("--") and name != "--" and " " not in name and name not in self._option_string_actions:
+                known = [option for option in self._option_string_actions if option.startswith("--")]
+                begun = [option for option in known if option.startswith(name)]
+                hint = did_you_mean(name, known) if len(begun) != 1 else f"did you mean '{begun[0]}'?"
+                self.error(f"there is no option {name}: {hint or f'see {self.prog} --help'}")
 
     def _print_message(self, message: str, file: Any = None) -> None:
         if message and file is not None and file is sys.stdout:
@@ -79,9 +107,11 @@ class _Intermixed(_Parser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse options first, then positional arguments."""
         if self._is_within:
-            return super().parse_known_args(args, namespace)
+            return argparse.ArgumentParser.parse_known_args(self, args, namespace)
         words = list(sys.argv[1:] if args is None else args)
-        for word in words[: words.index("--") if "--" in words else None]:
+        options = words[: words.index("--") if "--" in words else None]
+        self._refuse_unknown(options)
+        for word in options:
             if found := _EMPTIED.fullmatch(word):
                 self.error(f"argument {found[1] or found[2]}: '--' is not a value")
         self._is_within = True
@@ -101,9 +131,7 @@ def build_parser(
         prog="graphnav", description="Visual navigation as a dataflow graph of plugin stages on LCM channels."
     )
     parser.add_argument("--version", action="version", version=f"graphnav {__version__}")
-    commands = parser.add_subparsers(
-        title="commands", metavar="COMMAND", dest="command", required=True, parser_class=command_class
-    )
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", parser_class=command_class)
     for name, text in COMMANDS.items():
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         if name == chosen:
@@ -126,15 +154,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     chosen = next((word for word in words if not word.startswith("-")), None)
     with lasting_output(for_a_reader=chosen in FOR_A_READER), escaped_output(), ctrl_c_not_lost():
-        return _status_of(words, chosen if chosen in COMMANDS else None, owns_process=argv is None)
+        return _status_of(words, chosen, owns_process=argv is None)
 
 
 def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> int:
     """Run a command; print the error that ends it."""
     from graphnav.errors import GraphnavError, ParamError, UserError
 
+    args = argparse.Namespace()
     try:
-        args = build_parser(chosen).parse_args(words)
+        args = _parsed(words, chosen)
         args.words, args.owns_process = words, owns_process
         if owns_process:
             raise_at_interrupt()
@@ -148,9 +177,7 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
             if owns_process:
                 end_at_interrupt()
     except UserError as error:
-        print(error, file=sys.stderr)
-        if len(error.problems) > 1:
-            print(f"{len(error.problems)} errors", file=sys.stderr)
+        _print_problems(error, args)
         return USER_ERROR
     except ParamError as error:
         print(error, file=sys.stderr)
@@ -173,6 +200,38 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
         print("stopped", file=sys.stderr)
         return INTERRUPTED
     return status
+
+
+def _parsed(words: list[str], chosen: str | None) -> argparse.Namespace:
+    """Return the arguments; print the help where no command is given, exit with the error of a wrong one."""
+    from graphnav.errors import did_you_mean, shown_name
+
+    parser = build_parser(chosen if chosen in COMMANDS else None)
+    if chosen is not None and chosen not in COMMANDS:
+        hint = did_you_mean(chosen, COMMANDS) or "see graphnav --help"
+        parser.error(f"there is no command '{shown_name(chosen)}': {hint}")
+
+    def print_help(_: argparse.Namespace) -> int:
+        parser.print_help()
+        return OK
+
+    parser.set_defaults(main=print_help)
+    return parser.parse_args(words)
+
+
+def _print_problems(error: UserError, args: argparse.Namespace) -> None:
+    """Print what is wrong; what a plugin raised with its traceback if ``-v`` asks for it."""
+    from graphnav.cli.options import FailureReport
+
+    print(error, file=sys.stderr)
+    if len(error.problems) > 1:
+        print(f"{len(error.problems)} errors", file=sys.stderr)
+    raised = [problem.raised for problem in error.problems if problem.raised is not None]
+    if raised and hasattr(args, "verbose"):
+        report = FailureReport(args)
+        for each in raised:
+            report(each)
+        report.print()
 
 
 def _is_after_ctrl_c(error: BaseException | None) -> bool:

@@ -1,4 +1,4 @@
-"""``graphnav check``: report all errors of a graph without running it."""
+"""``graphnav check``: report all errors of graphs without running them."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import sys
 from collections.abc import Sized
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, load
+from graphnav.cli.options import add_graph_options, add_verbose_option, load, notices_of
 from graphnav.cli.status import FAILED, OK
+from graphnav.errors import Place, Problem, UserError
 
 if TYPE_CHECKING:
     from graphnav.cli.tables import TextTable
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    add_graph_options(parser)
+    add_graph_options(parser, nargs="+")
+    add_verbose_option(parser, "print the swaps that its own files make, and the traceback of what a plugin raises")
     parser.add_argument(
         "--resolved",
         action="store_true",
@@ -27,12 +29,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the command: load the graph, construct its stages, and let each check its files and devices.
+    """Run the command: load each graph, construct its stages, and let each check its files and devices.
 
     The exit status is 1 where plugins are not trusted: the rest is checked without them.
     """
-    _, graph = load(args, partial=not args.resolved)
-    graph.without_left_out().make_stages()
+    if args.resolved and len(args.graph) > 1:
+        raise UserError.of("--resolved prints one graph", "name one", Place("--resolved"))
+    problems: dict[Problem, None] = {}
+    status = OK
+    for name in args.graph:
+        try:
+            _, graph = load(args, name, partial=not args.resolved)
+            graph.without_left_out().make_stages()
+        except UserError as error:
+            problems |= dict.fromkeys(error.problems)
+        else:
+            status = max(status, _print(graph, args))
+    if problems:
+        raise UserError(problems)
+    return status
+
+
+def _print(graph: Graph, args: argparse.Namespace) -> int:
+    """Print what a graph is made of, without the table where several are checked; return the exit status."""
     if args.resolved:
         from graphnav.graph import resolved_yaml
 
@@ -41,9 +60,10 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.machine.console import Console
 
     console = Console(highlight=False, soft_wrap=True)
-    for notice in graph.notices:
+    for notice in notices_of(graph, verbose=args.verbose):
         console.print(notice, markup=False)
-    console.print(_table(graph))
+    if len(args.graph) == 1:
+        console.print(_table(graph))
     if graph.is_live:
         console.print(f"it runs live: {_outside(graph)}", markup=False)
     parts = [

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    add_graph_options(parser, required=False)
+    add_graph_options(parser, nargs="?")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
 
 

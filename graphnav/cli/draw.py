@@ -27,7 +27,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.api.draw import Drawing
 
-    _, graph = load(args, partial=True)
+    _, graph = load(args, partial=True, makes_stages=False)
     drawing = Drawing(graph)
     if args.format == "text" and args.file is None:
         from graphnav.machine.console import Console

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import time
+from typing import TYPE_CHECKING
 
 from graphnav.cli.options import add_feed_argument, add_types_option, count, load_types_of, seconds
-from graphnav.cli.status import OK
+from graphnav.cli.status import FAILED, OK
+from graphnav.errors import shown_name
+from graphnav.notices import print_notice
+
+if TYPE_CHECKING:
+    from graphnav.spy import Feed, Traffic
+
+_HINT_S = 3.0
+"""A longer silence of the channel is reported, once."""
 
 _EXAMPLES = """\
 examples:
-  graphnav echo control.twist -n 3
+  graphnav echo control.twist -n 3 --timeout 10
   graphnav echo robot.state runs/a --field x_m --field y_m --csv > path.csv
   graphnav echo flow.flow --field 'uv_px[10][20]' --jsonl
   graphnav echo POSE udpm://239.255.76.67:7667 --types my_lcm_types/
@@ -23,7 +33,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
     add_feed_argument(parser)
     parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages")
-    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
+    parser.add_argument(
+        "--timeout",
+        dest="timeout_s",
+        type=seconds,
+        metavar="S",
+        help="end with status 1 if no message of the channel arrives for S seconds (default: wait)",
+    )
+    parser.add_argument(
+        "--for",
+        dest="for_s",
+        type=seconds,
+        metavar="S",
+        help="end after S seconds (default: Ctrl-C, or when its run ends)",
+    )
     parser.add_argument(
         "--field",
         dest="fields",
@@ -56,18 +79,59 @@ def main(args: argparse.Namespace) -> int:
     traffic = Traffic(feed.clock, args.channel)
     form = Lines if not args.jsonl else JsonLines
     printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)
-    n_printed = 0
+    wait = _Wait(args, feed, traffic)
     for received in feed.listen(args.for_s):
         if received is None:
             traffic.check(args.channel, feed)
+            if wait.is_over():
+                break
             continue
         channel = traffic.receive(received)
         if received.channel == args.channel:
             values = channel.values if channel.decodes else None
-            n_printed += printer.show(EchoedMessage(received, channel.type_name, channel.lcm_class, values))
-            if n_printed == args.count:
+            wait.note(printer.show(EchoedMessage(received, channel.type_name, channel.lcm_class, values)))
+            if wait.n_printed == args.count:
                 break
     else:
         traffic.find(args.channel, feed, args.for_s)
     printer.close()
-    return OK
+    return FAILED if wait.is_cut_short else OK
+
+
+class _Wait:
+    """Waits for the messages of a live channel: until ``--timeout``, or until the run that sends it has ended."""
+
+    def __init__(self, args: argparse.Namespace, feed: Feed, traffic: Traffic) -> None:
+        self.n_printed = 0
+        self.is_cut_short = False
+        """Whether the run ended before there were as many messages as ``-n`` asks for."""
+        self._args, self._feed, self._traffic = args, feed, traffic
+        self._since_s = time.monotonic()
+        self._is_told = False
+
+    def note(self, n_printed: int) -> None:
+        """Note that a message was received, of which so much was printed."""
+        self.n_printed += n_printed
+        self._since_s = time.monotonic()
+
+    def is_over(self) -> bool:
+        """Return whether nothing more will come; tell once that nothing has come yet.
+
+        Raises
+        ------
+        GraphnavError
+            No message of the channel came for as long as ``--timeout`` says.
+        """
+        if not self._feed.is_live:
+            return False
+        name, waited_s = self._args.channel, time.monotonic() - self._since_s
+        if self._args.timeout_s is not None and waited_s >= self._args.timeout_s:
+            raise self._traffic.silence(name, self._feed, self._args.timeout_s)
+        if run_id := self._traffic.ended_run(name, time.monotonic()):
+            print_notice(f"run {shown_name(run_id)} has ended after {self.n_printed} messages on {shown_name(name)}")
+            self.is_cut_short = self._args.count is not None
+            return True
+        if not self._is_told and not self.n_printed and waited_s >= _HINT_S:
+            self._is_told = True
+            print_notice(f"{self._traffic.silence(name, self._feed, _HINT_S)}\n  waiting for it; Ctrl-C exits")
+        return False

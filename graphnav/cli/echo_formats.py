@@ -63,7 +63,7 @@ class Lines:
 
     def _contents(self, message: EchoedMessage) -> list[str]:
         if message.lcm_class is None:
-            return ["    its type is not known: --types PACKAGE_OR_DIR"]
+            return ["    its type is not known: --types PACKAGE_OR_DIR, or --plugin FILE"]
         if message.values is None:
             return ["    undecodable"]
         fields = self._selection.of(message.lcm_class, message.values)
@@ -131,7 +131,7 @@ class CsvRows:
 
     def _undecodable(self) -> str:
         if self._skipped_type is None:
-            hint = "name its package or its .lcm files: --types PACKAGE_OR_DIR"
+            hint = "name its package or its .lcm files: --types PACKAGE_OR_DIR, or its plugin: --plugin FILE"
             return f"none of {self._n_skipped} messages could be decoded\n  {hint}"
         hint = "check the program that sends them: they are truncated, or of another type"
         return f"none of {self._n_skipped} messages is a complete {lcm_name(self._skipped_type)}\n  {hint}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from graphnav.cli.options import add_plugin_option, add_types_option, catalog_of, load_types_of
+from graphnav.cli.options import add_types_option, catalog_of, load_types_of
 from graphnav.cli.spans import add_span_options
 from graphnav.cli.status import OK
 from graphnav.notices import print_notice
@@ -56,7 +56,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_span_options(parser)
     parser.add_argument("--force", action="store_true", help="replace existing files")
     add_types_option(parser)
-    add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -69,7 +68,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.runner.recording.log_forecast import size_text
 
     catalog = catalog_of(args)
-    load_types_of(args)
+    load_types_of(args, catalog)
     selection = Selection(tuple(args.channels), args.from_s, args.until_s)
     with opened(find_log(args.run), catalog, args.plugins) as recording, damage_told(recording):
         until_s = min(duration_s(recording), selection.until_s)

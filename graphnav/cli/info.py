@@ -24,9 +24,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.loginfo import as_json, as_text, survey
     from graphnav.loginfo.info_text import HEADINGS, damage, rows
     from graphnav.record import find_log
-    from graphnav.spy.adapted_types import load_adapted_types
 
-    load_adapted_types()
     load_types_of(args)
     info = survey(find_log(args.log))
     if args.json:

@@ -6,14 +6,13 @@ import argparse
 import os
 import sys
 
-from graphnav.cli.options import add_plugin_option, add_types_option, catalog_of, load_types_of
+from graphnav.cli.options import add_types_option, catalog_of, load_types_of
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("url", nargs="?", metavar="URL", help="udpm://... (default: where runs are tapped)")
     add_types_option(parser)
-    add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -26,11 +25,12 @@ def main(args: argparse.Namespace) -> int:
 
     url = lcm_url(("URL", args.url))
     require_jdk()
-    given = load_types_of(args)
+    catalog = catalog_of(args)
+    given = load_types_of(args, catalog)
     if not os.environ.get("DISPLAY"):
         what = "lcm-spy opens a window, but there is no display: DISPLAY is not set"
         raise UserError.of(what, "run it in a graphical session, or watch in this terminal: graphnav spy")
-    types = listed_types(catalog_of(args)) | given
+    types = listed_types(catalog) | given
     jar = types_jar(types.values())
     print(f"lcm-spy on {url}: {len(types)} types in {jar}", file=sys.stderr, flush=True)
     classpath = os.pathsep.join(filter(None, (str(jar), os.environ.get("CLASSPATH"))))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import sys
+import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
-from graphnav.errors import Place, Problem, UserError
+from graphnav.errors import GraphnavError, Place, Problem, UserError
 from graphnav.machine.start_up import ended_by_interrupt
 from graphnav.notices import print_notice
 
@@ -23,15 +25,15 @@ MAX_SEED = 2**32 - 1
 _MAX_DIGITS = 12
 
 
-def add_graph_options(parser: argparse.ArgumentParser, *, required: bool = True, runs: bool = False) -> None:
-    """Declare GRAPH, which may be left out unless ``required``, ``--set`` and ``--plugin``, for `load`.
+def add_graph_options(
+    parser: argparse.ArgumentParser, nargs: Literal["?", "+"] | None = None, *, runs: bool = False
+) -> None:
+    """Declare GRAPH, of which there are as many as ``nargs`` says, ``--set`` and ``--plugin``, for `load`.
 
     ``runs``: whether the command runs the graph because the user says so, and with it the plugins that the graph names;
     others get ``--trust``.
     """
-    parser.add_argument(
-        "graph", nargs=None if required else "?", metavar="GRAPH", help="a YAML file, or the name of a graph that ships"
-    )
+    parser.add_argument("graph", nargs=nargs, metavar="GRAPH", help="a YAML file, or the name of a graph that ships")
     add_set_option(parser)
     add_plugin_option(parser)
     if runs:
@@ -84,6 +86,38 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     """Declare ``--seed`` and ``--until``, for `load`."""
     parser.add_argument("--seed", type=int, help="seed of all randomness (default: the graph's)")
     parser.add_argument("--until", type=float, metavar="S", help="stop after S seconds: simulated, or live")
+
+
+def add_verbose_option(
+    parser: argparse.ArgumentParser, text: str = "show the cause of a failure with its traceback"
+) -> None:
+    """Declare ``-v``, for `FailureReport`; ``text`` is its help."""
+    parser.add_argument("-v", "--verbose", action="store_true", help=text)
+
+
+def notices_of(graph: Graph, *, verbose: bool) -> tuple[str, ...]:
+    """Return the notices of a graph: with ``-v`` also the swaps that its own files make."""
+    return (*graph.file_notices, *graph.notices) if verbose else graph.notices
+
+
+class FailureReport:
+    """Prints what failed; with ``-v`` the traceback of each failure as it is met, else that ``-v`` would show it."""
+
+    def __init__(self, args: argparse.Namespace) -> None:
+        self._verbose: bool = args.verbose
+        self._has_more = False
+
+    def __call__(self, error: BaseException) -> None:
+        """Take a failure."""
+        if self._verbose:
+            traceback.print_exception(error)
+        self._has_more |= error.__cause__ is not None or not isinstance(error, GraphnavError)
+
+    def print(self, *failures: str) -> None:
+        """Print the failures that a run ended with."""
+        hints = ["  -v shows the traceback"] if self._has_more and not self._verbose else []
+        for line in (*failures, *hints):
+            print(line, file=sys.stderr)
 
 
 def add_portable_option(parser: argparse.ArgumentParser) -> None:
@@ -193,7 +227,8 @@ def _is_feed(word: str) -> bool:
 
 
 def add_types_option(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--types``, for `load_types_of`."""
+    """Declare ``--types`` and ``--plugin``, for `load_types_of`."""
+    add_plugin_option(parser)
     parser.add_argument(
         "--types",
         action="append",
@@ -203,14 +238,17 @@ def add_types_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def load_types_of(args: argparse.Namespace) -> dict[str, type]:
-    """Register the types of ``--types`` for decoding; return them by LCM name.
+def load_types_of(args: argparse.Namespace, catalog: Catalog | None = None) -> dict[str, type]:
+    """Register the types of ``--types``, of ``--plugin`` and of installed packages for decoding; return the first.
+
+    ``catalog``: the command's own, with the ``--plugin`` files. The types are returned by LCM name.
 
     Raises
     ------
     UserError
         They do not exist, or cannot be used.
     """
+    (catalog_of(args) if catalog is None else catalog).load_types()
     if not args.types:
         return {}
     from graphnav.typeinfo import load_types
@@ -286,10 +324,14 @@ def catalog_of(args: argparse.Namespace) -> Catalog:
     return add_plugins(Catalog(trust_of(args)), args.plugins)
 
 
-def load(args: argparse.Namespace, *, partial: bool = False) -> tuple[Catalog, Graph]:
+def load(
+    args: argparse.Namespace, name: str | None = None, *, partial: bool = False, makes_stages: bool = True
+) -> tuple[Catalog, Graph]:
     """Return the catalog with the ``--plugin`` files and the checked graph with its swaps, seed and end.
 
-    ``partial``: the graph may lack plugins that are not trusted (`Graph.left_out`), which are told.
+    ``name``: the graph, by default GRAPH. ``partial``: the graph may lack plugins that are not trusted
+    (`Graph.left_out`), which are told. ``makes_stages``: whether the stages will be made, so that what they miss is
+    reported with the other errors.
 
     Raises
     ------
@@ -303,7 +345,8 @@ def load(args: argparse.Namespace, *, partial: bool = False) -> tuple[Catalog, G
         catalog = catalog_of(args)
         problems: list[Problem] = []
         overrides = parse_overrides(args.sets, problems)
-        graph = load_with(catalog, args.graph, overrides, args.plugins, problems, partial=partial)
+        options = {"partial": partial, "makes_stages": makes_stages}
+        graph = load_with(catalog, name or args.graph, overrides, args.plugins, problems, **options)
         for problem in graph.left_out:
             print_notice(str(problem))
         given = {

@@ -7,15 +7,22 @@ import json
 import os
 import sys
 import tempfile
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load
+from graphnav.cli.options import (
+    FailureReport,
+    add_graph_options,
+    add_portable_option,
+    add_run_options,
+    add_verbose_option,
+    load,
+    notices_of,
+)
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.errors import GraphnavError, UserError
+from graphnav.errors import UserError
 from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
@@ -54,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sort", action="store_true", help="stages and channels that take longest first (default: in firing order)"
     )
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
-    parser.add_argument("-v", "--verbose", action="store_true", help="show the cause of a failure with its traceback")
+    add_verbose_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -67,15 +74,16 @@ def main(args: argparse.Namespace) -> int:
     if args.flame is not None:
         _check_file(args.flame)
     stages = graph.make_stages()
-    for notice in graph.notices:
+    for notice in notices_of(graph, verbose=args.verbose):
         print_notice(notice)
     if args.flame is not None and (missing := functions_missing()):
         print_notice(str(missing))
+    report = FailureReport(args)
     try:
         with _folder(args.folder, graph) as folder:
-            profile = _measure(args, graph, stages, folder)
+            profile = _measure(args, graph, stages, folder, report)
     except NothingMeasuredError as error:
-        print(error, file=sys.stderr)
+        report.print(str(error))
         return INTERRUPTED if error.outcome == "stopped" else FAILED
     if args.json:
         print(json.dumps(profile.as_json()))
@@ -84,22 +92,20 @@ def main(args: argparse.Namespace) -> int:
     if args.flame is not None:
         _write(args.flame, profile)
     if profile.failure:
-        print(profile.failure, file=sys.stderr)
+        report.print(profile.failure)
     if profile.outcome == "stopped":
         print("stopped; these are the times up to there", file=sys.stderr)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(profile.outcome, OK)
 
 
-def _measure(args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], folder: Path) -> Profile:
+def _measure(
+    args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], folder: Path, report: FailureReport
+) -> Profile:
     from graphnav.api.open_tap import open_tap
     from graphnav.cli.progress import progress_bar
     from graphnav.machine.console import Console
     from graphnav.profiling import functions_missing, measure
     from graphnav.runner.recording.run_recorded import new_run_id
-
-    def show_cause(error: GraphnavError) -> None:
-        if args.verbose:
-            traceback.print_exception(error)
 
     run_id = new_run_id()
     with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
@@ -112,7 +118,7 @@ def _measure(args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], f
             tap=open_tap(args.tap, run_id, tell=print_notice),
             run_id=run_id,
             on_tick=on_tick,
-            on_failure=show_cause,
+            on_failure=report,
             notice=print_notice,
         )
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 
 from graphnav.cli.options import (
-    add_plugin_option,
     add_types_option,
     add_url_option,
     catalog_of,
@@ -44,7 +43,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_url_option(parser)
     add_types_option(parser)
-    add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -60,7 +58,8 @@ def main(args: argparse.Namespace) -> int:
         option = "-n" if args.count else "--for"
         raise UserError.of("without --rate only one message is published", "give --rate HZ", Place(option))
     url = url_of(args)
-    lcm_class = type_called(args.type, catalog_of(args), load_types_of(args))
+    catalog = catalog_of(args)
+    lcm_class = type_called(args.type, catalog, load_types_of(args, catalog))
     fields = parse_fields(args.fields, lcm_class)
     bus = Bus(url)
     publisher = Publisher(bus, args.channel, lcm_class, fields)

@@ -6,16 +6,18 @@ import argparse
 import json
 import math
 import sys
-import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.cli.options import (
+    FailureReport,
     add_plugin_option,
     add_portable_option,
     add_set_option,
     add_trust_option,
+    add_verbose_option,
     catalog_of,
+    notices_of,
     overrides_of,
 )
 from graphnav.cli.status import FAILED, OK
@@ -62,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", dest="out", type=Path, metavar="FILE", help="also write the log of the replay")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
-    parser.add_argument("-v", "--verbose", action="store_true", help="show the cause of a failure with its traceback")
+    add_verbose_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -73,10 +75,11 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.record import Recording, find_log
     from graphnav.replay import ReplayOptions, Tolerance, as_text, graph_to_replay, replay
 
+    report = FailureReport(args)
+
     def show_failure(error: GraphnavError) -> None:
-        print(error, file=sys.stderr)
-        if args.verbose:
-            traceback.print_exception(error)
+        report(error)
+        report.print(str(error))
 
     if args.cold and not args.from_s:
         raise UserError.of("--cold starts at --from with fresh state, but there is no --from", "add --from S")
@@ -89,7 +92,7 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of(str(error), "name a run folder, or a log") from error
     with recording, damage_told(recording):
         made = graph_to_replay(recording, catalog, graph=args.graph, overrides=overrides_of(args), plugins=args.plugins)
-        _print_notices(made, play)
+        _print_notices(made, play, verbose=args.verbose)
         options = ReplayOptions(play, args.from_s, args.cold, args.tolerance or Tolerance())
         with progress_bar(Console(stderr=True), log.parent.name or log.name, None) as on_tick:
             result = replay(recording, made, options, out=args.out, on_tick=on_tick, on_failure=show_failure)
@@ -103,11 +106,12 @@ def main(args: argparse.Namespace) -> int:
     return OK if result.is_equal else FAILED
 
 
-def _print_notices(made: LogGraph, play: list[str]) -> None:
+def _print_notices(made: LogGraph, play: list[str], *, verbose: bool) -> None:
     from graphnav.notices import print_notice
-    from graphnav.replay import make_plan, notices_of
+    from graphnav.replay import make_plan
+    from graphnav.replay import notices_of as notices_of_plan
 
-    for notice in (*made.graph.notices, *notices_of(make_plan(made.graph, play))):
+    for notice in (*notices_of(made.graph, verbose=verbose), *notices_of_plan(make_plan(made.graph, play))):
         print_notice(notice)
 
 

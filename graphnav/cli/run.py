@@ -5,14 +5,22 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import traceback
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_graph_options, add_portable_option, add_run_options, load, seconds
+from graphnav.cli.options import (
+    FailureReport,
+    add_graph_options,
+    add_portable_option,
+    add_run_options,
+    add_verbose_option,
+    load,
+    notices_of,
+    seconds,
+)
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.errors import DrawingError, GraphnavError, shown_name
+from graphnav.errors import DrawingError, shown_name
 from graphnav.notices import print_notice
 
 if TYPE_CHECKING:
@@ -67,12 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
     )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON instead of text")
-    parser.add_argument(
-        "-v",
-        "--verbose",
-        action="store_true",
-        help="print every metric, what each stage did, and the traceback of a failure",
-    )
+    add_verbose_option(parser, "print every metric, what each stage did, and the traceback of a failure")
 
 
 def _add_record_option(parser: argparse.ArgumentParser) -> None:
@@ -102,12 +105,13 @@ def main(args: argparse.Namespace) -> int:
     console, run_id = Console(stderr=args.json, highlight=False, soft_wrap=True), new_run_id()
     folder = make_run_folder(args.folder, graph.path.stem)
     with FullLog() as full, removed_if_empty(folder):
-        for notice in (*graph.notices, *([live_notice] if is_live else [])):
+        for notice in (*notices_of(graph, verbose=args.verbose), *([live_notice] if is_live else [])):
             console.print(notice, markup=False)
         tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
         if tap is not None:
             console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
-        summary = _run(graph, stages, folder, args, tap, run_id, None if args.no_pictures else full, is_live=is_live)
+        report, kept = FailureReport(args), None if args.no_pictures else full
+        summary = _run(graph, stages, folder, args, tap, run_id, kept, report, is_live=is_live)
         if args.json:
             print(json.dumps(summary.as_json() | {"folder": str(folder)}))
         else:
@@ -115,7 +119,7 @@ def main(args: argparse.Namespace) -> int:
             if not args.verbose:
                 console.print(f"all metrics and the times of the stages: -v, or {SUMMARY}", style="dim", markup=False)
         if summary.failure:
-            print(summary.failure, file=sys.stderr)
+            report.print(summary.failure)
         files = _draw(args, catalog, summary, folder, full)
     console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
     return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
@@ -136,9 +140,9 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
             with full.recording(folder / LOG) as recording:
                 pictures = [path.name for path in draw_all(catalog, recording, folder, video=args.video)]
         except DrawingError as error:
-            print(f"not drawn: {error}", file=sys.stderr)
-            if args.verbose:
-                traceback.print_exception(error.__cause__)
+            report = FailureReport(args)
+            report(error)
+            report.print(f"not drawn: {error}")
             pictures = sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)
         except KeyboardInterrupt:
             print(f"some pictures were not drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
@@ -168,6 +172,7 @@ def _run(
     tap: LiveSink | None,
     run_id: str,
     full: FullLog | None,
+    report: FailureReport,
     *,
     is_live: bool,
 ) -> Summary:
@@ -186,10 +191,6 @@ def _run(
         sys.stdout.flush()
         sys.stderr.flush()
 
-    def show_cause(error: GraphnavError) -> None:
-        if args.verbose:
-            traceback.print_exception(error)
-
     with progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
         return execute(
             graph,
@@ -201,7 +202,7 @@ def _run(
             tap=tap,
             run_id=run_id,
             on_time=lambda run_s: on_tick(round(run_s * 1e6)),
-            on_failure=show_cause,
+            on_failure=report,
             notice=print_notice,
             stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
             full=full,

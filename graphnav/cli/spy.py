@@ -11,10 +11,11 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, add_types_option, load_types_of, seconds
+from graphnav.cli.options import add_feed_argument, add_types_option, catalog_of, load_types_of, seconds
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
+    from graphnav.catalog import Catalog
     from graphnav.machine.console import Console
     from graphnav.spy import Feed, Traffic
 
@@ -51,10 +52,11 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.machine.console import Console
     from graphnav.spy import Feed, Traffic, as_json, as_text, drops_of
 
-    load_types_of(args)
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
     feed = complete(Feed(args.feed))
     if not (args.once or args.json) and _has_screen():
-        return _full_screen(feed, args.graphics)
+        return _full_screen(feed, catalog, args.graphics)
     traffic = Traffic(feed.clock)
     console = Console(highlight=False, soft_wrap=True)
     if feed.is_live and not (args.once or args.json):
@@ -80,13 +82,12 @@ def _has_screen() -> bool:
     return is_terminal and os.environ.get("TERM", "dumb") not in _PLAIN_TERMINALS
 
 
-def _full_screen(feed: Feed, graphics: str) -> int:
+def _full_screen(feed: Feed, catalog: Catalog, graphics: str) -> int:
     """Show the feed until the user leaves."""
     from graphnav.spy.graphics.terminal_colours import has_colours
 
     if not has_colours():
         os.environ["NO_COLOR"] = "1"
-    from graphnav.catalog import Catalog
     from graphnav.spy.screen import SpyApp, painters, run_app, watch_of
 
     gc.freeze()  # imported modules stay: the garbage collector need not scan them
@@ -94,7 +95,7 @@ def _full_screen(feed: Feed, graphics: str) -> int:
     watch = watch_of(feed)
     watch.start()
     try:
-        return run_app(SpyApp(watch, Catalog(), Path.cwd(), new_painter))
+        return run_app(SpyApp(watch, catalog, Path.cwd(), new_painter))
     finally:
         watch.close()
 

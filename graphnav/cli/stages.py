@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from graphnav.cli.options import add_plugin_option, catalog_of
 from graphnav.cli.status import OK
+from graphnav.errors import shown_name
 
 if TYPE_CHECKING:
     from graphnav.catalog import Catalog
     from graphnav.cli.tables import TextTable
     from graphnav.machine.console import Console
+    from graphnav.messages import Message
 
 
 _MIN_COLS_OF_PORTS = 110
@@ -23,7 +25,12 @@ _MIN_COLS_OF_PORTS = 110
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("name", metavar="NAME", nargs="?", help="a stage (plane.ica) or a family (plane); default: all")
+    parser.add_argument(
+        "name",
+        metavar="NAME",
+        nargs="?",
+        help="a stage (plane.ica), a family (plane), or a message (LocalMap): what writes and reads it; default: all",
+    )
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
     add_plugin_option(parser)
 
@@ -35,6 +42,9 @@ def main(args: argparse.Namespace) -> int:
 
     catalog = catalog_of(args)
     console = Console(highlight=False)
+    if args.name and "." not in args.name and args.name not in catalog.families():
+        _print_ports(args, console, catalog, _message_called(args.name, catalog))
+        return OK
     if args.name and args.name not in catalog.families():
         described = describe(args.name, catalog.stage(args.name), catalog.origin(args.name))
         if args.json:
@@ -49,6 +59,54 @@ def main(args: argparse.Namespace) -> int:
         console.print(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS))
         console.print("details: graphnav stages NAME", markup=False)
     return OK
+
+
+def _message_called(name: str, catalog: Catalog) -> type[Message]:
+    """Return the message class of a name, in any case, or of its LCM type's.
+
+    Raises
+    ------
+    CatalogError
+        There is none; the hint names the stages or messages that are near.
+    """
+    from graphnav.codec import message_classes
+    from graphnav.errors import CatalogError, did_you_mean
+
+    catalog.load_types()
+    named: dict[str, type[Message]] = {}
+    for message in reversed(list(message_classes())):
+        named |= {message.lcm_class.__name__: message, message.__name__: message}
+    lower = {key.lower(): key for key in (*catalog.families(), *named)}
+    if (key := lower.get(name.lower())) in named:
+        return named[key]
+    try:
+        catalog.stage(name)
+    except CatalogError as error:
+        near = [lower[word] for word in did_you_mean(name.lower(), lower).names]
+        hint = f"did you mean '{near[0]}'?" if near else error.hint
+        raise CatalogError(f"'{shown_name(name)}' is not a stage, a family or a message", hint) from error
+    raise AssertionError("a stage has a family")
+
+
+def _print_ports(args: argparse.Namespace, console: Console, catalog: Catalog, message: type[Message]) -> None:
+    """Print the stages that write a message type, then those that read it."""
+    from graphnav.cli.tables import TextTable
+    from graphnav.stage import summary_of
+
+    ports = sorted(catalog.ports(message), key=lambda found: not found[2])
+    if args.json:
+        sides = {True: "writers", False: "readers"}
+        listed: dict[str, Any] = {"message": message.__name__, "writers": [], "readers": []}
+        for use, port, is_output in ports:
+            listed[sides[is_output]].append({"stage": use, "port": port.name, "reading": port.reading})
+        print(json.dumps(listed, indent=2))
+        return
+    table = TextTable(message.__name__, "stage", "port", "description")
+    for use, port, is_output in ports:
+        how = f"{port.name}{f' ({port.reading})' if port.reading else ''}"
+        table.add_text("written by" if is_output else "read by", use, how, summary_of(catalog.stage(use)))
+    console.print(table if ports else f"no installed stage writes or reads {message.__name__}", markup=False)
+    console.print(f"fields: graphnav types {message.__name__}", markup=False)
 
 
 def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list[str]:

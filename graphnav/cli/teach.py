@@ -11,7 +11,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.cli.options import MAX_FACTOR, add_graph_options, add_portable_option, add_run_options, load
+from graphnav.cli.options import (
+    MAX_FACTOR,
+    FailureReport,
+    add_graph_options,
+    add_portable_option,
+    add_run_options,
+    add_verbose_option,
+    load,
+)
 from graphnav.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.errors import UserError
 
@@ -39,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="live: end once speeds up to V m/s and turning rates up to W rad/s to both sides are taught",
     )
     parser.add_argument("--force", action="store_true", help="replace FILE if it exists")
+    add_verbose_option(parser)
 
 
 def coverage(text: str) -> Coverage:
@@ -89,11 +98,13 @@ def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -
     from graphnav.runner.recording.run_recorded import run_recorded
     from graphnav.teaching import Taught
 
-    taught = Taught(graph, channel)
+    taught, report = Taught(graph, channel), FailureReport(args)
     with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
-        summary = run_recorded(graph, graph.make_stages(), folder, keep=[channel], tap=taught, on_tick=on_tick)
+        summary = run_recorded(
+            graph, graph.make_stages(), folder, keep=[channel], tap=taught, on_tick=on_tick, on_failure=report
+        )
     if summary.failure:
-        print(summary.failure, file=sys.stderr)
+        report.print(summary.failure)
         return FAILED
     if summary.outcome == Outcome.STOPPED:
         print(f"interrupted: teaching was not finished, and {args.model} is not written", file=sys.stderr)
@@ -107,7 +118,7 @@ def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespa
     from graphnav.machine.console import Console
     from graphnav.teaching import Taught
 
-    taught, wanted = Taught(graph, channel), args.until_taught
+    taught, wanted, report = Taught(graph, channel), args.until_taught, FailureReport(args)
     ends = ["Ctrl-C"] if graph.run.until_s is None else [f"{graph.run.until_s:g} s", "Ctrl-C"]
     ends = ends if wanted is None else [f"{wanted.speed_mps:g} m/s and {wanted.turn_radps:g} rad/s are taught", *ends]
     print(f"teaching live on {live_url(graph, args.url)} until {' or '.join(ends)}", file=sys.stderr)
@@ -121,10 +132,11 @@ def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespa
             keep=[channel],
             tap=taught,
             on_time=show,
+            on_failure=report,
             should_stop=lambda: wanted is not None and wanted.is_reached(taught),
         )
     if summary.failure:
-        print(summary.failure, file=sys.stderr)
+        report.print(summary.failure)
         return FAILED
     return _save(folder, channel, args.model, graph, taught, (summary.live or {}).get("inputs", ()))
 

@@ -34,7 +34,7 @@ def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
 
     with suppress(UserError):
         return find_type(name, given)
-    _load_all(catalog)
+    catalog.load_types()
     return find_type(name, {**_adapted(catalog), **given})
 
 
@@ -42,16 +42,9 @@ def listed_types(catalog: Catalog) -> dict[str, type]:
     """Return the types of graphnav, of the messages of all plugins and of adapters, by LCM name."""
     from graphnav.codec import SHIPPED, lcm_name, message_classes
 
-    _load_all(catalog)
+    catalog.load_types()
     found = [*SHIPPED, *(message.lcm_class for message in message_classes())]
     return {lcm_name(lcm_class): lcm_class for lcm_class in found} | _adapted(catalog)
-
-
-def _load_all(catalog: Catalog) -> None:
-    """Import every plugin; ignore those that cannot be imported."""
-    for family in catalog.families():
-        with suppress(CatalogError):
-            catalog.load(family)
 
 
 def _adapted(catalog: Catalog) -> dict[str, type]:

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.cli.options import add_plugin_option, add_types_option, catalog_of, load_types_of
+from graphnav.cli.options import add_types_option, catalog_of, load_types_of
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -37,7 +37,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     out.add_argument("--lcm", action="store_true", help="print the definition, and those of all nested types")
     out.add_argument("--java", type=Path, metavar="DIR", help="write Java sources and a jar for lcm-spy into DIR")
     add_types_option(parser)
-    add_plugin_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -46,7 +45,8 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.machine.console import Console
     from graphnav.typeinfo import definition_text, describe_type
 
-    catalog, given = catalog_of(args), load_types_of(args)
+    catalog = catalog_of(args)
+    given = load_types_of(args, catalog)
     found = {args.name: type_called(args.name, catalog, given)} if args.name else listed_types(catalog) | given
     console = Console(highlight=False)
     if args.lcm:

@@ -6,11 +6,12 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, add_types_option, load_types_of
+from graphnav.cli.options import add_feed_argument, add_types_option, catalog_of, load_types_of
 from graphnav.cli.status import OK
 from graphnav.errors import UserError
 
 if TYPE_CHECKING:
+    from graphnav.catalog import Catalog
     from graphnav.spy import Feed
 
 _PORT = 7667
@@ -51,7 +52,8 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.spy import Feed
     from graphnav.view import is_loopback
 
-    load_types_of(args)
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
     feed = complete(Feed(args.feed))
     if feed.is_live:
         feed.check()
@@ -60,7 +62,7 @@ def main(args: argparse.Namespace) -> int:
     if not is_loopback(args.host):
         print_notice(f"anyone who can reach {args.host} can watch: remove --host to serve this machine only")
     try:
-        serve(feed, args.host, port, is_opened=args.open)
+        serve(feed, catalog, args.host, port, is_opened=args.open)
     except (OSError, UnicodeError) as error:
         number = getattr(error, "errno", None) or 0
         why = os.strerror(number) if number > 0 else getattr(error, "strerror", None) or "not an address"
@@ -69,11 +71,10 @@ def main(args: argparse.Namespace) -> int:
     return OK
 
 
-def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
+def _serve_page(feed: Feed, catalog: Catalog, host: str, port: int, *, is_opened: bool) -> None:
     """Serve the page until Ctrl-C."""
     import asyncio
 
-    from graphnav.catalog import Catalog
     from graphnav.interrupts import plain_ctrl_c
     from graphnav.view import LiveSource, LogSource, PageServer
 
@@ -89,22 +90,21 @@ def _serve_page(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
     source.start()
     try:
         with plain_ctrl_c():
-            asyncio.run(PageServer(source, Catalog()).serve(host, port, ready))
+            asyncio.run(PageServer(source, catalog).serve(host, port, ready))
     finally:
         source.close()
 
 
-def _serve_foxglove(feed: Feed, host: str, port: int, *, is_opened: bool) -> None:
+def _serve_foxglove(feed: Feed, catalog: Catalog, host: str, port: int, *, is_opened: bool) -> None:
     """Serve Foxglove's protocol until Ctrl-C, SIGTERM or SIGHUP."""
     import threading
 
-    from graphnav.catalog import Catalog
     from graphnav.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer
 
     source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path, feed.open_log())
     if isinstance(source, LogPlayer) and not source.n_events:
         raise feed.silence(None)
-    server = FoxgloveServer(source, Catalog())
+    server = FoxgloveServer(source, catalog)
 
     def ready(url: str, app_url: str) -> None:
         print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C exits)", flush=True)

@@ -17,6 +17,7 @@ from graphnav.codec.known_types import (
     type_of,
 )
 from graphnav.codec.layout import fields_of, fingerprint, lcm_name
+from graphnav.codec.message_fields import check_fields
 
 __all__ = [
     "SHIPPED",
@@ -25,6 +26,7 @@ __all__ = [
     "EncodeError",
     "add_given_types",
     "add_type",
+    "check_fields",
     "codec_of",
     "comments_of",
     "constants_of",

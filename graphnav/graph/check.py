@@ -23,7 +23,6 @@ from graphnav.spec import Spec, StageSpec
 from graphnav.stage import Port, Source, Stage, ports_of
 
 _NOT_USED = {
-    "deploy": "'deploy' is not used: all stages run in one process",
     "queues": "'queues' is not used in lockstep: there every complete set of inputs fires",
     "outputs": "'outputs' is not used in lockstep: there nothing leaves the run",
 }
@@ -44,7 +43,7 @@ def classes_of(
             classes[stage.name] = catalog.stage(stage.use)
         except CatalogError as error:
             if catalog.has(stage.use) or not may_lack:
-                problems.append(Problem(stage.use_place, error.what, error.hint))
+                problems.append(error.problem(stage.use_place))
     return classes
 
 
@@ -64,7 +63,7 @@ def check(
     consumed, inputs = inputs_of(spec, catalog, path.parent, problems)
     channels = channels_of(spec, classes, consumed, problems)
     unknown = _unknown_channels(spec, classes) if left_out else {}
-    wires = Wires(spec, classes, channels | unknown, problems)
+    wires = Wires(spec, classes, channels | unknown, catalog, problems)
     nodes = [_node(spec, cls, name, path.parent, channels, wires, problems) for name, cls in classes.items()]
     drawn = _with_left_out(spec, nodes, channels | unknown) if left_out else nodes
     is_known = bool(spec.stages) and len(classes) == len(spec.stages)
@@ -73,7 +72,6 @@ def check(
         problems.append(Problem(spec.stages_place, what, "add a world, a video or another Source"))
     order = _order(spec, drawn, problems)
     run = run_options(spec.run, problems)
-    _check_deploy(spec, problems)
     _check_queues(spec, nodes, problems)
     written = {ref: channel for ref, channel in channels.items() if ref not in spec.inputs}
     sent = outputs_of(spec, classes, written, catalog, problems)
@@ -82,7 +80,7 @@ def check(
         check_stamps(
             [node for node in nodes if node.is_source] + [n for n in order if n in nodes], inputs, problems, notices
         )
-    notices += [text for key, text in _NOT_USED.items() if getattr(spec, key) and (key == "deploy" or not spec.inputs)]
+    notices += [text for key, text in _NOT_USED.items() if getattr(spec, key) and not spec.inputs]
     return Graph(
         path=path,
         about=spec.about,
@@ -91,7 +89,6 @@ def check(
         channels=channels,
         run=run,
         notices=tuple(notices),
-        deploy={name: entry.value.plain() for name, entry in spec.deploy.items()},
         inputs=inputs,
         outputs=sent,
         queues={ref: queue.keep for ref, queue in spec.queues.items()},
@@ -164,23 +161,6 @@ def _plain(node: Node) -> list[tuple[Input, Channel]]:
 def _writers(node: Node) -> list[str]:
     """Return the stages whose messages fire a stage."""
     return [channel.stage for _, channel in _plain(node)]
-
-
-def _check_deploy(spec: Spec, problems: list[Problem]) -> None:
-    placed: dict[str, str] = {}
-    for process, entry in spec.deploy.items():
-        words = entry.value.data
-        stages = words["stages"].value.data if isinstance(words, dict) and "stages" in words else None
-        for stage in stages if isinstance(stages, list) else ():
-            name = stage.data
-            if not isinstance(name, str):
-                continue
-            if name not in spec.stages:
-                problems.append(Problem(stage.place, f"there is no stage '{name}'", did_you_mean(name, spec.stages)))
-            elif name in placed:
-                what = f"stage '{name}' is in the processes '{placed[name]}' and '{process}'"
-                problems.append(Problem(stage.place, what, "keep one"))
-            placed.setdefault(name, process)
 
 
 def _times_of(stage: StageSpec, cls: type[Stage], problems: list[Problem]) -> dict[str, Any]:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
-from graphnav.errors import ParamError, Problem, UserError, one_line
+from graphnav.errors import ParamError, Problem, UserError, fix_the_plugin, one_line
 from graphnav.graph.node import Channel, InputChannel, Node, OutputChannel
 from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.machine.instruction_set import require_portable
 from graphnav.spec import RunOptions
-from graphnav.stage import Metric, Stage, metrics_of, tell_readers
+from graphnav.stage import Metric, Stage, metrics_of, params_of, tell_readers
 
 
 @dataclass(frozen=True)
@@ -29,9 +28,9 @@ class Graph:
     """By reference (``stage.port``), in the file's order."""
     run: RunOptions
     notices: tuple[str, ...] = ()
-    """Changes made by swaps (rewired, pruned, set to defaults), and entries that are accepted but not used."""
-    deploy: Mapping[str, Any] = field(default_factory=dict)
-    """Which processes the stages would run in; lockstep does not use it."""
+    """Changes made by ``--set`` (rewired, pruned, set to defaults), and entries that are accepted but not used."""
+    file_notices: tuple[str, ...] = ()
+    """Changes made by swaps in the files that it consists of (``extends``): the same whenever it is loaded."""
     inputs: Mapping[str, InputChannel] = field(default_factory=dict)
     """Channels that other programs write, by reference; their channels stand in ``channels`` too."""
     outputs: Mapping[str, OutputChannel] = field(default_factory=dict)
@@ -91,10 +90,27 @@ class Graph:
             raise UserError(self.left_out)
         if self.run.portable:
             require_portable()
+        stages, problems = self._made(self.nodes, self.read.union(also_read))
+        if problems:
+            raise UserError(problems)
+        return stages
+
+    def stage_problems(self) -> list[Problem]:
+        """Return what `make_stages` would refuse in the stages all of whose parameters could be read.
+
+        For a graph in which something else is wrong, so that all of its errors are reported together.
+        """
+        return self._made(
+            [n for n in self.without_left_out().nodes if n.settings.keys() == params_of(n.stage_class).keys()],
+            self.read,
+        )[1]
+
+    @staticmethod
+    def _made(nodes: Iterable[Node], read: Collection[str]) -> tuple[dict[str, Stage], list[Problem]]:
+        """Return new stages by name, and what is wrong with the others; ``read``: the channels that are read."""
         stages: dict[str, Stage] = {}
         problems: list[Problem] = []
-        read = self.read.union(also_read)
-        for node in self.nodes:
+        for node in nodes:
             try:
                 with third_party_code():
                     stages[node.name] = stage = node.stage_class(**node.params)
@@ -107,7 +123,11 @@ class Graph:
             except UserError as error:
                 problems.extend(error.problems)
             except BaseException as error:  # noqa: BLE001 - a plugin's constructor may raise anything
-                problems.append(Problem(node.place, f"{node.use} cannot be made: {one_line(error)}", "fix the plugin"))
-        if problems:
-            raise UserError(problems)
-        return stages
+                problems.append(_plugin_problem(node, error))
+        return stages, problems
+
+
+def _plugin_problem(node: Node, error: BaseException) -> Problem:
+    """Return what a plugin's constructor or check raised as a problem at the stage."""
+    hint = fix_the_plugin(error, (cls.__module__ for cls in node.stage_class.__mro__))
+    return Problem(node.place, f"{node.use} cannot be made: {one_line(error)}", hint, raised=error)

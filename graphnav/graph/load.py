@@ -28,11 +28,13 @@ def load_graph(
     problems: Sequence[Problem] = (),
     *,
     partial: bool = False,
+    makes_stages: bool = False,
 ) -> Graph:
     """Return the checked graph of a file, or of the name of one in the working folder or among those that ship.
 
     ``problems``: what is wrong with options that were read before, to be reported with the graph's. ``partial``:
     plugins that are not trusted are not an error; the graph says what it lacks (`Graph.left_out`), and cannot run.
+    ``makes_stages``: whether its stages will be made, so that a missing file is reported with the other errors.
 
     Raises
     ------
@@ -42,7 +44,17 @@ def load_graph(
     path = find_graph(path_or_name)
     source = shown_path(path)
     data, is_record = read_bytes(path, Place(source)), is_graph_of_run(path)
-    return graph_of(data, path, catalog, overrides, source, problems=problems, is_record=is_record, partial=partial)
+    return graph_of(
+        data,
+        path,
+        catalog,
+        overrides,
+        source,
+        problems=problems,
+        is_record=is_record,
+        partial=partial,
+        makes_stages=makes_stages,
+    )
 
 
 def graph_of(
@@ -56,23 +68,25 @@ def graph_of(
     *,
     is_record: bool = False,
     partial: bool = False,
+    makes_stages: bool = False,
 ) -> Graph:
     """Return the checked graph in the bytes of the file ``path``; errors name it ``source``.
 
     ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
     ``is_record``: whether a run wrote it, maybe with an older version: old names of parameters are accepted.
-    ``partial``: as of `load_graph`.
+    ``partial``: as of `load_graph`. ``makes_stages``: whether a graph with errors gets those of its stages too
+    (`Graph.stage_problems`).
 
     Raises
     ------
     UserError
         Everything that is wrong with it.
     """
-    problems, notices = list(problems), list[str]()
+    problems, notices, file_notices = list(problems), list[str](), list[str]()
     files = read_files(data, path, source or str(path), problems)
     unusable: list[Problem] = []
     plugins = load_plugins(files, catalog, unusable, replaced)
-    merged = merge_files(files, catalog, problems, notices)
+    merged = merge_files(files, catalog, problems, file_notices)
     spec, more = parse_spec(merged.value)
     problems += more + unusable
     if unusable:
@@ -82,13 +96,14 @@ def graph_of(
     spec.folders = {file.source: file.path.parent for file in files}
     if is_record:
         accept_old_names(spec, classes_of(spec, catalog, []))
-    rewire_merged(spec, merged, catalog, problems, notices)
+    rewire_merged(spec, merged, catalog, problems, file_notices)
     spec = apply_overrides(spec, overrides, catalog, problems, notices)
     graph = check(spec, catalog, path, problems, notices, plugins.left_out)
     if problems or (plugins.left_out and not partial):
-        raise UserError(_without_repetitions([*problems, *plugins.left_out]))
+        more = graph.stage_problems() if makes_stages else []
+        raise UserError(_without_repetitions([*problems, *more, *plugins.left_out]))
     paths, written = tuple(plugin.path for plugin in plugins.loaded), tuple(p.written for p in plugins.loaded)
-    return replace(graph, plugins=paths, written_plugins=written)
+    return replace(graph, plugins=paths, written_plugins=written, file_notices=tuple(file_notices))
 
 
 def _without_repetitions(problems: list[Problem]) -> list[Problem]:

@@ -26,7 +26,9 @@ def resolved_yaml(graph: Graph, *, portable_paths: bool = True, plugins: Sequenc
 
 def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Iterator[str]:
     yield "# The graph as it ran: every parameter with its value."
-    yield from (f"# {notice if notice.isprintable() else ascii(notice)}" for notice in graph.notices)
+    yield from (
+        f"# {notice if notice.isprintable() else ascii(notice)}" for notice in (*graph.file_notices, *graph.notices)
+    )
     if graph.about:
         yield f"about: {write_value(graph.about)}"
     if plugins:
@@ -43,7 +45,6 @@ def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Ite
         yield "channels:"
         yield from (f"  {channel.ref}: {write_value(channel.name)}" for channel in renamed)
     sections: dict[str, Mapping[str, Any]] = {
-        "deploy": graph.deploy,
         "inputs": {ref: _input_words(i, portable_paths=portable_paths) for ref, i in graph.inputs.items()},
         "outputs": {ref: _output_words(output) for ref, output in graph.outputs.items()},
         "queues": {ref: {"keep": "all" if keep is None else keep} for ref, keep in graph.queues.items()},

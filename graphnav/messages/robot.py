@@ -86,6 +86,10 @@ class Stop(Message, lcm=graphnav_lcm.stop_t):
     reason: str = ""
 
 
+_UNITS = {"waiting": "s", "stale": "s", "frozen": "px", "jump": "m", "turn_jump": "rad"}
+"""Units of what a guard measures, by the cause; ratios have none."""
+
+
 class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
     """The decision of the guard before the motors, and its causes.
 
@@ -109,6 +113,11 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
     ports: tuple[str, ...]
     values: Doubles
     limits: Doubles
+
+    @staticmethod
+    def unit(cause: str, port: str) -> str:
+        """Return the unit of a cause's value and limit, empty if they have none; ``port``: the guard's input."""
+        return "gray levels" if (cause, port) == ("blind", "image") else _UNITS.get(cause, "")
 
 
 class State(Message, lcm=graphnav_lcm.state_t):

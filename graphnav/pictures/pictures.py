@@ -10,7 +10,7 @@ import numpy as np
 
 from graphnav.arrays import Bytes
 from graphnav.catalog import Catalog
-from graphnav.errors import DrawingError, GraphnavError, one_line
+from graphnav.errors import DrawingError, GraphnavError, one_line, raised_line
 from graphnav.interrupts import USER_ENDS, third_party_code
 from graphnav.messages import Message
 from graphnav.pictures.context import PictureContext
@@ -59,7 +59,8 @@ def drawing() -> Iterator[None]:
     except BaseException as error:
         if isinstance(error, OSError) and error.errno in _REFUSED:
             raise
-        raise DrawingError(one_line(error)) from error
+        raised = raised_line(error)
+        raise DrawingError(f"{one_line(error)} ({raised})" if raised else one_line(error)) from error
 
 
 def _check(picture: Bytes, context: PictureContext) -> None:

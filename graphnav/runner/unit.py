@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any
 
 from graphnav.codec import not_finite
-from graphnav.errors import GraphnavError, StageError, failure_line, one_line, shown_value
+from graphnav.errors import GraphnavError, StageError, failure_line, one_line, raised_line, shown_value
 from graphnav.graph import Channel, Node
 from graphnav.interrupts import USER_ENDS
 from graphnav.messages import Message
@@ -86,7 +86,7 @@ class Unit:
         except Finished as finished:
             outcome, result = self._ending(utime, finished)
         except BaseException as error:
-            raise self._failure(utime, failure_line(error)) from error
+            raise self._failure(utime, failure_line(error), error) from error
         finally:
             end = perf_counter()
             self.calls.end()
@@ -109,7 +109,7 @@ class Unit:
             raise
         except BaseException as error:
             what = f"{method}: {one_line(error)}" if said is None else said(error)
-            raise StageError(self.node.name, self.node.use, at_s, what) from error
+            raise StageError(self.node.name, self.node.use, at_s, what, self._raised(error)) from error
         finally:
             self.calls.end()
 
@@ -142,7 +142,7 @@ class Unit:
         except USER_ENDS:
             raise
         except BaseException as error:
-            raise self._failure(utime, failure_line(error)) from error
+            raise self._failure(utime, failure_line(error), error) from error
 
     def _publish_all(self, utime: int, result: Any) -> None:
         """Publish the outputs, which may be objects of the plugin's own classes: what they raise is the stage's."""
@@ -157,7 +157,7 @@ class Unit:
         except (GraphnavError, OSError, *USER_ENDS):  # a failure, or of the log and the network
             raise
         except BaseException as error:
-            raise self._failure(utime, f"{where}: {failure_line(error)}") from error
+            raise self._failure(utime, f"{where}: {failure_line(error)}", error) from error
 
     def _check(self, utime: int, port: Port, message: Any) -> None:
         if not isinstance(message, port.message):
@@ -175,5 +175,9 @@ class Unit:
             raise self._failure(utime, f"step returned {type(result).__name__}, not {self._result.__name__}")
         return result
 
-    def _failure(self, utime: int, what: str) -> StageError:
-        return StageError(self.node.name, self.node.use, (utime - self.start_utime) / 1e6, what)
+    def _failure(self, utime: int, what: str, error: BaseException | None = None) -> StageError:
+        raised = self._raised(error) if error is not None else ""
+        return StageError(self.node.name, self.node.use, (utime - self.start_utime) / 1e6, what, raised)
+
+    def _raised(self, error: BaseException) -> str:
+        return raised_line(error, (cls.__module__ for cls in self.node.stage_class.__mro__))

@@ -5,29 +5,16 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 from graphnav.errors import Place, Problem
-from graphnav.spec.declared.read_record import read_record
-from graphnav.spec.declared.record import Record, key
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, OutsideWords, QueueSpec
 from graphnav.spec.value import Entry, Value
 
-GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "deploy", "inputs", "outputs", "queues")
+GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "inputs", "outputs", "queues")
 STAGE_KEYS = ("use", "with", "in", *TIME_KEYS)
 STAGE_NAME = re.compile(r"[a-z][a-z0-9_]*")
 RESERVED_STAGES = ("run",)
 """No stage is called so: ``--set run.seed=1`` means the option."""
-
-
-class ProcessKeys(Record):
-    """One process of ``deploy``."""
-
-    noun = "a process"
-
-    stages: tuple[str, ...] = key(doc="the names of its stages", hint="write stages: [name, ...]")
-    host: str = key("", doc="where it runs; without it, on this machine")
-    restart: Literal["never", "on_failure", "always"] = key("never", doc="when it is started again")
 
 
 @dataclass
@@ -65,7 +52,6 @@ class Spec:
     stages_place: Place | None = None
     channels: dict[str, Entry] = field(default_factory=dict)
     """By reference; the value is a string, the channel's name."""
-    deploy: dict[str, Entry] = field(default_factory=dict)
     inputs: dict[str, InputSpec] = field(default_factory=dict)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
     queues: dict[str, QueueSpec] = field(default_factory=dict)
@@ -86,6 +72,9 @@ class _Parser(OutsideWords):
             self._problem(value.place, "the graph is empty", "write stages: and what they use")
             return spec
         words = self._mapping(value, "a graph")
+        if deploy := words.pop("deploy", None):
+            what = "'deploy' is not supported yet: all stages of a graph run in one process"
+            self._problem(deploy.place, what, "remove it; for several processes, connect graphs by inputs and outputs")
         self._known(words, GRAPH_KEYS, "a graph")
         if "about" in words:
             spec.about = self._text(words["about"].value, "'about'")
@@ -98,9 +87,6 @@ class _Parser(OutsideWords):
         spec.channels = self._section(words, "channels")
         for ref, entry in spec.channels.items():
             self._text(entry.value, f"the channel name of '{ref}'")
-        spec.deploy = self._section(words, "deploy")
-        for entry in spec.deploy.values():
-            self.problems += read_record(ProcessKeys, entry.value)[1]
         spec.inputs, spec.outputs, spec.queues = self._inputs(words), self._outputs(words), self._queues(words)
         return spec
 

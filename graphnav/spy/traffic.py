@@ -6,11 +6,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from graphnav.catalog import Catalog
 from graphnav.codec import DecodeError, codec_of, decode, lcm_name, type_named, type_of
-from graphnav.errors import Hint, UserError, did_you_mean, shown_name
+from graphnav.errors import GraphnavError, Hint, UserError, did_you_mean, shown_name
 from graphnav.messages import About
 from graphnav.record import ABOUT
-from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.spy.feed import Feed, Received, drops_of
 from graphnav.spy.message_window import RECENT_S, Periods, Sizes, Window
 from graphnav.spy.rate_history import RateHistory
@@ -24,6 +24,8 @@ MAX_CHANNELS = 512
 _MAX_EARLY_S, _MAX_LATE_S = 1.0, 60.0
 """A timestamp this far from wall time belongs to another clock."""
 MAX_RUNS = 32
+_MAX_NAMED = 12
+"""Further channels are not named in an error."""
 _MAX_GAP = 1_000_000
 """A larger step of the sequence numbers is a new numbering, not a loss."""
 RUN_SILENT_S = 3.0
@@ -48,7 +50,7 @@ class Traffic:
         self.runs: dict[str, float] = {}
         self.has_announcement = self.has_forgotten_runs = False
         self.overflow = self.count = self.undecodable = 0
-        load_adapted_types()
+        Catalog().load_types()
 
     def current_runs(self, now_s: float) -> list[str]:
         """Return the runs that still announce themselves, else the last ended one; in order of their start.
@@ -70,6 +72,25 @@ class Traffic:
         if name not in self.channels:
             raise self._unknown(name, feed)
         raise feed.silence(for_s, name)
+
+    def silence(self, name: str, feed: Feed, for_s: float) -> GraphnavError:
+        """Return the error that no message of a channel was received for some seconds, with what was received."""
+        heard = [shown_name(other) for other, channel in sorted(self.channels.items()) if channel.count]
+        if not heard:
+            return feed.silence(for_s)
+        more = f" and {len(heard) - _MAX_NAMED} more" if len(heard) > _MAX_NAMED else ""
+        return GraphnavError(f"{feed.silence(for_s, name)}\n  received: {', '.join(heard[:_MAX_NAMED])}{more}")
+
+    def ended_run(self, name: str, now_s: float) -> str | None:
+        """Return the run that ended last, once every run has ended and the channel is silent; None before, or without.
+
+        ``now_s``: on the arrival clock.
+        """
+        channel = self.channels.get(name)
+        newest_s = max([*self.runs.values(), channel.received_s if channel is not None else 0.0], default=now_s)
+        if not self.runs or now_s - newest_s < RUN_SILENT_S:
+            return None
+        return max(self.runs, key=self.runs.__getitem__)
 
     def check(self, name: str, feed: Feed) -> None:
         """Raise UserError if the announced runs have no such channel: waiting would be futile."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Generic, NewType, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from graphnav.codec import check_fields
 from graphnav.errors import DeclarationError
 from graphnav.messages.message import Message, snake_case
 
@@ -119,7 +120,8 @@ def ports_of(cls: type) -> Ports:
     Raises
     ------
     DeclarationError
-        ``step`` is missing, or its annotations do not name the ports.
+        ``step`` is missing, its annotations do not name the ports, or a message class among them does not have the
+        fields of its LCM type.
     """
     return _ports_of(cls)
 
@@ -154,6 +156,8 @@ def _ports_of(cls: Any) -> Ports:
         defaulted = optional and parameter.default is None
         inputs.append(Port(name, message, latest, since, optional, defaulted))
     outputs, result = _outputs(cls, hints.get("return", inspect.Signature.empty))
+    for port in (*inputs, *outputs):
+        check_fields(port.message)
     return Ports(tuple(inputs), outputs, tuple(stamps), tuple(ages), result)
 
 

@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 import graphnav_lcm
 
+from graphnav.catalog import Catalog
 from graphnav.codec import type_named
 from graphnav.graph.wiring.channels import RESERVED
 from graphnav.messages import About
 from graphnav.record import ABOUT
 from graphnav.spy import Health, Received
-from graphnav.spy.adapted_types import load_adapted_types
 from graphnav.view.announcements import Announcements
 from graphnav.view.channel import WatchedChannel
 from graphnav.view.message_types import Kind, Kinds
@@ -51,7 +51,7 @@ class Watch:
         self._first_s: OrderedDict[int, float] = OrderedDict()
         self._kept_bytes = 0
         self._forgot_s = 0.0
-        load_adapted_types()
+        Catalog().load_types()
 
     def receive(self, received: Received) -> None:
         """Process a message; invalid messages never raise."""

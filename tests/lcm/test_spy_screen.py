@@ -17,6 +17,7 @@ from graphnav.spy.screen.channel_screen import ChannelScreen
 from graphnav.spy.screen.channel_table import ChannelTable
 from graphnav.spy.screen.channels_screen import ChannelsScreen
 from graphnav.spy.screen.field_tree import FieldTree
+from graphnav.spy.screen.keys_screen import KeysScreen
 from graphnav.spy.screen.picture_view import PictureView
 
 from .spy_app import TYPES, drive, line_of, opened, screen_text, until, write_log
@@ -172,3 +173,20 @@ def test_a_folder_that_takes_nothing_is_said(log: Path, tmp_path: Path) -> None:
         await until(pilot, lambda: "cannot save" in screen_text(pilot))
 
     drive(str(log), act, folder=tmp_path / "missing")
+
+
+@pytest.mark.parametrize("size", LOOKS.values(), ids=LOOKS)
+def test_the_question_mark_shows_the_keys_of_the_screen(log: Path, size: tuple[int, int]) -> None:
+    async def act(pilot: Pilot[None]) -> None:
+        await until(pilot, lambda: isinstance(pilot.app.screen, ChannelsScreen))
+        await pilot.press("question_mark")
+        await until(pilot, lambda: isinstance(pilot.app.screen, KeysScreen))
+        if size[1] >= 24:
+            await until(pilot, lambda: "sort by the next column" in screen_text(pilot))
+            text = screen_text(pilot)
+            assert "play the log, or pause" in text
+            assert "freeze" not in text.partition("keys")[2].partition("closes")[0], "for live feeds alone"
+        await pilot.press("question_mark")
+        await until(pilot, lambda: isinstance(pilot.app.screen, ChannelsScreen))
+
+    drive(str(log), act, size)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import About, Twist
 from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Received, Traffic, as_text
+from graphnav.spy import Feed, Received, Traffic, as_text
+from graphnav.spy.traffic import RUN_SILENT_S
 
 NASTY = "x\nALL IS WELL\x1b[2J"
 SHOWN = r"x\nALL IS WELL\x1b[2J"
@@ -170,3 +172,29 @@ def test_the_rate_of_arrivals_stands_beside_that_of_the_stamps() -> None:
         traffic.receive(Received("x", twist_at(k), 0.02 * k))
     said = as_text(traffic, "", with_fields=False).plain
     assert said == "\nx  graphnav_lcm.twist_t, 10.00 Hz (arriving at 50.00 Hz), 40 B, 5 messages"
+
+
+def test_a_run_has_ended_once_it_and_the_channel_are_silent() -> None:
+    traffic = Traffic(lambda: 0.0)
+    assert traffic.ended_run("twist", 99.0) is None, "other programs may send at any time"
+    traffic.receive(Received(ABOUT, encode(replace(SAID, run_id="run-a"), 0, 0), 1.0))
+    traffic.receive(Received("twist", twist_at(0), 2.0))
+    assert traffic.ended_run("twist", 2.0 + RUN_SILENT_S - 0.1) is None
+    assert traffic.ended_run("twist", 2.0 + RUN_SILENT_S) == "run-a"
+    assert traffic.ended_run("flow", 1.0 + RUN_SILENT_S) == "run-a"
+
+
+def test_echo_ends_when_nothing_comes(group: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["echo", "twist", group, "-n", "1", "--timeout", "0.3"]) == 1
+    assert capsys.readouterr().err.startswith(f"no message on {group} within 0.3 s\n")
+
+
+def test_what_was_received_meanwhile_is_named() -> None:
+    traffic, feed = Traffic(lambda: 0.0), Feed("udpm://239.255.76.67:7667?ttl=0")
+    for k in range(14):
+        traffic.receive(Received(f"c{k:02d}", twist_at(k), 0.1 * k))
+    said = str(traffic.silence("twist", feed, 2.0)).splitlines()
+    assert said == [
+        f"no message on channel 'twist' of {feed.name} within 2 s",
+        "  received: c00, c01, c02, c03, c04, c05, c06, c07, c08, c09, c10, c11 and 2 more",
+    ]

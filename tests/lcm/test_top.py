@@ -108,7 +108,7 @@ def test_a_robot_that_the_guard_holds_tells_what_to_do() -> None:
     health.receive(Received("guard.state", encode(held, 12_300_000, 12), 10.4))
     assert [line.strip() for line in text_of(health).splitlines()] == [
         "guard guard.state  may not move, stopped until it is armed again",
-        "frozen: flow, 0.01 (limit 0.1)",
+        "frozen: flow, 0.01 px (limit 0.1 px)",
         "look, then press r in graphnav teleop to let it retry, or drive it by hand",
     ]
 
@@ -120,7 +120,7 @@ def test_a_person_reads_all_of_a_status() -> None:
     lines = [re.sub(r"\s+", " ", line).strip() for line in text_of(health).splitlines()]
     assert [line for line in lines if line and not line.startswith("─")] == [
         "guard guard.state may not move, stopped until it is armed again",
-        "stale: image, 1.25 (limit 0.5)",
+        "stale: image, 1.25 s (limit 0.5 s)",
         "stop: stop",
         "run run-a robot live, 12.3 s of wall time, 0.04 s behind, 152 MB, dropped: tap 1, log 2",
         "input channel accepted lost rate age / max offset fault rejected",
@@ -146,7 +146,7 @@ def test_80_columns_and_24_lines_show_what_matters_most() -> None:
     lines = [line.rstrip() for line in text_of(health, 80).splitlines()]
     assert lines[:16] == [
         "guard guard.state  may not move, stopped until it is armed again",
-        "    stale: image, 1.25 (limit 0.5)",
+        "    stale: image, 1.25 s (limit 0.5 s)",
         "    stop: stop",
         "run run-a  robot  live, 12.3 s of wall time, 0.04 s behind, 152 MB, dropped: tap",
         "1, log 2",

@@ -68,6 +68,10 @@ def test_its_stage_is_swapped_in_and_runs_with_its_own_message_type(site: Path, 
     assert done.returncode == 0, done.stderr
     assert "plane: toy.detector swapped for plane.level; defaults: value=0.0" in done.stdout
     assert b"diary.note" in (folder / "out" / "run.lcmlog").read_bytes()
+    assert "graphnav_fixture_lcm.note_t" in graphnav(site, folder, "types", "note_t").stdout
+    for words in (["echo", "diary.note", "out", "-n", "1", "--field", "text"], ["spy", "out", "--once"]):
+        shown = graphnav(site, folder, *words)
+        assert "text" in shown.stdout, shown.stderr
 
 
 def test_without_it_the_graph_is_refused(folder: Path) -> None:

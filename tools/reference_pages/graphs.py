@@ -36,7 +36,7 @@ _MORE = {
     "sources that are due at the same time fire in the order of the file.",
     "run": "How the graph runs, unless the command line says otherwise.",
 }
-_PLACEHOLDER = {"stages": "NAME", "channels": "STAGE.PORT", "deploy": "PROCESS"}
+_PLACEHOLDER = {"stages": "NAME", "channels": "STAGE.PORT"}
 
 
 def graphs_page() -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from graphnav.spec import Entry, Spec, Value
+from graphnav.spec import Spec
 from graphnav.stage import Source, Stage, ports_of
 
 
@@ -33,9 +33,6 @@ def forget(spec: Spec, gone: Collection[str], classes: Mapping[str, type[Stage]]
     ]
     _forget(spec.outputs, channels, gone, notices, "outputs: '{}' is gone: nothing leaves in its place")
     _forget(spec.queues, inputs, gone, notices, "queues: '{}' is gone, and what it holds")
-    pruned = {name for name in gone if name not in spec.stages}
-    if pruned:
-        spec.deploy = {name: left for name, entry in spec.deploy.items() if (left := _without(entry, pruned))}
 
 
 def _forget(section: dict[str, Any], left: set[str], gone: Collection[str], notices: list[str], notice: str) -> None:
@@ -55,18 +52,3 @@ def _unread(spec: Spec, read_before: set[str], classes: Mapping[str, type[Stage]
         if lost and ports_of(classes[name]).outputs and (sources != [name] or spec.inputs):
             return name
     return None
-
-
-def _without(process: Entry, pruned: set[str]) -> Entry | None:
-    """Return a process of ``deploy`` without the stages that are gone, None if none is left."""
-    words = process.value.data
-    if not isinstance(words, dict) or "stages" not in words:
-        return process
-    stages = words["stages"].value
-    if not isinstance(stages.data, list):
-        return process
-    left = [s for s in stages.data if s.data not in pruned]
-    if not left:
-        return None
-    kept: dict[str, Entry] = {**words, "stages": Entry(words["stages"].place, Value(left, stages.place))}
-    return Entry(process.place, Value(kept, process.value.place))

@@ -8,6 +8,7 @@ from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Hint, Place, Problem, Suggestion
 from graphnav.graph.wiring.inputs import input_messages
 from graphnav.graph.wiring.settings import SET
+from graphnav.graph.wiring.wires import add_writer
 from graphnav.messages import Message
 from graphnav.spec import Entry, Spec, StageSpec, Value
 from graphnav.stage import Port, Stage, ports_of
@@ -144,7 +145,8 @@ class Rewiring:
             hint: Hint = _choice(stage.name, port.name, candidates, is_set=bool(cause.use_note))
         else:
             what += ", and no channel has it"
-            hint = f"add a stage that writes {kind}" + (" too" if is_added else f", or swap '{stage.name}' too")
+            hint = add_writer(port.message, self._catalog, SET if cause.use_note else "")
+            hint += "" if is_added else f", or swap '{stage.name}' too"
         self._problems.append(Problem(cause.use_place, what, hint, "ambiguous" if candidates else "wrong"))
         stage.unwired.add(port.name)
 

@@ -18,7 +18,7 @@ _READ_BEFORE = ("extends", "plugins")
 """Keys that mean something before files are merged."""
 _VALUES = ("run",)
 """Sections in which null is a value."""
-_SECTIONS = ("channels", "deploy", "inputs", "outputs", "queues")
+_SECTIONS = ("channels", "inputs", "outputs", "queues")
 """Sections in which null removes an entry of the extended graph."""
 
 

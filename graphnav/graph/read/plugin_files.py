@@ -101,7 +101,7 @@ def _load(
             try:
                 catalog.add_file(graph.parent / str(item.data), sources.get(path))
             except CatalogError as error:
-                problems.append(Problem(item.place, error.what, error.hint))
+                problems.append(error.problem(item.place))
             else:
                 yield PluginFile(path, str(item.data))
 

@@ -6,9 +6,9 @@ from graphnav.catalog import Catalog
 from graphnav.graph.schema.outside_schema import inputs_schema, outputs_schema, queues_schema
 from graphnav.graph.schema.schema_parts import CHANNEL, PORT
 from graphnav.graph.schema.schema_variants import by_keys, stage_variants
-from graphnav.spec import DIALECT, RECORD_KEYS, RunOptions, Schema, object_schema, param_schema, record_object
+from graphnav.spec import DIALECT, RECORD_KEYS, RunOptions, Schema, object_schema, param_schema
 from graphnav.spec.outside import MAX_EVERY_MS, MIN_EVERY_MS
-from graphnav.spec.spec import RESERVED_STAGES, STAGE_NAME, ProcessKeys
+from graphnav.spec.spec import RESERVED_STAGES, STAGE_NAME
 from graphnav.stage import Stage, params_of, ports_of, summary_of
 
 _REF = rf"^{STAGE_NAME.pattern}(\.{STAGE_NAME.pattern})?$"
@@ -66,7 +66,6 @@ def _graph() -> Schema:
                 "propertyNames": {"pattern": PORT},
                 "additionalProperties": {"type": "string", "pattern": CHANNEL},
             },
-            "deploy": _deploy(),
             "inputs": inputs_schema(),
             "outputs": outputs_schema(),
             "queues": queues_schema(),
@@ -125,14 +124,6 @@ def _use(cls: type[Stage]) -> Schema:
             "in": _optional(wires, plain),
         },
         "required": [word for word, names in (("with", needed), ("in", plain)) if names],
-    }
-
-
-def _deploy() -> Schema:
-    return {
-        "type": ["object", "null"],
-        "description": "which stages would run in which process and where; lockstep does not use it",
-        "additionalProperties": record_object(ProcessKeys, {}),
     }
 
 

@@ -63,7 +63,7 @@ def _types(spec: Spec, catalog: Catalog, problems: list[Problem]) -> dict[str, W
         try:
             found[ref] = type_read(str(given.type.value.data), catalog)
         except CatalogError as error:
-            problems.append(Problem(given.type.value.place, f"the input '{ref}': {error.what}", error.hint))
+            problems.append(error.problem(given.type.value.place, f"the input '{ref}': "))
     return found
 
 

@@ -4,12 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from graphnav.catalog import Catalog
 from graphnav.errors import Hint, Place, Problem, did_you_mean
 from graphnav.graph.node import Channel, Input
 from graphnav.graph.wiring.roles import is_of_score, refusal
 from graphnav.messages import Message
 from graphnav.spec import Spec, StageSpec
 from graphnav.stage import Port, Stage, ports_of
+
+_MAX_WRITERS = 2
+"""More stages that write a type are not named in a hint."""
+
+
+def add_writer(message: type[Message], catalog: Catalog, option: str = "") -> str:
+    """Return the hint to add a stage that writes a message type, with those that are installed if they are few.
+
+    ``option``: what precedes an override, such as ``--set``; without it the line of a graph's file is given.
+    """
+    writers, kind = catalog.writers(message), message.__name__
+    if not writers:
+        return f"add a stage that writes {kind}"
+    if len(writers) > _MAX_WRITERS:
+        return f"add a stage that writes {kind} ('graphnav stages {kind}' lists them)"
+    name = writers[0].partition(".")[2]
+    line = f"{option} {name}+={writers[0]}" if option else f"{name}: {{use: {writers[0]}}}"
+    return f"add {' or '.join(writers)}, as {line}"
 
 
 class Wires:
@@ -20,9 +39,11 @@ class Wires:
         spec: Spec,
         classes: Mapping[str, type[Stage]],
         channels: Mapping[str, Channel],
+        catalog: Catalog,
         problems: list[Problem],
     ) -> None:
         self._spec, self._classes, self._channels, self._problems = spec, classes, channels, problems
+        self._catalog = catalog
 
     def inputs_of(self, stage: StageSpec) -> tuple[Input, ...]:
         """Return the inputs of a stage, without those that something is wrong with."""
@@ -133,7 +154,9 @@ class Wires:
         """Return what to add to a hint where the graph has no channel of the type, as far as its stages are known."""
         known = len(self._classes) == len(self._spec.stages)
         missing = known and all(channel.message is not port.message for channel in self._channels.values())
-        return f"; no stage here writes {port.message.__name__}" if missing else ""
+        if not missing:
+            return ""
+        return f"; no stage here writes {port.message.__name__}: {add_writer(port.message, self._catalog)}"
 
     def _of_type(self, port: Port, reader: str) -> list[str]:
         """Return the channels that an input could read."""

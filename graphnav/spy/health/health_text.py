@@ -151,7 +151,8 @@ def _guard(health: Health, guard: GuardHealth) -> Text:
     text.append(", stopped until it is armed again" if state.stopped else "")
     for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):
         text.append(f"\n    {shown_name(cause)}: {shown_name(port)}")
-        text.append(f", {value:.3g} (limit {limit:.3g})" if value or limit else "")
+        unit = f" {state.unit(cause, port)}".rstrip()
+        text.append(f", {value:.3g}{unit} (limit {limit:.3g}{unit})" if value or limit else "")
     if state.stopped and _STOP not in state.causes:
         text.append("\n    look, then press r in graphnav teleop to let it retry, or drive it by hand", "yellow")
     return text

@@ -16,6 +16,7 @@ from graphnav.catalog import Catalog
 from graphnav.spy.screen.channel_screen import ChannelScreen
 from graphnav.spy.screen.channels_screen import ChannelsScreen
 from graphnav.spy.screen.escape_filter import EscapeFilter
+from graphnav.spy.screen.keys_screen import KeysScreen
 from graphnav.spy.screen.painters.block_painter import BlockPainter
 from graphnav.spy.screen.painters.painter import Painter
 from graphnav.spy.screen.picture_view import PictureView
@@ -36,14 +37,15 @@ class SpyApp(App[None]):
     ENABLE_COMMAND_PALETTE = False
     TITLE = "graphnav spy"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("space", "freeze", "freeze"),
-        Binding("space", "play", "play"),
-        Binding("comma", "step(-1)", "step", key_display=",."),
-        Binding("full_stop", "step(1)", "step forward", show=False),
-        Binding("less_than_sign", "skip(-1.0)", "1 s back", show=False),
-        Binding("greater_than_sign", "skip(1.0)", "1 s forward", show=False),
-        Binding("r", "record", "record"),
-        Binding("w", "save", "save"),
+        Binding("space", "freeze", "freeze", tooltip="freeze the view, or go on"),
+        Binding("space", "play", "play", tooltip="play the log, or pause"),
+        Binding("comma", "step(-1)", "step", key_display=",.", tooltip="step to the message before, or after"),
+        Binding("full_stop", "step(1)", "step forward", show=False, key_display="."),
+        Binding("less_than_sign", "skip(-1.0)", "1 s back", show=False, key_display="<"),
+        Binding("greater_than_sign", "skip(1.0)", "1 s forward", show=False, key_display=">"),
+        Binding("r", "record", "record", tooltip="record all channels into a log, or end it"),
+        Binding("w", "save", "save", tooltip="save the screen, or the picture, as PNG"),
+        Binding("question_mark", "keys", "keys", key_display="?"),
         Binding("q", "quit", "quit"),
         Binding("ctrl+c", "quit", "quit", show=False, priority=True),
     ]
@@ -87,6 +89,11 @@ class SpyApp(App[None]):
             for view in screen.query(PictureView):
                 view.take_away()
         self.exit(return_code=return_code)
+
+    def action_keys(self) -> None:
+        """Show the keys of the screen."""
+        if isinstance(self.screen, ChannelScreen | ChannelsScreen):
+            self.push_screen(KeysScreen(self.screen))
 
     def action_freeze(self) -> None:
         """Freeze or unfreeze the view."""

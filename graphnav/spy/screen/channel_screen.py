@@ -39,10 +39,10 @@ class ChannelScreen(Screen[None]):
     """The live view of one channel."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,backspace", "leave", "back", key_display="Esc"),
-        Binding("enter", "expand", "expand"),
-        Binding("p", "plot", "plot"),
-        Binding("v", "view", "view"),
+        Binding("escape,backspace", "leave", "back", key_display="Esc", tooltip="back to all channels"),
+        Binding("enter", "expand", "expand", tooltip="expand or collapse the field at the cursor"),
+        Binding("p", "plot", "plot", tooltip="plot the number at the cursor, or remove it"),
+        Binding("v", "view", "view", tooltip="picture, plot or both"),
     ]
 
     def __init__(self, name: str, session: Session) -> None:

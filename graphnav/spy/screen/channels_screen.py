@@ -23,11 +23,11 @@ class ChannelsScreen(Screen[None]):
     """Heading, table and filter."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("enter", "open", "open"),
-        Binding("slash", "filter", "filter", key_display="/"),
-        Binding("escape", "clear_filter", "all", show=False),
-        Binding("s", "sort", "sort"),
-        Binding("S", "reverse", "reverse", show=False),
+        Binding("enter", "open", "open", tooltip="open the channel at the cursor"),
+        Binding("slash", "filter", "filter", key_display="/", tooltip="show only names and types that contain a word"),
+        Binding("escape", "clear_filter", "all", show=False, tooltip="show all channels"),
+        Binding("s", "sort", "sort", tooltip="sort by the next column"),
+        Binding("S", "reverse", "reverse", show=False, key_display="S", tooltip="reverse the order"),
     ]
 
     def __init__(self, session: Session) -> None:

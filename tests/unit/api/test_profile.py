@@ -51,7 +51,8 @@ def test_functions_are_sampled_on_request(graph: Path) -> None:
 def test_a_run_that_fails_does_not_raise(graph: Path, caplog: pytest.LogCaptureFixture) -> None:
     found = graphnav.profile(graph, until_s=9, set={"sensor.grief": "raise", "sensor.grief_tick": 50})
     assert found.outcome == "failed"
-    assert found.failure == "stage 'sensor' (door.sensor) failed at 4.90 s: worn <b>out</b>"
+    said = "stage 'sensor' (door.sensor) failed at 4.90 s: worn <b>out</b>"
+    assert found.failure.splitlines() == [said, "  ValueError at door_stages.py:57 in _come_to_grief"]
     assert caplog.messages == [f"the run failed: {found.failure}"]
 
 

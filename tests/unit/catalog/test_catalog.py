@@ -108,7 +108,7 @@ def test_a_file_that_is_no_python(tmp_path: Path) -> None:
 
 
 def test_a_syntax_error_has_its_line(tmp_path: Path) -> None:
-    assert refused(plugin(tmp_path, "x = 1\ndef\n")) == "plugin my_stage.py:2: invalid syntax"
+    assert refused(plugin(tmp_path, "x = 1\ndef\n")) == "plugin my_stage.py:2: SyntaxError: invalid syntax"
 
 
 def test_an_error_on_import_has_its_line(tmp_path: Path) -> None:
@@ -140,7 +140,10 @@ def test_a_hook_without_a_caller(tmp_path: Path) -> None:
     [
         ("return 3", "graphnav_stages() does not return a list\n  return [MyStage]"),
         ("return [3]", "graphnav_stages() returns 3, which is not a Stage class"),
-        ("raise OSError('no disk')", "graphnav_stages() failed: OSError: no disk\n  fix the plugin"),
+        (
+            "raise OSError('no disk')",
+            "graphnav_stages() failed: OSError: no disk\n  fix the plugin: OSError at my_stage.py:4 in graphnav_stages",
+        ),
     ],
 )
 def test_a_hook_that_returns_something_else(tmp_path: Path, body: str, said: str) -> None:
@@ -162,7 +165,8 @@ def test_a_constructor_that_raises_is_told_at_its_stage(tmp_path: Path) -> None:
     with pytest.raises(UserError) as caught:
         load_graph(tmp_path / "g.yaml", catalog).make_stages()
     assert str(caught.value).replace(f"{tmp_path}/", "") == (
-        "g.yaml:2:3: my_stage.same cannot be made: OSError: no such port\n  fix the plugin"
+        "g.yaml:2:3: my_stage.same cannot be made: OSError: no such port\n"
+        "  fix the plugin: OSError at my_stage.py:8 in check"
     )
 
 

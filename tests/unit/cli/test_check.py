@@ -87,3 +87,66 @@ def test_a_huge_file_is_refused_unread(capsys: pytest.CaptureFixture[str]) -> No
         "huge.yaml: it has 10000000000 bytes, but a YAML file that graphnav reads has at most 262144\n"
         "  check that this is the file that you mean\n"
     )
+
+
+def test_several_graphs_are_checked_together(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("one.yaml").write_text(GRAPH.replace("toy.matcher", "toy.macher"))
+    Path("two.yaml").write_text("stages: {}\n")
+    assert main(["check", "two", "graph", "one", "--plugin", str(TOYS)]) == 2
+    out, err = capsys.readouterr()
+    assert out == "graph.yaml is fine: 1 source, 3 other stages, 5 channels\n"
+    assert [line.partition(":")[0] for line in err.splitlines() if not line.startswith("  ")] == [
+        "one.yaml",
+        "two.yaml",
+        "2 errors",
+    ]
+
+
+def test_several_graphs_are_not_resolved(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "graph", "graph", "--resolved", "--plugin", str(TOYS)]) == 2
+    assert capsys.readouterr().err == "--resolved: --resolved prints one graph\n  name one\n"
+
+
+BROKEN = """\
+stages:
+  robot: {use: world.pymunk, with: {map: no_map.yaml, rat_hz: 3}}
+  steer: {use: steer.frontier}
+"""
+
+
+def test_a_missing_map_is_reported_beside_the_other_errors(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("broken.yaml").write_text(BROKEN)
+    assert main(["check", "broken"]) == 2
+    folder = Path.cwd()
+    assert capsys.readouterr().err == (
+        f"broken.yaml:2:42: world.pymunk: 'map' is not a file: {folder}/no_map.yaml\n"
+        "  give the path of a map's YAML file\n"
+        "broken.yaml:2:55: world.pymunk has no parameter 'rat_hz'\n"
+        "  did you mean 'rate_hz'?\n"
+        "broken.yaml:3:3: input 'map' of stage 'steer' (steer.frontier) is not connected\n"
+        "  write in: {map: stage.port}; no stage here writes LocalMap: "
+        "add mapping.local, as local: {use: mapping.local}\n"
+        "3 errors\n"
+    )
+
+
+def test_swaps_of_the_graphs_own_files_are_told_with_v_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("over.yaml").write_text("extends: graph.yaml\nstages: {plane: {use: toy.guess}}\n")
+    said = "plane: toy.detector swapped for toy.guess"
+    assert main(["check", "over", "--plugin", str(TOYS)]) == 0
+    assert said not in capsys.readouterr().out
+    assert main(["check", "over", "-v", "--plugin", str(TOYS)]) == 0
+    assert said in capsys.readouterr().out
+    assert main(["check", "over", "--resolved", "--plugin", str(TOYS)]) == 0
+    assert f"# {said}" in capsys.readouterr().out
+
+
+def test_what_a_plugin_raises_is_shown_with_v(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("mine.py").write_text("import no_such_module\n")
+    assert main(["check", "graph", "--plugin", "mine.py"]) == 2
+    said = "plugin mine.py:1: ModuleNotFoundError: No module named 'no_such_module'\n"
+    assert capsys.readouterr().err == f"{said}  -v shows the traceback\n"
+    assert main(["check", "graph", "--plugin", "mine.py", "-v"]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"{said}Traceback (most recent call last):\n")
+    assert err.endswith("ModuleNotFoundError: No module named 'no_such_module'\n")

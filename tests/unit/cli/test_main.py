@@ -102,3 +102,29 @@ def test_a_terminal_without_width_is_printed_to(
 def test_line_breaks_in_names_make_no_lines(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "a\nb"]) == 2
     assert capsys.readouterr().err.startswith("a\\nb: there is no such graph\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["run", "corridor_ccw", "--unti", "1"], "there is no option --unti: did you mean '--until'?"),
+        (["teach", "corridor_ccw", "--until-t", "1,2"], "there is no option --until-t: did you mean '--until-taught'?"),
+        (["echo", "twist", "--fi=y"], "there is no option --fi: did you mean '--field'?"),
+        (["run", "corridor_ccw", "--zzz"], "there is no option --zzz: see graphnav run --help"),
+        (["--versio"], "there is no option --versio: did you mean '--version'?"),
+        (["rnu", "corridor_ccw"], "there is no command 'rnu': did you mean 'run'?"),
+        (["zzz"], "there is no command 'zzz': see graphnav --help"),
+    ],
+)
+def test_an_option_is_not_abbreviated(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert capsys.readouterr().err.splitlines()[-1].endswith(f"error: {said}")
+
+
+def test_graphnav_alone_prints_its_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    alone = capsys.readouterr().out
+    with pytest.raises(SystemExit, match="0"):
+        main(["--help"])
+    assert alone == capsys.readouterr().out

@@ -92,11 +92,14 @@ def test_without_pyinstrument_the_flame_graph_ends_at_the_steps(
     assert ">step<" in Path("flame.svg").read_text()
 
 
+RAISED = "  ValueError at door_stages.py:57 in _come_to_grief\n  -v shows the traceback\n"
+
+
 def test_a_run_that_fails_has_the_times_up_to_there(graph: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["profile", graph, "--set", "sensor.grief=raise", "--set", "sensor.grief_tick=80"]) == 1
     out, err = capsys.readouterr()
     assert "timed ticks of 79 (" in out
-    assert err == "stage 'sensor' (door.sensor) failed at 7.90 s: worn <b>out</b>\n"
+    assert err == "stage 'sensor' (door.sensor) failed at 7.90 s: worn <b>out</b>\n" + RAISED
 
 
 def test_a_run_that_is_interrupted_has_the_times_up_to_there(graph: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -108,13 +111,14 @@ def test_a_run_that_is_interrupted_has_the_times_up_to_there(graph: str, capsys:
 
 NOTHING = "nothing was measured: the run ended after {} ticks, and the first 20 only warm up\n"
 FAILED = "stage 'sensor' (door.sensor) failed at 0.40 s: worn <b>out</b>\n"
+RAISED_AT, MORE = RAISED.splitlines(keepends=True)
 
 
 @pytest.mark.parametrize(
     ("options", "status", "said"),
     [
         ("--until 1", 1, NOTHING.format(11) + "  let it run longer, with --until or a longer input\n"),
-        ("--set sensor.grief=raise", 1, FAILED + NOTHING.format(4)),
+        ("--set sensor.grief=raise", 1, FAILED + RAISED_AT + NOTHING.format(4) + MORE),
         ("--set sensor.grief=interrupt", 130, NOTHING.format(5)),
         (
             "--flame no/a.svg",

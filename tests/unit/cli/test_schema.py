@@ -20,13 +20,13 @@ GRAPHS = {path.stem: path for path in ERRORS.glob("*/*.yaml") if path.parent.nam
 
 REFUSED = """
 inputs_were_queues inputs_a_list input_channel_names outputs_wrong output_channel_names queues_wrong times_wrong
-channel_name_empty channel_name_reserved channel_name_too_long channel_name_with_space deploy_wrong empty inputs_wrong
-key_not_a_text many missing_parameter not_a_choice not_a_mapping only_a_text out_of_bounds reference_not_a_text
-seed_wrong stage_a_text stage_empty stage_name_wrong stages_a_list stages_empty stages_missing stage_without_family
-unconnected_input unconnected_input_with_choice unconnected_input_without_writer family_without_stage
-unknown_family unknown_input unknown_key unknown_parameter unknown_parameter_far_from_all unknown_run_key unknown_stage
-unknown_stage_key use_missing use_not_a_text whole_number_expected with_not_a_mapping wrong_length wrong_type
-yes_is_a_text number_in_quotes only_a_comment
+channel_name_empty channel_name_reserved channel_name_too_long channel_name_with_space deploy_not_supported empty
+inputs_wrong key_not_a_text many missing_parameter not_a_choice not_a_mapping only_a_text out_of_bounds
+reference_not_a_text seed_wrong stage_a_text stage_empty stage_name_wrong stages_a_list stages_empty stages_missing
+stage_without_family unconnected_input unconnected_input_with_choice unconnected_input_without_writer
+family_without_stage unknown_family unknown_input unknown_key unknown_parameter unknown_parameter_far_from_all
+unknown_run_key unknown_stage unknown_stage_key use_missing use_not_a_text whole_number_expected with_not_a_mapping
+wrong_length wrong_type yes_is_a_text number_in_quotes only_a_comment
 """.split()  # noqa: SIM905
 """The broken graphs in which a word, not the meaning of the wires, is wrong."""
 
@@ -92,7 +92,6 @@ EXTENDS = {
         "sight": None,
     },
     "channels": {"robot.image": None, "plane.plane": "PLANE"},
-    "deploy": {"eyes": None, "nose": {"host": None}},
     "inputs": {"camera.image": {"max_age_s": 0.3, "channel": None}, "base.odometry": None},
     "outputs": {"guard.twist": {"channel": "BASE", "stop": None}, "control.twist": None},
     "queues": {"plane.flow": None, "plane.planar": {"keep": 2}},

@@ -92,3 +92,22 @@ def test_a_family_is_listed_alone(capsys: pytest.CaptureFixture[str]) -> None:
 def test_an_unknown_name_is_told_with_what_is_near(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stages", "plane.icca"]) == 2
     assert capsys.readouterr().err == "family 'plane' has no stage 'icca'\n  did you mean 'ica'?\n"
+
+
+@pytest.mark.parametrize("name", ["LocalMap", "localmap", "local_map_t"])
+def test_a_message_lists_what_writes_and_reads_it(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stages", name, "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["message"] == "LocalMap"
+    assert said["writers"] == [{"stage": "mapping.local", "port": "local_map", "reading": ""}]
+    assert {"stage": "steer.frontier", "port": "map", "reading": ""} in said["readers"]
+    assert {"stage": "control.nonholonomic", "port": "map", "reading": "latest"} in said["readers"]
+    assert main(["stages", name]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert any(words[:4] == ["written", "by", "mapping.local", "local_map"] for words in lines)
+    assert any(words[:4] == ["read", "by", "steer.frontier", "map"] for words in lines)
+
+
+def test_a_name_that_is_neither_stage_nor_message_gets_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stages", "localmpa"]) == 2
+    assert capsys.readouterr().err == ("'localmpa' is not a stage, a family or a message\n  did you mean 'LocalMap'?\n")

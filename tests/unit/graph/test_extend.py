@@ -22,7 +22,6 @@ stages:
   wheels: {use: toy.wheels, in: {plane: plane.plane}}
   score: {use: toy.score, in: {plane: plane, motion: robot.motion}}
 channels: {smooth.flow: SMOOTH, robot.image: CAMERA}
-deploy: {eyes: {stages: [flow]}, nose: {stages: [smooth]}}
 """
 
 Write = Callable[..., Path]
@@ -43,7 +42,7 @@ def write(tmp_path: Path) -> Write:
 def meaning(graph: Graph) -> object:
     """Return what a graph does, whichever file says it."""
     nodes = [(n.name, n.use, dict(n.params), [(i.port, i.channel) for i in n.inputs]) for n in graph.nodes]
-    return nodes, [n.name for n in graph.order], graph.channels, graph.run, graph.deploy
+    return nodes, [n.name for n in graph.order], graph.channels, graph.run
 
 
 def merged(*texts: str) -> tuple[object, list[Problem]]:
@@ -75,7 +74,8 @@ def test_a_changed_use_is_a_swap(toys: Catalog, write: Write, use: str, words: d
     swapped = load_graph(write(base=BASE), toys, [*map(parse_override, sets)])
     assert meaning(extended) == meaning(swapped)
     told = [notice for notice in swapped.notices if "already" not in notice and "in lockstep" not in notice]
-    assert [notice for notice in extended.notices if "in lockstep" not in notice] == told
+    assert list(extended.file_notices) == told
+    assert [notice for notice in extended.notices if "in lockstep" not in notice] == []
 
 
 def test_a_file_without_words_of_its_own_is_the_graph_that_it_extends(toys: Catalog, write: Write) -> None:
@@ -149,7 +149,6 @@ SECTIONS = """\
 inputs: {camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}, odometry.odometry: {log: drive.lcmlog}}
 outputs: {guard.twist: {channel: BASE, motor: true, stop: {v: 0, omega: 0}}}
 queues: {plane.flow: {keep: 4}, steer.plane: {keep: all}}
-deploy: {eyes: {stages: [flow, plane], host: jetson}}
 channels: {a.b: A, c.d: C}
 run: {seed: 3, until_s: 4}
 """
@@ -162,7 +161,6 @@ def test_sections_are_merged_key_by_key() -> None:
         inputs: {camera.image: {max_age_s: 0.5, channel: CAM}, odometry.odometry: null, beacon.goal: {channel: B}}
         outputs: {guard.twist: {stop: {omega: null, turn: 1}}}
         queues: {plane.flow: {keep: all}, steer.plane: null}
-        deploy: {eyes: {stages: [flow]}}
         channels: {a.b: null}
         run: {until_s: null}
         """,
@@ -175,14 +173,13 @@ def test_sections_are_merged_key_by_key() -> None:
         },
         "outputs": {"guard.twist": {"channel": "BASE", "motor": True, "stop": {"v": 0, "turn": 1}}},
         "queues": {"plane.flow": {"keep": "all"}},
-        "deploy": {"eyes": {"stages": ["flow"], "host": "jetson"}},
         "channels": {"c.d": "C"},
         "run": {"seed": 3, "until_s": None},
     }
 
 
 def test_an_empty_section_changes_nothing() -> None:
-    keys = ("inputs", "outputs", "queues", "deploy", "channels", "run", "stages")
+    keys = ("inputs", "outputs", "queues", "channels", "run", "stages")
     base = SECTIONS + "stages: {robot: {use: toy.robot, every_ms: 50}}\n"
     assert merged(base, "".join(f"{key}:\n" for key in keys))[0] == merged(base)[0]
 

@@ -16,7 +16,7 @@ KNOWN = """
 about extends plugins run stages channels deploy inputs outputs queues use with in every_ms deadline_ms robot flow plane
 wheels toy.robot toy.matcher toy.detector toy.wheels toy.idle toy.eager toy.untyped toy.taught toy image
 command twist robot.image flow.flow plane.plane wheels.twist noise_px rate_hz layers model limits seed until_s
-record all keep host restart CAMERA url camera.image camera guard guard.twist toy.guard channel log type motor
+record all keep CAMERA url camera.image camera guard guard.twist toy.guard channel log type motor
 stop max_age_s graphnav_lcm.image_t graphnav_lcm.twist_t toy.wheels_t toy.odometer_t udpm:// wheels.plane
 """
 WORDS = st.sampled_from(KNOWN.split())
@@ -35,7 +35,7 @@ GRAPHS = st.fixed_dictionaries(
         "outputs": st.dictionaries(WORDS, st.dictionaries(WORDS, TREES, max_size=5) | TREES, max_size=3),
     },
 )
-SECTIONS = ("run", "channels", "deploy", "inputs", "outputs", "queues")
+SECTIONS = ("run", "channels", "inputs", "outputs", "queues")
 BASE = """\
 stages:
   robot: {use: toy.robot, in: {command: wheels.twist}}
@@ -43,14 +43,13 @@ stages:
   plane: {use: toy.detector, with: {limits: [0, 1]}, in: {flow: flow}}
   wheels: {use: toy.wheels, in: {plane: plane.plane}}
 channels: {flow.flow: CAMERA}
-deploy: {robot: {stages: [flow, plane]}}
 """
 OVERLAYS = st.fixed_dictionaries(
     {"extends": st.just("base")},
     optional={
         "stages": st.dictionaries(WORDS, st.none() | STAGE | TREES, max_size=5),
         **dict.fromkeys(
-            ("run", "channels", "deploy", "inputs", "outputs", "queues"),
+            ("run", "channels", "inputs", "outputs", "queues"),
             st.dictionaries(WORDS, TREES, max_size=3) | TREES,
         ),
     },

@@ -21,7 +21,7 @@ def meaning(graph: Graph) -> object:
     inputs = {ref: replace(i, place=NOWHERE) for ref, i in graph.inputs.items()}
     outputs = {ref: replace(o, place=NOWHERE) for ref, o in graph.outputs.items()}
     outside = inputs, outputs, graph.queues, times
-    return graph.about, nodes, [n.name for n in graph.order], graph.channels, graph.run, graph.deploy, outside
+    return graph.about, nodes, [n.name for n in graph.order], graph.channels, graph.run, outside
 
 
 @pytest.mark.parametrize("sets", [(), ("plane=toy.guess",), ("plane.limits=[1, 2]", "run.record=small")])
@@ -36,7 +36,7 @@ def load_default(load: Load, *sets: str) -> Graph:
 
 
 def test_names_options_and_sections_are_kept(load: Load) -> None:
-    text = resolved_yaml(load()) + "channels: {robot.image: CAMERA}\ndeploy: {a: {stages: [flow], host: jetson}}\n"
+    text = resolved_yaml(load()) + "channels: {robot.image: CAMERA}\n"
     graph = load(text + "queues: {plane.flow: {keep: all}, wheels.plane: {keep: 4}}\n")
     assert meaning(load(resolved_yaml(graph))) == meaning(graph)
     assert "  robot.image: CAMERA\n" in resolved_yaml(graph)

@@ -19,7 +19,6 @@ stages:
   twin: {use: toy.detector, in: {flow: flow.flow}}
   wheels: {use: toy.wheels, in: {plane: plane.plane}}
 channels: {smooth.flow: SMOOTH, robot.image: CAMERA}
-deploy: {eyes: {stages: [flow]}, nose: {stages: [smooth]}}
 queues: {smooth.flow: {keep: all}, plane.flow: {keep: 4}}
 """
 
@@ -90,7 +89,6 @@ def test_what_no_stage_reads_any_more_is_pruned_with_all_that_is_said_of_it(load
     assert names(graph) == ["robot", "flow", "plane", "twin", "wheels"]
     assert "smooth: pruned, no stage reads it any more" in graph.notices
     assert {c.name for c in graph.channels.values() if c.name != c.ref} == {"CAMERA"}
-    assert graph.deploy == {"eyes": {"stages": ["flow"]}}
     assert graph.queues == {}
     assert "queues: 'plane.flow' is gone, and what it holds" in graph.notices
 

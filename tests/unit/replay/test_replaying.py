@@ -189,7 +189,10 @@ def test_a_stage_that_fails_ends_the_replay(record: Record, again: Again) -> Non
     assert again(log).is_equal
     result = again(log, "fails.at=5")
     assert not result.is_equal
-    assert result.failure == "stage 'fails' (again.fails) failed at 0.40 s: worn out"
+    assert (
+        result.failure
+        == "stage 'fails' (again.fails) failed at 0.40 s: worn out\n  ValueError at stages.py:223 in step"
+    )
     assert result.first is None, "what was published before is equal, and what comes after was not tried"
     assert result.channels["mean.twist"].n_compared == 5
 

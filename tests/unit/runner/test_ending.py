@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -29,18 +30,20 @@ stages:
 
 
 @pytest.mark.parametrize(
-    ("use", "message"),
+    ("use", "message", "raised"),
     [
-        ("bad, with: {what: raise}", "stage 'b' (probe.bad) failed at 0.30 s: KeyError: 'there is no such\\nthing'"),
-        ("bad, with: {what: exit}", "stage 'b' (probe.bad) failed at 0.30 s: SystemExit: 3"),
-        ("bad, with: {what: type}", "stage 'b' (probe.bad) failed at 0.30 s: output 'image' is Goal, not Image"),
-        ("nan", "stage 'b' (probe.nan) failed at 0.00 s: output 'twist' holds a NaN or an infinity in 'v_mps'"),
+        ("bad, with: {what: raise}", "(probe.bad) failed at 0.30 s: KeyError: 'there is no such\\nthing'", "KeyError"),
+        ("bad, with: {what: exit}", "(probe.bad) failed at 0.30 s: SystemExit: 3", "SystemExit"),
+        ("bad, with: {what: type}", "(probe.bad) failed at 0.30 s: output 'image' is Goal, not Image", ""),
+        ("nan", "(probe.nan) failed at 0.00 s: output 'twist' holds a NaN or an infinity in 'v_mps'", ""),
     ],
 )
-def test_a_stage_that_fails_is_named_in_one_line(run: Run, use: str, message: str) -> None:
+def test_a_stage_that_fails_is_named_with_what_it_raised(run: Run, use: str, message: str, raised: str) -> None:
     summary, log = run(BAD.format(use=use))
     assert summary.outcome == "failed"
-    assert summary.failure == message
+    what, *where = summary.failure.splitlines()
+    assert what == f"stage 'b' {message}"
+    assert [re.sub(r":\d+ ", " ", line) for line in where] == ([f"  {raised} at stages.py in step"] if raised else [])
     assert log.truncated is None
     assert log.count("c.twist") == summary.frames + 1
 

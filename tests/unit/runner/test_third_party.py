@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sysconfig
@@ -81,6 +82,13 @@ def run(tmp_path: Path, zoo: Callable[[str], Graph]) -> Callable[[str], tuple[Su
     return run_text
 
 
+def is_told(failure: str) -> bool:
+    """Whether a failure is a line, and a line with the exception's class, file, line and method."""
+    what, raised = failure.split("\n")
+    place = re.fullmatch(r"  \w+ at zoo_stages\.py:\d+ in misbehave", raised)
+    return is_one_line(what) and place is not None
+
+
 def is_one_line(text: str) -> bool:
     """Whether a string is a single line that a terminal can show."""
     return "\n" not in text and "Traceback" not in text and len(text) < 1500
@@ -94,7 +102,7 @@ def test_whatever_a_stage_raises_in_a_run_names_it_and_leaves_the_record(
     summary, log = run(animal(kind, method))
     assert summary.outcome == "failed"
     assert summary.failure.startswith("stage 'b' (zoo.animal) failed at ")
-    assert is_one_line(summary.failure)
+    assert is_told(summary.failure)
     assert log.truncated is None
     assert log.count("c.twist") == {"reset": 0, "step": 3, "outputs": 3}.get(method, 11)
     if method != "reset":
@@ -107,7 +115,7 @@ def test_whatever_a_source_raises_when_asked_for_its_time_names_it(
 ) -> None:
     summary, log = run(graph_text("animal", f", with: {{kind: {kind}}}"))
     assert summary.failure.startswith("stage 'c' (zoo.clock) failed at 0.20 s: due_us: ")
-    assert is_one_line(summary.failure)
+    assert is_told(summary.failure)
     assert log.count("c.twist") == 3
 
 
@@ -199,13 +207,15 @@ def command(folder: Path, text: str, *words: str) -> subprocess.CompletedProcess
         ("unspeakable", "step", "failed at 0.20 s: Unspeakable: (its __str__ raises ZeroDivisionError)"),
     ],
 )
-def test_the_command_line_ends_with_status_1_one_line_and_a_summary(
+def test_the_command_line_ends_with_status_1_what_was_raised_and_a_summary(
     tmp_path: Path, kind: str, method: str, said: str
 ) -> None:
     done = command(tmp_path, animal(kind, method), "--no-pictures")
     assert done.returncode == 1, done.stdout + done.stderr
-    assert done.stderr == f"stage 'b' (zoo.animal) {said}\n"
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["failure"] in done.stderr
+    failure = json.loads((tmp_path / "out" / "summary.json").read_text())["failure"]
+    assert done.stderr == f"{failure}\n  -v shows the traceback\n"
+    assert failure.startswith(f"stage 'b' (zoo.animal) {said}\n")
+    assert is_told(failure)
 
 
 @pytest.mark.parametrize("method", ["step", "__init__"])

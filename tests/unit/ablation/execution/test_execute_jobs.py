@@ -45,7 +45,8 @@ def test_a_stage_that_fails_is_a_row_with_its_reason(study: Any, vary: str, caps
         "robot": ("stage 'robot' (toy.walker) failed at 0.10 s: worn out", 3),
         "drive": ("stage 'drive' (toy.unready) failed at 0.00 s: no model", 4),
     }[vary.partition(".")[0].partition("=")[0]]
-    assert [row["failure"] for row in failed] == [reason] * count
+    assert [row["failure"].splitlines()[0] for row in failed] == [reason] * count
+    assert all("Error at my_toys.py:" in row["failure"].splitlines()[1] for row in failed)
     assert len(study.rows) == 8
     assert "failed: stage" in capsys.readouterr().out
 

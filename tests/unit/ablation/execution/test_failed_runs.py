@@ -13,6 +13,7 @@ from graphnav.errors import GraphnavError
 RAISES = "robot.odd=fine,raise"
 FIRST = (
     "failed: toy, robot.odd=raise, seed 0: stage 'robot' (toy.walker) failed at 0.10 s: worn out\n"
+    "  ValueError at my_toys.py:45 in _come_to_grief\n"
     "  out/runs/toy/robot.odd=raise/0/run.lcmlog\n"
 )
 
