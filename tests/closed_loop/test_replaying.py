@@ -22,7 +22,7 @@ Again = Callable[..., ReplayResult]
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the log of two seconds of a drive, with everything in it."""
     folder = tmp_path_factory.mktemp("drive")
-    graph = load_graph("corridor_ccw", Catalog(), [parse_override("run.until_s=2")])
+    graph = load_graph("corridor_ccw", Catalog(), [parse_override("run.until_s=2"), parse_override("run.record=all")])
     run_recorded(graph, graph.make_stages(), folder)
     return folder / LOG
 
@@ -49,6 +49,7 @@ def test_nothing_swapped_is_no_difference_on_every_channel(again: Again, drive: 
     with Recording(drive) as recording:
         made = {name for name in recording.channels if not name.startswith(("robot.", "graphnav."))}
         counts = {name: recording.count(name) for name in made}
+        counts["guard.twist"] -= 1  # the stop that takes back the last command
     assert {name: channel.n_compared for name, channel in result.channels.items() if channel.n_compared} == counts
     assert result.scores == result.recorded_scores
 

@@ -34,7 +34,7 @@ def test_the_middle_is_played(corridor: Graph) -> None:
     plan = make_plan(corridor, ["flow.flow", "planar"])
     assert "flow" not in plan.stepped_names
     assert "planar" not in plan.stepped_names
-    assert plan.readers_of(corridor.channels["flow.flow"]) == ["plane", "sense"]
+    assert plan.readers_of(corridor.channels["flow.flow"]) == ["plane", "guard", "sense"]
     assert "robot.motion" not in {channel.ref for channel in plan.needed}
 
 
