@@ -10,14 +10,15 @@ import fcntl
 import hashlib
 import json
 import os
+import shlex
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from graphnav.errors import GraphnavError
+from graphnav.errors import GraphnavError, shown_path
 from graphnav.machine.atomic_write import write_atomically
-from graphnav.machine.regular_file import read_json, read_regular
+from graphnav.machine.regular_file import is_own, read_json, read_regular
 from graphnav.notices import print_notice
 from graphnav.run_folder import PLUGINS, is_graph_of_run
 
@@ -52,7 +53,9 @@ class Trust:
     ask: Callable[[Request], bool] | None = None
     """Asks the user about files that are not trusted; None: they are left out."""
     hint: str = "pass trust=True to run it"
-    """The advice on a file that was left out; ``{folder}`` is the folder that names it."""
+    """The advice on a file that was left out."""
+    folder_hint: str = ""
+    """Added to it where trust in the folder would help; ``{folder}`` is the folder that names the file."""
     _answers: dict[Request, bool] = field(default_factory=dict)
 
     def allows(self, request: Request) -> bool:
@@ -65,6 +68,16 @@ class Trust:
                 print_notice(f"this answer is not remembered: {why}")
         return self._answers[request]
 
+    def refused(self) -> tuple[Path, ...]:
+        """Return the files that were not allowed so far, each once."""
+        return tuple(dict.fromkeys(file for request, may in self._answers.items() if not may for file in request.files))
+
+    def advice(self, request: Request) -> str:
+        """Return what to do about files that were not allowed; folders that graphnav writes are not trusted by path."""
+        if request.digest:
+            return self.hint
+        return self.hint + self.folder_hint.format(folder=shlex.quote(shown_path(request.folder)))
+
 
 def request_of(graph: Path, files: Mapping[Path, bytes]) -> Request:
     """Return the request to run the plugin ``files`` that the file ``graph`` names; the bytes are those that will run.
@@ -72,7 +85,7 @@ def request_of(graph: Path, files: Mapping[Path, bytes]) -> Request:
     Of a run folder all that a plugin could import counts: what stands beside it.
     """
     folder = graph.parent.resolve()
-    digest = _run_digest(folder, files) if is_graph_of_run(graph) else ""
+    digest = run_digest(folder, files) if is_graph_of_run(graph) else ""
     return Request(folder, tuple(files), digest)
 
 
@@ -90,6 +103,12 @@ def read_plugin(path: Path) -> bytes:
         It cannot be read, or is not a regular file of at most `MAX_PLUGIN_BYTES`.
     """
     return read_regular(path, MAX_PLUGIN_BYTES)
+
+
+def run_digest(folder: Path, more: Mapping[Path, bytes]) -> str:
+    """Return the digest of the plugins in a run folder: all that stands in their folder, and ``more`` files."""
+    found = _files_below(folder / PLUGINS) | dict(more)
+    return _digest({os.path.relpath(path, folder): data for path, data in found.items()})
 
 
 def remember_written(files: Mapping[str, bytes]) -> None:
@@ -150,19 +169,13 @@ def _read() -> _Known:
     """Return what is remembered; nothing where the file is damaged, or others may write it."""
     path = state_file()
     try:
-        if path is None or not (_is_own(path) and _is_own(path.parent)):
+        if path is None or not (is_own(path) and is_own(path.parent)):
             return _Known()
         data = read_json(path)
     except (OSError, ValueError):
         return _Known()
     words = data if isinstance(data, dict) else {}
     return _Known(_strings(words.get("folders")), _strings(words.get("written")))
-
-
-def _is_own(path: Path) -> bool:
-    """Return whether only this user may write a file or folder."""
-    found = path.stat()
-    return found.st_uid == os.geteuid() and not found.st_mode & 0o022
 
 
 def _strings(found: object) -> tuple[str, ...]:
@@ -178,7 +191,7 @@ def _change(change: Callable[[_Known], _Known]) -> str:
         return ""
     try:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if not _is_own(path.parent):
+        if not is_own(path.parent):
             return f"others may write into {path.parent}"
         with _locked(path.parent):
             after = change(_read())
@@ -200,12 +213,6 @@ def _locked(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(lock)
-
-
-def _run_digest(folder: Path, files: Mapping[Path, bytes]) -> str:
-    """Return the digest of the plugins in a run folder: ``files``, and all that stands in their folder."""
-    found = _files_below(folder / PLUGINS) | dict(files)
-    return _digest({os.path.relpath(path, folder): data for path, data in found.items()})
 
 
 def _files_below(folder: Path) -> dict[Path, bytes]:

@@ -307,9 +307,11 @@ def _catalog_of_usable_plugins(args: argparse.Namespace, plan: Plan) -> Catalog:
     for plugin in map(Path, plan.plugins):
         with suppress(OSError):
             sources[plugin] = read_plugin(plugin)
-    if sources and not catalog.trust.allows(request_of_plan(args.report, sources)):
+    request = request_of_plan(args.report, sources)
+    if sources and not catalog.trust.allows(request):
         for plugin in sources:
-            print_notice(f"left out: plugin {plugin}, Python code that is not trusted\n  run it with --trust")
+            advice = catalog.trust.advice(request)
+            print_notice(f"left out: plugin {plugin}, Python code that is not trusted\n  {advice}")
         return catalog
     for plugin, source in sources.items():
         with suppress(CatalogError):

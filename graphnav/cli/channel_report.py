@@ -7,7 +7,15 @@ import json
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from graphnav.cli.options import add_channel_and_feed, add_types_option, channel_and_feed, load_types_of, seconds
+from graphnav.cli.options import (
+    add_channel_and_feed,
+    add_trust_option,
+    add_types_option,
+    catalog_of,
+    channel_and_feed,
+    load_types_of,
+    seconds,
+)
 from graphnav.cli.report_times import ReportTimes
 from graphnav.cli.status import OK
 
@@ -32,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser, keys: str) -> None:
         help=f"print one JSON document at the end, for programs; --for then defaults to {_JSON_S:g} s",
     )
     add_types_option(parser)
+    add_trust_option(parser)
 
 
 def report(
@@ -49,9 +58,10 @@ def report(
     from graphnav.notices import print_notice
     from graphnav.spy import MAX_CHANNELS, Feed, Traffic
 
-    load_types_of(args)
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
     name, source = channel_and_feed(args)
-    feed = complete(Feed(source), None if name is None else [name])
+    feed = complete(Feed(source), catalog, args.plugins, None if name is None else [name])
     traffic = Traffic(feed.clock, name)
     for_s = _JSON_S if args.json and args.for_s is None else args.for_s
     times = ReportTimes(for_s)

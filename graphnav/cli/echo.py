@@ -6,7 +6,15 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, add_types_option, count, load_types_of, seconds
+from graphnav.cli.options import (
+    add_feed_argument,
+    add_trust_option,
+    add_types_option,
+    catalog_of,
+    count,
+    load_types_of,
+    seconds,
+)
 from graphnav.cli.status import FAILED, OK
 from graphnav.errors import shown_name
 from graphnav.notices import print_notice
@@ -62,6 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--full", action="store_true", help="print arrays complete instead of summarised")
     add_types_option(parser)
+    add_trust_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -74,8 +83,9 @@ def main(args: argparse.Namespace) -> int:
     if args.csv and args.full:
         raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))
     paths = [parse_field(text) for text in args.fields]
-    load_types_of(args)
-    feed = complete(Feed(args.feed), [args.channel])
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
+    feed = complete(Feed(args.feed), catalog, args.plugins, [args.channel])
     traffic = Traffic(feed.clock, args.channel)
     form = Lines if not args.jsonl else JsonLines
     printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from graphnav.cli.options import add_types_option, catalog_of, load_types_of
+from graphnav.cli.options import add_trust_option, add_types_option, catalog_of, load_types_of
 from graphnav.cli.spans import add_span_options
 from graphnav.cli.status import OK
 from graphnav.notices import print_notice
@@ -56,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_span_options(parser)
     parser.add_argument("--force", action="store_true", help="replace existing files")
     add_types_option(parser)
+    add_trust_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:

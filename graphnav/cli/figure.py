@@ -6,6 +6,7 @@ import argparse
 import math
 from pathlib import Path
 
+from graphnav.cli.options import add_trust_option
 from graphnav.cli.quantities import log_time
 from graphnav.cli.spans import add_span_options, period
 from graphnav.cli.status import OK
@@ -37,12 +38,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_span_options(parser, "of a contact sheet: ")
     parser.add_argument("--format", choices=PICTURE_FORMATS, default="png", help="of the pictures (default: png)")
+    add_trust_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and list the files."""
     from graphnav.catalog import Catalog
     from graphnav.cli.opened_log import damage_told, opened
+    from graphnav.cli.trust import trust_of
     from graphnav.loginfo import unfinished
     from graphnav.record import find_log
     from graphnav.report.folder import removed_if_empty
@@ -58,7 +61,7 @@ def main(args: argparse.Namespace) -> int:
     folder = args.folder or log.parent
     suffix = f".{args.format}"
     catalog = Catalog()
-    with opened(log, catalog) as recording, damage_told(recording):
+    with opened(log, Catalog(trust_of(args))) as recording, damage_told(recording):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             drawn: list[Path] = []

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def opened(
     path: Path,
-    catalog: Catalog | None = None,
+    catalog: Catalog,
     plugins: Sequence[Path] = (),
     channels: Collection[str] | None = None,
 ) -> Recording:
@@ -30,14 +30,22 @@ def opened(
     from graphnav.machine.console import Console
     from graphnav.replay import open_completed
 
-    with progress_bar(Console(stderr=True), f"replay {path.parent.name or path.name}", None) as on_tick:
+    show: list[Callable[[int], None]] = []
+    with ExitStack() as shown:
+
+        def on_tick(utime: int) -> None:
+            if not show:  # not before: the user may be asked whether plugins may run
+                title = f"replay {path.parent.name or path.name}"
+                show.append(shown.enter_context(progress_bar(Console(stderr=True), title, None)))
+            show[0](utime)
+
         return open_completed(path, catalog, plugins, channels=channels, tell=print_notice, on_tick=on_tick)
 
 
-def complete(feed: Feed, channels: Collection[str] | None = None) -> Feed:
+def complete(feed: Feed, catalog: Catalog, plugins: Sequence[Path], channels: Collection[str] | None = None) -> Feed:
     """Open the log of a feed, if it is one, with what it leaves out of ``channels``, None for all; return the feed."""
     if not feed.is_live:
-        feed.recording = opened(feed.path, channels=channels)
+        feed.recording = opened(feed.path, catalog, plugins, channels)
     return feed
 
 

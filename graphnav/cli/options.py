@@ -47,8 +47,8 @@ def add_trust_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--trust",
         action="store_true",
-        help="run the plugin files that the graph names, without asking (default: only those that graphnav wrote or "
-        "whose folder is trusted; at a terminal, ask)",
+        help="run the plugin files that the graph or the run folder names, without asking (default: only those that "
+        "graphnav wrote or whose folder is trusted; at a terminal, ask)",
     )
 
 

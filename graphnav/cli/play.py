@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_channel_options, add_url_option, channels_of, positive, url_of
+from graphnav.cli.options import add_channel_options, add_trust_option, add_url_option, channels_of, positive, url_of
 from graphnav.cli.quantities import counted, log_time
 from graphnav.cli.status import FAILED, OK
 from graphnav.cli.status_line import StatusLine
@@ -46,12 +46,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--loop", action="store_true", help="restart at the end, until Ctrl-C")
     add_channel_options(parser)
     add_url_option(parser)
+    add_trust_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.bus import Bus
+    from graphnav.catalog import Catalog
     from graphnav.cli.opened_log import opened
+    from graphnav.cli.trust import trust_of
     from graphnav.notices import print_notice
     from graphnav.player import PlaybackClock, Player, select_events
     from graphnav.player.player import HELP
@@ -59,7 +62,7 @@ def main(args: argparse.Namespace) -> int:
 
     channels = channels_of(args)
     url = url_of(args)
-    with opened(find_log(args.log)) as recording:
+    with opened(find_log(args.log), Catalog(trust_of(args))) as recording:
         selection = select_events(recording, channels, args.start, args.end)
         _tell(recording, selection)
         bus = Bus(url)

@@ -11,7 +11,14 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, add_types_option, catalog_of, load_types_of, seconds
+from graphnav.cli.options import (
+    add_feed_argument,
+    add_trust_option,
+    add_types_option,
+    catalog_of,
+    load_types_of,
+    seconds,
+)
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
@@ -44,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "queries the terminal for the best, half blocks inside tmux and screen (default: blocks)",
     )
     add_types_option(parser)
+    add_trust_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -54,7 +62,7 @@ def main(args: argparse.Namespace) -> int:
 
     catalog = catalog_of(args)
     load_types_of(args, catalog)
-    feed = complete(Feed(args.feed))
+    feed = complete(Feed(args.feed), catalog, args.plugins)
     if not (args.once or args.json) and _has_screen():
         return _full_screen(feed, catalog, args.graphics)
     traffic = Traffic(feed.clock)

@@ -59,8 +59,12 @@ def trust_of(args: argparse.Namespace) -> Trust:
     from graphnav.trust import Trust
 
     is_terminal = all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
-    hint = "run it with --trust, or trust the folder: graphnav trust {folder}"
-    return Trust(runs_all=getattr(args, "trust", False), ask=_ask if is_terminal else None, hint=hint)
+    return Trust(
+        runs_all=getattr(args, "trust", False),
+        ask=_ask if is_terminal else None,
+        hint="run it with --trust",
+        folder_hint=", or trust the folder: graphnav trust {folder}",
+    )
 
 
 def _ask(request: Request) -> bool:

@@ -6,7 +6,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from graphnav.cli.options import add_feed_argument, add_types_option, catalog_of, load_types_of
+from graphnav.cli.options import add_feed_argument, add_trust_option, add_types_option, catalog_of, load_types_of
 from graphnav.cli.status import OK
 from graphnav.errors import UserError
 
@@ -43,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--open", action="store_true", help="open the page, or Foxglove's, in the browser")
     add_types_option(parser)
+    add_trust_option(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -54,7 +55,7 @@ def main(args: argparse.Namespace) -> int:
 
     catalog = catalog_of(args)
     load_types_of(args, catalog)
-    feed = complete(Feed(args.feed))
+    feed = complete(Feed(args.feed), catalog, args.plugins)
     if feed.is_live:
         feed.check()
     serve = _serve_foxglove if args.foxglove else _serve_page

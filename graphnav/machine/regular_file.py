@@ -57,6 +57,12 @@ def read_regular(path: Path, max_bytes: int) -> bytes:
     return data
 
 
+def is_own(path: Path) -> bool:
+    """Return whether only this user may write a file or folder; raises OSError if it cannot be looked up."""
+    found = path.stat()
+    return found.st_uid == os.geteuid() and not found.st_mode & 0o022
+
+
 def read_json(path: Path) -> Any:
     """Return the content of a JSON file of at most `MAX_JSON_BYTES`.
 

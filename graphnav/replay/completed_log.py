@@ -15,13 +15,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.catalog import Catalog
-from graphnav.errors import GraphnavError, UserError, message_line
+from graphnav.errors import GraphnavError, UserError, message_line, shown_name
+from graphnav.machine.regular_file import is_own
 from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.record.find_log import parts_of
 from graphnav.replay.comparison.result import ReplayResult
-from graphnav.replay.log.log_graph import graph_to_replay
+from graphnav.replay.log.log_graph import graph_to_replay, is_live
 from graphnav.replay.replay import ReplayOptions, replay
+from graphnav.run_folder import GRAPH
+from graphnav.trust import read_plugin, run_digest
 
 MAX_CACHE_BYTES = 2 << 30
 """Of all completed logs together; those that were not used for the longest time are removed."""
@@ -35,6 +38,7 @@ class _Completion(NamedTuple):
     content: Path | None
     why: str = ""
     wall_s: float = 0.0
+    hint: str = "'graphnav replay' tells more"
 
 
 def open_completed(
@@ -50,8 +54,8 @@ def open_completed(
 
     ``channels``: those that are read, None for all; nothing is made if the log has every message of them. ``tell`` gets
     one notice: that messages were made again, or why they cannot be. Then the log is opened as it is. The messages that
-    the log does hold must come out equal. ``catalog``, ``plugins``: as for `graph_to_replay`; ``on_tick`` gets the time
-    of the replayed run, microseconds.
+    the log does hold must come out equal. ``catalog``, ``plugins``: as for `graph_to_replay`; the trust of the catalog
+    decides whether plugins of the run folder run. ``on_tick`` gets the time of the replayed run, microseconds.
 
     Raises
     ------
@@ -66,7 +70,7 @@ def open_completed(
     if made.content is None:
         tell(
             f"{path} leaves out large messages, which cannot be made again: {made.why}\n"
-            "  what it holds is shown; 'graphnav replay' tells more"
+            f"  what it holds is shown; {made.hint}"
         )
         return recording
     how = f"made again in {made.wall_s:.1f} s" if made.wall_s else "made again before"
@@ -89,8 +93,10 @@ def cache_folder() -> Path | None:
 def _complete(
     recording: Recording, catalog: Catalog, plugins: Sequence[Path], on_tick: Callable[[int], None]
 ) -> _Completion:
+    if is_live(recording.about):
+        return _Completion(None, "live stages do not publish the same again")
     try:
-        kept = _kept_path(recording.path)
+        kept = _kept_path(recording.path, plugins)
         if kept is not None and kept.is_file():
             with suppress(OSError):
                 os.utime(kept)
@@ -99,8 +105,6 @@ def _complete(
         pending = _pending_path(kept)
         try:
             made = graph_to_replay(recording, catalog, plugins=plugins)  # loads the plugins of the run, if trusted
-            if made.is_live:
-                return _Completion(None, "live stages do not publish the same again")
             result = replay(recording, made, ReplayOptions(), out=pending, about=_about(recording), on_tick=on_tick)
             if why := _why_not(recording, result):
                 return _Completion(None, why)
@@ -108,6 +112,10 @@ def _complete(
         finally:
             pending.unlink(missing_ok=True)
     except UserError as error:
+        if untrusted := [problem for problem in error.problems if problem.kind == "untrusted"]:
+            names = ", ".join(sorted(shown_name(file.name) for file in catalog.trust.refused()))
+            why = f"its plugins are Python code that is not trusted ({names})"
+            return _Completion(None, why, hint=str(untrusted[0].hint))
         return _Completion(None, error.problems[0].what)
     except GraphnavError as error:
         return _Completion(None, message_line(error))
@@ -136,8 +144,13 @@ def _why_not(recording: Recording, result: ReplayResult) -> str:
     return ""
 
 
-def _kept_path(log: Path) -> Path | None:
-    """Return the place of the completed log in the cache, by the content of the log; None without a cache."""
+def _kept_path(log: Path, plugins: Sequence[Path]) -> Path | None:
+    """Return the place of the completed log in the cache; None without one that only this user may write.
+
+    What a replay depends on names it: the content of the log, of the graph and all plugin files beside it, of
+    ``plugins``, and the folder, from which relative paths lead. So the copy of a log beside other files does not become
+    what is shown of the original.
+    """
     folder = cache_folder()
     if folder is None:
         return None
@@ -145,9 +158,13 @@ def _kept_path(log: Path) -> Path | None:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     except OSError:
         return None
-    if not os.access(folder, os.W_OK | os.X_OK) or folder.stat().st_uid != os.geteuid():
+    if not os.access(folder, os.W_OK | os.X_OK) or not is_own(folder):
         return None
-    digest = hashlib.sha256()
+    try:
+        beside = {path.resolve(): read_plugin(path) for path in (*plugins, log.parent / GRAPH) if path.is_file()}
+    except OSError:
+        return None
+    digest = hashlib.sha256(f"{log.parent.resolve()}\n{run_digest(log.parent.resolve(), beside)}\n".encode())
     for part in parts_of(log):
         with part.open("rb") as file:
             while block := file.read(_CHUNK_BYTES):

@@ -9,18 +9,23 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from acceptance.drives import GRAPHNAV, say
 from acceptance.processes import group_url
 from graphnav.cli import COMMANDS
+from graphnav.record import LOG, Recording
 
 PLUGIN = """
-from graphnav import Metric, Source, Stage, Twist, hookimpl, param
+import numpy as np
+
+from graphnav import Image, Metric, Source, Stage, Twist, hookimpl, param
 
 
 class Wheels(Source):
@@ -38,11 +43,22 @@ class Rival(Wheels):
     pass
 
 
+class Painter(Stage):
+    def step(self, twist: Twist) -> Image:
+        return Image(pixels=np.full((100, 100), 7, np.uint8))
+
+
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Wheels, Rival]
+    return [Painter, Rival, Wheels]
 """
-GRAPH = "plugins: [mine.py]\nrun: {until_s: 1}\nstages:\n  wheels: {use: mine.wheels}\n"
+GRAPH = """\
+plugins: [mine.py]
+run: {until_s: 1}
+stages:
+  wheels: {use: mine.wheels}
+  painter: {use: mine.painter, in: {twist: wheels.twist}}
+"""
 QUIET = ("--no-tap", "--no-pictures")
 VARY = ("--vary", "wheels=mine.wheels,mine.rival", "--seeds", "0:1")
 SEARCH = ("--search", "wheels.speed_mps=0.1:1", "--trials", "2")
@@ -54,6 +70,10 @@ PATIENCE_S = 40.0
 ENDLESS = ("view", "spy", "record", "lcm-spy", "teleop")
 """Commands that last until they are ended."""
 SHORT_S = 8.0
+COMPLETED = ("figure", "export", "spy", "view", "echo", "hz", "bw", "play", "replay --play", "open_log")
+"""Commands that make again what a log leaves out, and the function of Python."""
+OPEN_LOG = "import sys, graphnav\nwith graphnav.open_log(sys.argv[1]) as log: print(log.channels)"
+LEAVES_OUT = "leaves out large messages, which cannot be made again: its plugins are Python code that is not trusted"
 
 
 @dataclass(frozen=True)
@@ -93,7 +113,9 @@ def _on_graph(graph: str) -> dict[str, list[str]]:
 def _on_run(run: str) -> dict[str, list[str]]:
     lines = {name: [name, run] for name in ("replay", "figure", "info", "hz", "bw", "spy", "view")}
     lines["export"] = ["export", run, "--to", "csv", "-o", "out/export"]
-    lines["echo"] = ["echo", "wheels.twist", run]
+    lines["echo"] = ["echo", "painter.image", run]
+    lines["replay --play"] = ["replay", run, "--play", "painter.image"]
+    lines["open_log"] = ["open_log", run]
     lines["top"] = ["top", "--once", run]
     lines["play"] = ["play", run, "--speed", "100"]
     return lines
@@ -127,6 +149,10 @@ def plant(folder: Path, port: int, graphnav: Sequence[str]) -> Planted:
     for run in ("changed", "added"):
         _done([*graphnav, "run", "own/mine.yaml", *QUIET, "-o", run], folder)
     _done([*graphnav, "ablate", "own/mine.yaml", *VARY, "-o", "study"], folder)
+    for run in ("changed", "added"):
+        with Recording(folder / run / LOG) as recording:
+            if not recording.lacks("painter.image"):
+                raise SystemExit(f"the log of {run} lacks no messages")
     (folder / "changed" / "plugins" / "mine.py").write_text(evil["changed run"], encoding="utf-8")
     (folder / "added" / "plugins" / "numpy.py").write_text(evil["added file"], encoding="utf-8")
     (folder / "graph" / "mine.py").write_text(evil["graph"], encoding="utf-8")
@@ -170,10 +196,11 @@ def requests_heard() -> Iterator[tuple[int, list[int]]]:
 
 def trust_item(_seeds: Sequence[int], _jobs: int) -> bool:
     """Start every command on every scene, without consent; print what ran: only what the user names."""
-    passed = True
+    passed, n_fine, n_tried = True, 0, 0
     tried: set[str] = set()
     with tempfile.TemporaryDirectory() as scratch, requests_heard() as (port, heard):
         os.environ["XDG_STATE_HOME"] = f"{scratch}/state"
+        os.environ["XDG_CACHE_HOME"] = f"{scratch}/cache"
         os.environ["LCM_DEFAULT_URL"] = group_url(76)
         folder = Path(scratch) / "work"
         folder.mkdir()
@@ -182,17 +209,25 @@ def trust_item(_seeds: Sequence[int], _jobs: int) -> bool:
             words_of = planted.words(scene)
             for command in sorted(words_of, key=RUNS.__contains__):
                 words = words_of[command]
-                tried.add(command)
-                status = _status([str(GRAPHNAV), *words], folder / ("graph" if command in _in_any() else ""))
+                tried.add(command.partition(" ")[0])
+                start = (
+                    [sys.executable, "-c", OPEN_LOG, *words[1:]] if command == "open_log" else [str(GRAPHNAV), *words]
+                )
+                status, said = _status(start, folder / ("graph" if command in _in_any() else ""))
                 ran, asked = planted.has_run(), len(heard)
                 heard.clear()
                 may = command in RUNS and "--report" not in words and scene != "escape"
                 fine = not (ran or asked) or may or (command == "profile" and scene == "stream")
-                passed &= fine
                 effect = "code ran" if ran else f"{asked} requests" if asked else "nothing ran"
+                if command in COMPLETED and scene != "study":  # whose logs have no messages that can be made again
+                    fine &= LEAVES_OUT in said
+                    effect += ", says what is not made again" if LEAVES_OUT in said else ", SAYS NOTHING"
+                passed &= fine
+                n_fine, n_tried = n_fine + fine, n_tried + 1
                 _say(fine, f"{scene}: {' '.join(words)}", f"{effect}{', as the user says' if may else ''}; {status}")
+    say(f"{n_fine} of {n_tried} command lines as they should be")
     missing = set(COMMANDS) - tried
-    _say(not missing, "commands tried", f"{len(tried)} of {len(COMMANDS)} {', '.join(missing)}")
+    _say(not missing, "commands tried", f"{len(tried & set(COMMANDS))} of {len(COMMANDS)} {', '.join(missing)}")
     return passed and not missing
 
 
@@ -200,15 +235,22 @@ def _say(fine: bool, what: str, found: str) -> None:  # noqa: FBT001
     say(f"{'ok' if fine else 'BAD':4} {what:60} {found}")
 
 
-def _status(command: Sequence[str], folder: Path) -> str:
-    """Return how a command ends; those that last are interrupted."""
+def _status(command: Sequence[str], folder: Path) -> tuple[str, str]:
+    """Return how a command ends and what it says on stderr; those that last are interrupted."""
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as said:
+        status = _ending(command, folder, said)
+        said.seek(0)
+        return status, said.read()
+
+
+def _ending(command: Sequence[str], folder: Path, said: IO[str]) -> str:
     limit_s = SHORT_S if any(word in ENDLESS for word in command) else PATIENCE_S
     with subprocess.Popen(
         command,
         cwd=folder,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+        stderr=said,
         start_new_session=True,
     ) as process:
         try:

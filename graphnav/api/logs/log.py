@@ -19,21 +19,24 @@ from graphnav.api.logs.message_table import table_of
 from graphnav.api.logs.stack import Stack, stacked
 from graphnav.api.notices import tell
 from graphnav.arrays import Doubles, Longs
+from graphnav.catalog import Catalog
 from graphnav.codec import lcm_name, message_class_of
 from graphnav.errors import LogError, UserError, did_you_mean, shown_name
 from graphnav.record import Recording, find_log
 from graphnav.replay import open_completed
+from graphnav.trust import Trust
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def open_log(path: PathLike) -> Log:
+def open_log(path: PathLike, *, trust: bool = False) -> Log:
     """Open the log of a run folder, or a log file of graphnav, lcm-logger or any other LCM program.
 
     ``path``: the folder or the file. A damaged log can be opened too: complete messages can be read, and `Log.damage`
     lists the losses. What a log with ``record: replayable`` leaves out, the default of lockstep runs, a replay makes
-    again; that is logged as a warning, as is why it cannot.
+    again; that is logged as a warning, as is why it cannot. ``trust``: run the plugin files of the run folder for it;
+    otherwise only those that graphnav wrote run.
 
     Raises
     ------
@@ -44,7 +47,7 @@ def open_log(path: PathLike) -> Log:
     """
     name = path_of(path, "path", "runs/1")
     try:
-        return Log(open_completed(find_log(name), tell=tell))
+        return Log(open_completed(find_log(name), Catalog(Trust(runs_all=trust)), tell=tell))
     except OSError as error:
         raise UserError.of(f"cannot read {name}: {error.strerror}", "name a run folder or a log") from error
 

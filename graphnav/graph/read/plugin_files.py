@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Problem, did_you_mean, one_line, shown_path
 from graphnav.graph.read.graph_files import GraphFile
 from graphnav.spec import Value
-from graphnav.trust import read_plugin, request_of
+from graphnav.trust import Request, read_plugin, request_of
 
 _HINT = "write plugins: [my_stage.py]"
 
@@ -93,10 +92,11 @@ def _load(
             near = did_you_mean(path.name, (other.name for other in path.parent.glob("*.py"))) if is_absent else ""
             reason = "there is no such file" if is_absent else error.strerror
             problems.append(Problem(item.place, f"plugin {graph.parent / str(item.data)}: {reason}", near))
-    may_run = not sources or catalog.trust.allows(request_of(graph, sources))
+    request = request_of(graph, sources)
+    may_run = not sources or catalog.trust.allows(request)
     for path, item in named.items():
         if path in sources and not may_run:
-            left_out.append(_left_out(graph, item, catalog))
+            left_out.append(_left_out(item, request, catalog))
         elif path in sources or catalog.holds_file(path):
             try:
                 catalog.add_file(graph.parent / str(item.data), sources.get(path))
@@ -106,10 +106,9 @@ def _load(
                 yield PluginFile(path, str(item.data))
 
 
-def _left_out(graph: Path, item: Value, catalog: Catalog) -> Problem:
-    folder = shown_path(graph.parent.resolve())
-    what = f"left out: plugin {item.data}, Python code that is not trusted in {folder}"
-    return Problem(item.place, what, catalog.trust.hint.format(folder=shlex.quote(folder)), "untrusted")
+def _left_out(item: Value, request: Request, catalog: Catalog) -> Problem:
+    what = f"left out: plugin {item.data}, Python code that is not trusted in {shown_path(request.folder)}"
+    return Problem(item.place, what, catalog.trust.advice(request), "untrusted")
 
 
 def _items(value: Value, problems: list[Problem]) -> Iterator[Value]:

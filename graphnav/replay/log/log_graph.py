@@ -73,7 +73,7 @@ def graph_to_replay(
     else:
         found = _own_graph(recording, about, catalog, overrides, names)
     recorded = None
-    if _option(about) == "replayable" and not _is_live(about):
+    if _option(about) == "replayable" and not is_live(about):
         recorded = _own_graph(recording, about, catalog, (), names)
     return _log_graph(_with_seed(found, about, overrides), about, recorded)
 
@@ -111,16 +111,16 @@ def _own_graph(
 
 
 def _log_graph(graph: Graph, about: About | None, recorded: Graph | None) -> LogGraph:
-    is_live = _is_live(about)
-    complete = complete_channels(recorded or graph, _option(about), is_live=is_live)
+    by_wall_clock = is_live(about)
+    complete = complete_channels(recorded or graph, _option(about), is_live=by_wall_clock)
     if about is None:
-        return LogGraph(graph, about, complete, is_live, wires={})
+        return LogGraph(graph, about, complete, by_wall_clock, wires={})
     stages = _section(_yaml_of(about), "stages").items()
     wires = {name: _mapping(stage.get("in")) for name, stage in stages if isinstance(stage, dict)}
-    return LogGraph(graph, about, complete, is_live, wires, recorded)
+    return LogGraph(graph, about, complete, by_wall_clock, wires, recorded)
 
 
-def _is_live(about: About | None) -> bool:
+def is_live(about: About | None) -> bool:
     """Whether it is the log of a live run."""
     return about is not None and STATUS in about.channels
 
@@ -128,7 +128,7 @@ def _is_live(about: About | None) -> bool:
 def _option(about: About | None) -> RecordOption:
     """Return what the log keeps; one of lockstep that does not say, before version 0.8, keeps everything."""
     given = None if about is None else option_in(_section(_yaml_of(about), "run").get("record"))
-    return given or ("small" if _is_live(about) else "all")
+    return given or ("small" if is_live(about) else "all")
 
 
 def _with_seed(graph: Graph, about: About | None, overrides: Sequence[Override]) -> Graph:

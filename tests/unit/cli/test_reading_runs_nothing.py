@@ -19,6 +19,8 @@ import pytest
 import graphnav
 from graphnav.cli import main
 from graphnav.errors import UserError
+from graphnav.record import Recording
+from graphnav.replay.completed_log import cache_folder
 
 PLUGIN = """
 from pathlib import Path
@@ -36,6 +38,14 @@ class Camera(Source):
         return Image(pixels=np.zeros((24, 32, 3), np.uint8))
 
 
+class Painter(Stage):
+    shade = 10
+
+    def step(self, flow: Flow) -> Image:
+        self.n_painted = getattr(self, "n_painted", 0) + 1
+        return Image(pixels=np.full((48, 96), self.shade if self.n_painted > 1 else 0, np.uint8))
+
+
 class Wheels(Stage):
     metrics = (Metric("way_m", unit="m", better="higher", help="The way."),)
     speed_mps: float = param(0.1, doc="the speed")
@@ -49,7 +59,7 @@ class Wheels(Stage):
 
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
-    return [Camera, Wheels]
+    return [Camera, Painter, Wheels]
 """
 GRAPH = """\
 plugins: [mine.py]
@@ -57,6 +67,7 @@ run: {until_s: 2}
 stages:
   camera: {use: mine.camera}
   flow: {use: flow.lucas_kanade, in: {image: camera.image}}
+  painter: {use: mine.painter, in: {flow: flow.flow}}
   wheels: {use: mine.wheels, with: {speed_mps: 0.2}, in: {flow: flow.flow}}
 """
 QUIET = ("--no-tap", "--no-pictures")
@@ -99,8 +110,9 @@ def test_check_says_what_it_leaves_out_and_checks_the_rest(has_run: HasRun, caps
     assert [" ".join(line.split()) for line in said.out.splitlines() if "." in line] == [
         "camera mine.camera camera.image: ?",
         "flow flow.lucas_kanade camera.image flow.flow: Flow",
+        "painter mine.painter flow.flow",
         "wheels mine.wheels flow.flow",
-        "graph.yaml is fine, except what was left out (camera, wheels): 0 sources, 3 other stages, 1 channel",
+        "graph.yaml is fine, except what was left out (camera, painter, wheels): 0 sources, 4 other stages, 1 channel",
     ]
     Path("theirs/graph.yaml").write_text(
         GRAPH.replace("image: camera", "imag: camera").replace("until_s: 2", "unti: 2")
@@ -202,6 +214,128 @@ def test_a_run_of_ones_own_replays_without_asking(has_run: HasRun, capsys: pytes
         assert main(words) == 0
         assert has_run()
     assert "left out" not in capsys.readouterr().err
+
+
+READERS = {
+    "figure": ["figure", "run", "-o", "out"],
+    "export": ["export", "run", "--to", "csv", "-o", "out"],
+    "spy": ["spy", "run", "--once"],
+    "echo": ["echo", "painter.image", "run", "--jsonl"],
+    "hz": ["hz", "run"],
+    "bw": ["bw", "painter.image", "run"],
+    "play": ["play", "run", "--speed", "1000"],
+}
+"""Commands that make again what the log of a run leaves out, and then read it."""
+NOT_MADE = (
+    "run/run.lcmlog leaves out large messages, which cannot be made again: its plugins are Python code that is not "
+    "trusted (mine.py)\n  what it holds is shown; run it with --trust\n"
+)
+MADE = "run/run.lcmlog leaves out large messages: made again"
+
+
+@pytest.fixture
+def run(has_run: HasRun) -> Path:
+    """Return the folder of a run of the user's own, whose log lacks large messages."""
+    run_theirs(has_run, "run")
+    with Recording("run/run.lcmlog") as recording:
+        assert recording.lacks("painter.image")
+    return Path("run")
+
+
+def changed(run: Path) -> None:
+    """Make the run one that comes from elsewhere."""
+    plugin = run / "plugins" / "mine.py"
+    plugin.write_text(plugin.read_text() + "# changed\n")
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_the_log_of_a_run_that_was_changed_is_not_completed(
+    name: str, run: Path, has_run: HasRun, capsys: pytest.CaptureFixture[str], group: str
+) -> None:
+    changed(run)
+    assert main(READERS[name]) == 0
+    said = capsys.readouterr()
+    assert said.out != ""
+    assert said.err == NOT_MADE
+    assert not has_run()
+    assert main([*READERS[name], "--trust", *(["--force"] if name == "export" else [])]) == 0
+    assert capsys.readouterr().err.startswith(MADE)
+    assert has_run()
+
+
+def test_the_log_of_ones_own_run_is_completed_without_asking(
+    run: Path, has_run: HasRun, monkeypatch: pytest.MonkeyPatch, group: str
+) -> None:
+    for words in (words for name, words in READERS.items() if name != "figure"):
+        shown = _Terminal()
+        monkeypatch.setattr("sys.stdin", _Terminal("n\n"))
+        monkeypatch.setattr("sys.stderr", shown)
+        assert main(words) == 0
+        assert MADE in shown.getvalue()
+        assert "trusted" not in shown.getvalue()
+        assert has_run()
+        folder = cache_folder()
+        assert folder is not None
+        shutil.rmtree(folder)
+
+
+def test_a_page_of_a_run_that_was_changed_shows_what_is_recorded(
+    run: Path, has_run: HasRun, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed(run)
+    with server() as (port, _):
+        for words, notice, may in (([], NOT_MADE, False), (["--trust"], MADE, True)):
+            assert main(["view", "run", "--port", str(port), *words]) == 2
+            said = capsys.readouterr().err
+            assert said.startswith(notice)
+            assert f"cannot listen on 127.0.0.1, port {port}" in said
+            assert has_run() == may
+
+
+@pytest.mark.parametrize(("answer", "is_yes"), [("y\n", True), ("n\n", False)])
+def test_at_a_terminal_the_user_is_asked_whether_a_log_is_completed(
+    answer: str, is_yes: bool, run: Path, has_run: HasRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    changed(run)
+    for channel, is_asked in (("wheels.twist", False), ("painter.image", True)):
+        shown = _Terminal()
+        monkeypatch.setattr("sys.stdin", _Terminal(answer))
+        monkeypatch.setattr("sys.stderr", shown)
+        assert main(["echo", channel, "run"]) == 0
+        assert shown.getvalue().startswith("run brings Python code") == is_asked
+        assert has_run() == (is_asked and is_yes)
+    assert (MADE if is_yes else NOT_MADE) in shown.getvalue()
+
+
+def test_what_others_plugins_made_is_not_shown_of_ones_own_run(run: Path, has_run: HasRun) -> None:
+    plugin = run / "plugins" / "mine.py"
+    own = plugin.read_text()
+    shades = []
+    for text in (own.replace("shade = 10", "shade = 66"), own):
+        plugin.write_text(text)
+        with graphnav.open_log("run", trust=text != own) as log:
+            shades.append(log.stack("painter.image", "pixels").values[-1, 0, 0])
+        assert has_run()
+    assert shades == [66, 10]
+    shutil.copytree("run", "copy")
+    (Path("copy") / "plugins" / "mine.py").write_text(own.replace("shade = 10", "shade = 66"))
+    with graphnav.open_log("copy") as log:
+        assert log.stack("painter.image", "pixels").values.shape[0] == 1, "only the recorded one"
+    assert not has_run()
+
+
+def test_a_cache_that_others_may_write_is_not_read(
+    run: Path, has_run: HasRun, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder = cache_folder()
+    assert folder is not None
+    folder.mkdir(parents=True, exist_ok=True)
+    for mode, told in ((0o700, "made again in"), (0o700, "made again before"), (0o770, "made again in")):
+        folder.chmod(mode)
+        caplog.clear()
+        with graphnav.open_log("run"):
+            assert told in caplog.text
+    folder.chmod(0o700)
 
 
 @pytest.mark.parametrize("change", ["edit", "add", "bytecode"])
@@ -341,7 +475,7 @@ def server() -> Iterator[tuple[int, list[int]]]:
 def test_only_a_run_opens_a_stream(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with server() as (port, heard):
-        camera = f'{{use: io.video, with: {{path: "http://127.0.0.1:{port}/a.mp4?x=[1]", open_timeout_s: 5}}}}'
+        camera = f'{{use: io.video, with: {{path: "http://127.0.0.1:{port}/a.mp4?x=[1]", open_timeout_s: 0.5}}}}'
         Path("stream.yaml").write_text(f"run: {{until_s: 1}}\nstages: {{camera: {camera}}}\n")
         for words in (["check"], ["check", "--resolved"], ["draw"], ["doctor"]):
             assert main([words[0], "stream.yaml", *words[1:]]) in ({0, 1} if words == ["doctor"] else {0})
@@ -361,8 +495,14 @@ def test_from_python_trust_is_an_argument(has_run: HasRun) -> None:
     assert not has_run()
     assert graphnav.check("theirs/graph.yaml", trust=True) == []
     assert has_run()
-    assert graphnav.run("theirs/graph.yaml", pictures=False).outcome == "timeout"
+    done = graphnav.run("theirs/graph.yaml", pictures=False, folder="run")
+    assert done.outcome == "timeout"
     assert has_run()
+    assert done.log.stack("painter.image", "pixels").values.shape[0] > 1, "it may make its own messages again"
+    changed(Path("run"))
+    for trust in (False, True):
+        with graphnav.open_log("run", trust=trust) as log:
+            assert (log.stack("painter.image", "pixels").values.shape[0] > 1) == trust
 
 
 def test_the_command_lists_folders(has_run: HasRun, capsys: pytest.CaptureFixture[str]) -> None:

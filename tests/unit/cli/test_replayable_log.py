@@ -139,7 +139,7 @@ def test_a_plugin_that_was_changed_does_not_run(run: Run, capsys: Capture, tmp_p
     run("--plugin", "mine.py", "--set", "steer=mine.ahead")
     Path("run/plugins/mine.py").write_text("raise SystemExit('it ran')\n")
     assert main(["spy", "run", "--once"]) == 0
-    assert "cannot be made again: left out: plugin plugins/mine.py, Python code that" in capsys.readouterr().err
+    assert "cannot be made again: its plugins are Python code that is not trusted (mine.py)" in capsys.readouterr().err
 
 
 def test_what_does_not_come_out_as_recorded_is_not_shown(run: Run, capsys: Capture) -> None:
