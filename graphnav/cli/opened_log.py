@@ -31,6 +31,7 @@ def opened(
     from graphnav.replay import open_completed
 
     show: list[Callable[[int], None]] = []
+    notices: list[str] = []
     with ExitStack() as shown:
 
         def on_tick(utime: int) -> None:
@@ -39,7 +40,10 @@ def opened(
                 show.append(shown.enter_context(progress_bar(Console(stderr=True), title, None)))
             show[0](utime)
 
-        return open_completed(path, catalog, plugins, channels=channels, tell=print_notice, on_tick=on_tick)
+        found = open_completed(path, catalog, plugins, channels=channels, tell=notices.append, on_tick=on_tick)
+    for notice in notices:  # below the bar, which has ended
+        print_notice(notice)
+    return found
 
 
 def complete(feed: Feed, catalog: Catalog, plugins: Sequence[Path], channels: Collection[str] | None = None) -> Feed:

@@ -101,10 +101,10 @@ def _complete(
             with suppress(OSError):
                 os.utime(kept)
             return _Completion(kept)
-        begin_s = time.monotonic()
         pending = _pending_path(kept)
         try:
             made = graph_to_replay(recording, catalog, plugins=plugins)  # loads the plugins of the run, if trusted
+            begin_s = time.monotonic()
             result = replay(recording, made, ReplayOptions(), out=pending, about=_about(recording), on_tick=on_tick)
             if why := _why_not(recording, result):
                 return _Completion(None, why)
