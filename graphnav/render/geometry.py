@@ -22,13 +22,14 @@ _PALETTE = ("#2563a8", "#b4501e", "#2e7d4f", "#7a4b9e", "#a3324b", "#0f7b83", "#
 class Sizes:
     """Sizes in SVG units: of a character, a port's row, the gap between columns, the space below a box's ports.
 
-    ``min_chars``: minimum width of a box, characters.
+    ``min_chars``: minimum width of a box, characters. ``lane``: straight part of a wire after its port.
     """
 
     char: float = 8.0
     min_chars: int = 0
     row: float = 20.0
     gap_x: float = 76.0
+    lane: float = 0.0
     foot: float = 8.0
 
 
@@ -83,7 +84,7 @@ def geometry_of(drawn: Sequence[Box], sizes: Sizes | None = None) -> Geometry:
     wires, lanes = [], 0
     for route in layers.routes:
         lanes += route.runs_back
-        wires.append(_wire(route, boxes, columns, bottom + _LANE * lanes))
+        wires.append(_wire(route, boxes, columns, bottom + _LANE * lanes, sizes.lane))
     return Geometry(right, bottom + _LANE * lanes + _MARGIN, boxes, wires)
 
 
@@ -120,15 +121,17 @@ def _column_edges(layers: Layers, boxes: dict[str, PlacedBox]) -> list[tuple[flo
     return edges
 
 
-def _wire(route: Route, boxes: dict[str, PlacedBox], columns: list[tuple[float, float]], lane_y: float) -> PlacedWire:
+def _wire(
+    route: Route, boxes: dict[str, PlacedBox], columns: list[tuple[float, float]], lane_y: float, lane: float
+) -> PlacedWire:
     wire = route.wire
     start, end = boxes[wire.channel.stage], boxes[wire.reader]
     x, y = start.x + start.width, start.port_y(wire.channel.port, is_input=False)
     to_x, to_y = end.x, end.port_y(wire.port, is_input=True)
     if route.runs_back:
-        path = _path_back(x, y, to_x, to_y, lane_y)
+        path = _path_back(x, y, to_x, to_y, lane_y, lane)
     else:
-        path = f"M{x:.1f},{y:.1f}" + _path_on(x, y, [*_passes(route.passes, columns), (to_x, to_x, to_y)])
+        path = f"M{x:.1f},{y:.1f}" + _path_on(x, y, [*_passes(route.passes, columns), (to_x, to_x, to_y)], lane)
     return PlacedWire(wire, path, (x, y), (to_x, to_y), start.colour)
 
 
@@ -136,20 +139,22 @@ def _passes(spots: list[Spot], columns: list[tuple[float, float]]) -> list[tuple
     return [(*columns[spot.column], _MARGIN + spot.top) for spot in spots]
 
 
-def _path_on(x: float, y: float, passes: list[tuple[float, float, float]]) -> str:
-    """Return curves through columns: (left edge, right edge, height) of each."""
+def _path_on(x: float, y: float, passes: list[tuple[float, float, float]], lane: float) -> str:
+    """Return curves through columns: (left edge, right edge, height) of each, straight for ``lane`` after each."""
     path = ""
     for left, right, height in passes:
-        bend = (left - x) / 2
+        bend = (left - x - lane) / 2
+        x += lane
+        path += f"H{x:.1f}" if lane else ""
         path += f"C{x + bend:.1f},{y:.1f} {left - bend:.1f},{height:.1f} {left:.1f},{height:.1f}"
         path += f"H{right:.1f}" if right > left else ""
         x, y = right, height
     return path
 
 
-def _path_back(x: float, y: float, to_x: float, to_y: float, lane_y: float) -> str:
+def _path_back(x: float, y: float, to_x: float, to_y: float, lane_y: float, lane: float) -> str:
     """Return a path with rounded corners that runs back below all boxes."""
-    r, out, back = 8.0, x + 18.0, to_x - 22.0
+    r, out, back = 8.0, x + lane + 18.0, to_x - 22.0
     return (
         f"M{x:.1f},{y:.1f}H{out - r:.1f}Q{out:.1f},{y:.1f} {out:.1f},{y + r:.1f}V{lane_y - r:.1f}"
         f"Q{out:.1f},{lane_y:.1f} {out - r:.1f},{lane_y:.1f}H{back + r:.1f}"

@@ -20,18 +20,19 @@ Pose = tuple[float, float, float]
 
 
 class RobotTrack:
-    """The path from one channel of poses: true states if available, else odometry.
+    """The path from one channel of poses, true states or odometry.
 
-    ``points_m``: x and y, oldest first. ``generation`` changes whenever points are not only appended.
+    ``points_m``: x and y, oldest first. ``generation`` changes whenever points are not only appended. ``rank``: true
+    states are preferred to odometry.
     """
 
-    def __init__(self) -> None:
-        self.channel = ""
+    def __init__(self, channel: str = "") -> None:
+        self.channel = channel
         self.pose: Pose | None = None
         self.moving: list[Pose] = []
         self.points_m: list[tuple[float, float]] = []
         self.generation = 0
-        self._rank = self._utime = 0
+        self.rank = self._utime = 0
         self._kept_every = 1
         self._since_kept = 0
 
@@ -41,9 +42,9 @@ class RobotTrack:
         return kind.lcm_class in _RANKS
 
     def receive(self, received: Received, kind: Kind) -> None:
-        """Process a message if it is a pose of the current channel, or of a preferred one."""
+        """Process a message if it is a pose."""
         rank = _RANKS.get(kind.lcm_class, 0)
-        if not rank or rank < self._rank or (rank == self._rank and received.channel != self.channel):
+        if not rank:
             return
         try:
             fields = codec_of(kind.lcm_class).decode(received.data)
@@ -52,16 +53,16 @@ class RobotTrack:
         pose = (fields["x_m"], fields["y_m"], fields["yaw_rad"])
         if not all(map(math.isfinite, pose)):
             return
-        if rank > self._rank or fields["utime"] < self._utime:
-            self._restart(received.channel, rank)
+        if rank != self.rank or fields["utime"] < self._utime:
+            self._restart(rank)
         self._utime = fields["utime"]
         self.pose = pose
         self.moving = [tuple(one) for one in fields.get("moving", ())[:_MAX_MOVING].tolist()] if rank == 2 else []
         self._append(pose[0], pose[1])
 
-    def _restart(self, channel: str, rank: int) -> None:
-        """Start a new path, for another channel or another run, whose timestamps restart."""
-        self.channel, self._rank = channel, rank
+    def _restart(self, rank: int) -> None:
+        """Start a new path, for another type or another run, whose timestamps restart."""
+        self.rank = rank
         self.points_m = []
         self.generation += 1
         self._kept_every, self._since_kept = 1, 0

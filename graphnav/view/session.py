@@ -15,11 +15,12 @@ from graphnav.spy import plain
 from graphnav.view.channel import WatchedChannel
 from graphnav.view.content.announced_graph import announced_graph
 from graphnav.view.content.details import details_of, picture_of
-from graphnav.view.content.floor_map import floor_map
+from graphnav.view.content.floor_map import floor_map, newest_map
 from graphnav.view.content.layout import layout_of
 from graphnav.view.content.moment import Moment, moment_of
 from graphnav.view.content.page_state import state_of
 from graphnav.view.log_source import LogSource
+from graphnav.view.robot_track import RobotTrack
 from graphnav.view.source import Source
 from graphnav.view.watch import Watch
 from graphnav.view.web.page_requests import View
@@ -38,7 +39,7 @@ class _Sent:
     channel: str | None = None
     point: int = 0
     world: bytes | None = None
-    track: tuple[int, int] = (-1, 0)
+    track: tuple[str, int, int] = ("", -1, 0)
     pose: tuple[float, float, float] | None = None
 
 
@@ -49,6 +50,7 @@ class Session:
         self.view = View()
         self._source, self._catalog, self._pictures = source, catalog, pictures
         self._watch: Watch | None = None
+        self._run_id: str | None = None
         self._sent = _Sent()
         self._sent_graph: tuple[str, tuple[str, ...]] | None = None
 
@@ -64,9 +66,9 @@ class Session:
         view, about, moment, world, picture = self.view, None, None, None, None
         with self._source.lock:
             watch = self._source.watch
-            if watch is not self._watch:
-                self._watch, self._sent = watch, _Sent()
             run_id = watch.announcements.shown(view.run_id, watch.clock())
+            if watch is not self._watch or run_id != self._run_id:
+                self._watch, self._run_id, self._sent = watch, run_id, _Sent()
             if run_id is not None:
                 about = watch.announcements.runs[run_id].about
             if (now_s := time.monotonic()) >= self._sent.state_due_s:
@@ -77,10 +79,10 @@ class Session:
                 if (wanted := (channel.count if channel else 0, view)) != self._sent.details:
                     self._sent.details = wanted
                     update["details"] = self._head(view.channel, channel)
-                    moment = self._moment(watch, channel)
+                    moment = self._moment(watch, channel, run_id)
             if view.with_map:
-                world = watch.channels[watch.map_channel].newest if watch.map_channel in watch.channels else None
-                update |= self._track(watch)
+                world = newest_map(watch.channels_of(run_id).values())
+                update |= self._track(watch.track_of(run_id))
         if about is not None and (about.graph_yaml, about.channels) != self._sent_graph:
             update["graph"] = self._graph(about)
         if world is not None and world.data != self._sent.world:
@@ -114,12 +116,12 @@ class Session:
             self._sent.channel, self._sent.point = name, 0
         return {"channel": name, "missing": missing, "reset": is_new}
 
-    def _moment(self, watch: Watch, channel: WatchedChannel | None) -> Moment | None:
+    def _moment(self, watch: Watch, channel: WatchedChannel | None, run_id: str | None) -> Moment | None:
         """Return the current messages of the open channel."""
         if channel is None:
             return None
         after, self._sent.point = self._sent.point, channel.count
-        return moment_of(watch, channel, after)
+        return moment_of(watch, channel, run_id, after)
 
     def _open(self, moment: Moment, details: Update, view: View) -> bytes | None:
         """Add the fields of the newest message to ``details`` and return its picture."""
@@ -137,11 +139,11 @@ class Session:
             details["no_picture"] = str(error)
             return None
 
-    def _track(self, watch: Watch) -> Update:
+    def _track(self, track: RobotTrack) -> Update:
         """Return the robot's pose and the new points of its path, empty if unchanged."""
-        track, sent = watch.track, self._sent
-        n_sent = sent.track[1] if sent.track[0] == track.generation else 0
-        now = (track.generation, len(track.points_m))
+        sent = self._sent
+        n_sent = sent.track[2] if sent.track[:2] == (track.channel, track.generation) else 0
+        now = (track.channel, track.generation, len(track.points_m))
         if track.pose is None or (now == sent.track and track.pose == sent.pose):
             return {}
         sent.track, sent.pose = now, track.pose

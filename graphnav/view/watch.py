@@ -26,6 +26,7 @@ _MAX_MESSAGE_BYTES = 16 << 20
 _MAX_KEPT_BYTES = 64 << 20
 _MAX_STAMPS = 256
 _MAX_RUNS = 16
+_MAX_TRACKS = 64
 _MAX_STATUS_BYTES = 1 << 18
 _HEALTH = (graphnav_lcm.status_t, graphnav_lcm.guard_state_t)
 
@@ -44,8 +45,7 @@ class Watch:
         self.count = self.undecodable = self.untracked = 0
         self.health = Health(clock)
         self.announcements = Announcements()
-        self.track = RobotTrack()
-        self.map_channel: str | None = None
+        self._tracks: dict[str, RobotTrack] = {}
         self._announced: set[str] = set()
         self._kinds = Kinds()
         self._first_s: OrderedDict[int, float] = OrderedDict()
@@ -73,22 +73,35 @@ class Watch:
             channel.add_latency(self._latency_s(utime, received.at_s))
         self._use(received, kind)
 
+    def channels_of(self, run_id: str | None) -> dict[str, WatchedChannel]:
+        """Return the channels of a run and those that no run has announced, such as a camera's; None: all channels."""
+        runs = self.announcements.runs
+        if run_id is None:
+            return self.channels
+        foreign = {name for other, one in runs.items() if other != run_id for name in one.about.channels}
+        foreign -= {*runs[run_id].about.channels}
+        return {name: channel for name, channel in self.channels.items() if name not in foreign}
+
+    def track_of(self, run_id: str | None) -> RobotTrack:
+        """Return the path of a run's robot: true states if available, else odometry; the first of several channels."""
+        shown = self.channels_of(run_id)
+        tracks = (track for channel, track in self._tracks.items() if channel in shown)
+        return max(tracks, key=lambda track: track.rank, default=RobotTrack())
+
     def has_poses(self, data: bytes) -> bool:
         """Whether a message is a pose of the robot's path."""
         kind = self._kinds.of(data)
-        return kind is not None and self.track.follows(kind)
+        return kind is not None and RobotTrack.follows(kind)
 
     def _use(self, received: Received, kind: Kind) -> None:
-        """Process messages that are always shown: health of runs and guards, the robot's pose, the map."""
+        """Process messages that are always shown: health of runs and guards, the robot's pose."""
         if kind.lcm_class in _HEALTH and len(received.data) <= _MAX_STATUS_BYTES:
             self.health.receive(received)
             runs = self.health.runs
             while len(runs) > _MAX_RUNS:
                 del runs[min(runs, key=lambda run_id: runs[run_id].received_s)]
-        elif kind.lcm_class is graphnav_lcm.map_t:
-            self.map_channel = received.channel
-        else:
-            self.track.receive(received, kind)
+        elif RobotTrack.follows(kind) and (received.channel in self._tracks or len(self._tracks) < _MAX_TRACKS):
+            self._tracks.setdefault(received.channel, RobotTrack(received.channel)).receive(received, kind)
 
     def _expect(self, about: About) -> None:
         """Register the channels announced by a run, with their types."""
@@ -119,6 +132,7 @@ class Watch:
         for name in [
             n for n, c in self.channels.items() if now_s - c.received_s > _FORGET_S and n not in self._announced
         ]:
+            self._tracks.pop(name, None)
             newest = self.channels.pop(name).newest
             self._kept_bytes -= len(newest.data) if newest else 0
 

@@ -25,8 +25,11 @@ Serve = Callable[[Path | str], Served]
 class Run:
     """A run that publishes when it is told to."""
 
-    def __init__(self, url: str, run_id: str) -> None:
-        self._about = replace(about(), run_id=run_id)
+    def __init__(self, url: str, run_id: str, prefix: str = "") -> None:
+        announced = about()
+        channels = tuple(prefix + channel for channel in announced.channels)
+        self._about = replace(announced, run_id=run_id, channels=channels)
+        self._prefix = prefix
         self._bus = Bus(url)
         self._k = 0
 
@@ -34,7 +37,7 @@ class Run:
         """Publish a frame."""
         self._bus.publish(ABOUT, encode(self._about, 0, self._k))
         for channel, message in frame_of(self._k).items():
-            self._bus.publish(channel, encode(message, self._k * 100_000, self._k))
+            self._bus.publish(self._prefix + channel, encode(message, self._k * 100_000, self._k))
         self._k += 1
 
     def close(self) -> None:
@@ -66,6 +69,29 @@ def test_a_page_waits_for_a_run_and_survives_its_restart(page: Page, group: str)
         page.until(received)
         run.close()
     assert page.channel("control.twist")["lost"] == 0
+
+
+def test_only_the_selected_run_of_two_is_shown(page: Page, group: str) -> None:
+    runs, other = {run_id: Run(group, run_id, f"{run_id}.") for run_id in ("left", "right")}, Bus(group)
+    for run_id in ("left", "right", "left"):
+        page.say(kind="view", run=run_id, channel=f"{run_id}.plane.plane", map=True)
+
+        def received(known: dict[str, Any], run_id: str = run_id) -> bool:
+            for run in runs.values():
+                run.tick()
+            other.publish("CAMERA", encode(frame_of(1)["robot.image"], 0, 0))
+            return bool(
+                known["state"]["run_id"] == run_id
+                and page.channel("CAMERA").get("count")
+                and page.channel(f"{run_id}.plane.plane").get("count")
+                and known.get("track", {}).get("channel") == f"{run_id}.robot.state"
+            )
+
+        page.until(received)
+        names = {channel["name"] for channel in page.known["state"]["channels"]}
+        assert {name.split(".")[0] for name in names} == {run_id, "graphnav", "CAMERA"}
+    for one in (*runs.values(), other):
+        one.close()
 
 
 def test_packets_that_the_kernel_drops_are_told(page: Page, group: str) -> None:

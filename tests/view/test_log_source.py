@@ -10,6 +10,7 @@ import pytest
 
 from graphnav.record import LogWriter
 from graphnav.view import LogSource
+from graphnav.view.content.floor_map import newest_map
 
 from .drive import messages
 
@@ -100,8 +101,10 @@ def test_a_jump_far_ahead_still_knows_the_path_and_the_map(tmp_path: Path, log: 
         writer.write("late", 60_000_000, b"the end")
     source = LogSource(path)
     source.seek(60)
-    assert source.watch.map_channel == "robot.map"
-    assert len(source.watch.track.points_m) == 40
+    world, track = newest_map(source.watch.channels_of(None).values()), source.watch.track_of(None)
+    assert world is not None
+    assert world.channel == "robot.map"
+    assert len(track.points_m) == 40
     assert counts(source)["robot.image"] == 1, "older pictures are not needed"
     source.start()
     source.close()

@@ -151,6 +151,31 @@ def test_it_fits_the_window_and_can_be_read(page: Browser, width: int, dark: boo
         assert page.evaluate(f"contrast({selector!r})") >= 4.5, selector
 
 
+def test_labels_and_wires_of_six_outputs_do_not_cross(page: Browser) -> None:
+    page.resize(1280, 900)
+    labels = "all('.edge').flatMap((one) => [one.querySelector('.rate'), one.querySelector('.lost')])"
+    assert page.evaluate("""all('.edge[aria-label^="robot."]').length""") == 6
+    crossings = page.evaluate(f"""(() => {{
+      const boxes = {labels}.filter((node) => node.textContent).map((node) => node.getBBox());
+      const hits = boxes.filter((a) => boxes.some((b) => a !== b && a.x < b.x + b.width && b.x < a.x + a.width
+        && a.y + 3 < b.y + b.height && b.y + 3 < a.y + a.height));
+      const heights = all('.graph .wires .wire:not(.stub)').flatMap((wire) => {{
+        const start = wire.getPointAtLength(0);
+        return [15, 30, 45, 60].map((u) => wire.getPointAtLength(u).y - start.y);
+      }});
+      return [hits.length, Math.max(...heights.map(Math.abs))];
+    }})()""")
+    assert crossings == [0, 0]
+
+
+def test_targets_are_large_enough_for_fingers_on_a_phone(page: Browser) -> None:
+    page.resize(390, 844)
+    for selector in ("#timeline button", "#timeline select", "#time"):
+        assert min(page.evaluate(f"all('{selector}').map((node) => node.getBoundingClientRect().height)")) >= 44
+    for selector in (".edge rect", "#channels tbody tr"):
+        assert min(page.evaluate(f"all('{selector}').map((node) => node.getBoundingClientRect().height)")) >= 30
+
+
 def test_nothing_jumps_while_a_log_plays(page: Browser) -> None:
     page.evaluate("id('play').click()")
     page.wait_for("parseFloat(id('at').textContent) < 1")

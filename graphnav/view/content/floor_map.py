@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
+import graphnav_lcm
 import numpy as np
 
 from graphnav.codec import DecodeError, decode
 from graphnav.messages import Map
+from graphnav.spy import Received
+from graphnav.view.channel import WatchedChannel
 
 _MAX_VERTICES = 20_000
+
+
+def newest_map(channels: Iterable[WatchedChannel]) -> Received | None:
+    """Return the newest map message on some channels."""
+    maps = (one.newest for one in channels if one.newest and one.kind and one.kind.lcm_class is graphnav_lcm.map_t)
+    return max(maps, key=lambda received: received.at_s, default=None)
 
 
 def floor_map(data: bytes) -> dict[str, Any] | None:

@@ -8,9 +8,10 @@ from graphnav.render.boxes import Box
 from graphnav.render.geometry import PlacedBox, PlacedWire, Sizes, geometry_of
 from graphnav.view.content.announced_graph import AnnouncedGraph
 
-_SIZES = Sizes(char=7.2, min_chars=17, row=28.0, gap_x=88.0, foot=30.0)
+_SIZES = Sizes(char=7.2, min_chars=17, row=32.0, gap_x=96.0, lane=62.0, foot=30.0)
 _LABEL = 50.0
-"""Space for rate, latency and losses on every wire and after the last box, and for the step time in every box."""
+"""Space for rate, latency and losses on every wire, which runs straight below them, and after the last box; and for
+the step time in every box."""
 
 
 def layout_of(graph: AnnouncedGraph) -> dict[str, Any]:

@@ -29,8 +29,11 @@ class Moment:
     path_m: Doubles
 
 
-def moment_of(watch: Watch, channel: WatchedChannel, after: int) -> Moment | None:
-    """Return the messages of a channel, with the points after message ``after``; None if nothing can be shown."""
+def moment_of(watch: Watch, channel: WatchedChannel, run_id: str | None, after: int) -> Moment | None:
+    """Return the messages of a channel, with the points after message ``after``; None if nothing can be shown.
+
+    The others are those of the run ``run_id``.
+    """
     if channel.kind is None or channel.newest is None:
         return None
     points = [received for number, received in channel.history if number > after]
@@ -38,12 +41,12 @@ def moment_of(watch: Watch, channel: WatchedChannel, after: int) -> Moment | Non
         points = [channel.newest]
     stamp = _stamp(channel)
     others: dict[type, bytes] = {}
-    for other in watch.channels.values():
+    for other in watch.channels_of(run_id).values():
         if other.kind is None or other.newest is None:
             continue
         if other.kind.lcm_class not in others or _stamp(other) == stamp:
             others[other.kind.lcm_class] = other.newest.data
-    path_m = np.array(watch.track.points_m, np.float64).reshape(-1, 2)
+    path_m = np.array(watch.track_of(run_id).points_m, np.float64).reshape(-1, 2)
     return Moment(channel.kind, channel.newest, points, others, path_m)
 
 

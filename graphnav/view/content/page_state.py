@@ -13,17 +13,18 @@ _MAX_SHOWN_NAME = 200
 
 
 def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
-    """Return all counts, and the health of the run ``run_id`` and of all guards; the caller holds the source's lock."""
+    """Return all counts, and channels, guards and health of the run ``run_id``; the caller holds the source's lock."""
     watch = source.watch
     health = health_as_json(watch.health, source.name)
     now_s = watch.clock()
+    channels = watch.channels_of(run_id)
     return {
         "failure": source.failure,
         "run_id": run_id,
         "runs": list(watch.announcements.runs),
         "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),
-        "guards": health["guards"],
-        "channels": [channel_state(channel, now_s) for channel in watch.channels.values()],
+        "guards": [guard for guard in health["guards"] if guard["channel"] in channels],
+        "channels": [channel_state(channel, now_s) for channel in channels.values()],
         "messages": watch.count,
         "undecodable": watch.undecodable,
         "untracked": watch.untracked,

@@ -4,8 +4,7 @@ import { printable, setClass, setText, svg } from "./dom.js";
 import * as format from "./format.js";
 
 const HEAD = 36;
-// The minimum legible scale: narrow windows scroll.
-const MIN_SCALE = 0.76;
+// Narrow windows scroll: the minimum legible scale is --graph-scale of the style sheet.
 const MAX_SCALE = 1.15;
 
 export class Graph {
@@ -39,7 +38,7 @@ export class Graph {
     }
     root.append(...layout.boxes.map((box) => this.box(box)));
     root.append(...labels, ...layout.wires.map((wire) => this.reader(wire)));
-    root.style.minWidth = `${MIN_SCALE * layout.width}px`;
+    root.style.minWidth = `calc(var(--graph-scale) * ${layout.width}px)`;
     root.style.maxWidth = `${MAX_SCALE * layout.width}px`;
     this.holder.replaceChildren(root);
   }
@@ -62,7 +61,7 @@ export class Graph {
     const title = svg("title");
     const label = svg(
       "g", { class: "edge", tabindex: 0, role: "button" },
-      title, svg("rect", { class: "hit", x, y: port.y - 13, width: 84, height: 24 }),
+      title, svg("rect", { class: "hit", x, y: port.y - 16, width: 84, height: 32 }),
       svg("circle", { cx: x, cy: port.y, r: 3, fill: box.colour }), rate, lost,
     );
     const found = { names, label, wireGroup, rate, lost, title, ref: port.ref, name: names[0] };
@@ -109,9 +108,9 @@ export class Graph {
     return group;
   }
 
-  // Messages of a wire overtaken at a reader, at the arrow head.
+  // Messages of a wire overtaken at a reader, below the port's name.
   reader(wire) {
-    const text = svg("text", { class: "lost bad", x: wire.end[0] - 9, y: wire.end[1] - 5, "text-anchor": "end" });
+    const text = svg("text", { class: "lost bad", x: wire.end[0] + 9, y: wire.end[1] + 14 });
     this.readers.push({ name: wire.reader, text });
     return text;
   }
@@ -148,12 +147,14 @@ export class Graph {
     const drops = [channel?.count ? `${format.count(lost)} lost` : "not received"];
     if (rejected) drops.push(`${format.count(rejected)} rejected`);
     if (input?.fault) drops.push(input.fault);
+    const times = latencyMs == null ? [] : [format.milliseconds(latencyMs)];
     setText(port.rate, channel?.once ? "once" : format.rate(rateHz));
-    setText(port.lost, [latencyMs == null ? "" : format.milliseconds(latencyMs), ...drops].filter(Boolean).join(" · "));
+    // Only the worst fits between two boxes; the tooltip has all.
+    setText(port.lost, (drops.length > 1 ? drops.slice(-1) : [...times, ...drops]).join(" · "));
     setClass(port.lost, "bad", lost || rejected || input?.fault);
     setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
     for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
-    const label = `${printable(port.ref)}: ${port.rate.textContent}, ${port.lost.textContent}`;
+    const label = `${printable(port.ref)}: ${port.rate.textContent}, ${[...times, ...drops].join(" · ")}`;
     setText(port.title, label);
     if (port.label.getAttribute("aria-label") !== label) port.label.setAttribute("aria-label", label);
   }

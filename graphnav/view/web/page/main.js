@@ -55,10 +55,15 @@ function open(channel) {
 async function update(message, picture) {
   if (message.graph) drawGraph(message.graph);
   if (message.state) {
+    const isOtherRun = state !== null && state.run_id !== message.state.run_id;
     state = message.state;
     channels = new Map(state.channels.map((channel) => [channel.name, channel]));
     heading.update(state);
     if (state.log) timeline.update(state.log);
+    if (isOtherRun) {
+      floor.reset();
+      if (!channels.has(shown.channel)) shown.channel = null;
+    }
     if (shown.channel === null) openFirst();
     byId("channels-empty").hidden = channels.size > 0;
     refresh();
