@@ -17,6 +17,7 @@ from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened
 from graphnav.live.health.observer import Observer
+from graphnav.live.health.status import Losses
 from graphnav.live.health.watchdog import Watchdog
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.playback import Playback
@@ -147,7 +148,11 @@ class _LiveRun:
         self._runner.log_to(sinks, writer if keep is None else None)
         if tap is not None:
             cleanup.callback(tap.close)
-        self._observer = Observer(self._runner, run_id, lambda: (tap.dropped if tap else 0, writer.dropped), notice)
+
+        def losses() -> Losses:
+            return Losses(tap.dropped if tap else 0, writer.dropped, writer.fault)
+
+        self._observer = Observer(self._runner, run_id, losses, notice)
         self.is_begun = True
 
     def perform(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:

@@ -74,9 +74,9 @@ class AboutFirst:
             self._release()
         self._log.flush()
 
-    def resume(self) -> None:
-        """Accept events again after a write error."""
-        self._log.resume()
+    def resume(self, room_bytes: int = 0) -> None:
+        """Accept events again after a write error; raises LogError if the disk has not ``room_bytes`` for more."""
+        self._log.resume(room_bytes)
 
     def close(self) -> None:
         """Write the events held back, flush and close."""

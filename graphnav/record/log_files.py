@@ -94,9 +94,9 @@ class LogFiles:
             self._check_quota(self._quota_bytes)
         self._log.flush()
 
-    def resume(self) -> None:
-        """Accept events again after a write error."""
-        self._log.resume()
+    def resume(self, room_bytes: int = 0) -> None:
+        """Accept events again after a write error; raises LogError if the disk has not ``room_bytes`` for more."""
+        self._log.resume(room_bytes)
         if self._log.n_events == 0:  # the copy of the description was lost, too
             self._n_copies = 0
             if self._about and self._number:

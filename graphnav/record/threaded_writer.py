@@ -24,9 +24,11 @@ _EVENT_BYTES = 200
 _IDLE_S = 0.5
 _GATHER_S = 0.01
 """Events within this time wake the thread once, which saves context switches."""
-_RETRY_S, _MAX_RETRY_S = 1.0, 30.0
+_RETRY_S, _MAX_RETRY_S = 1.0, 8.0
 """After a write error the disk is tried again this often; less often each time that it refuses within `_STEADY_S`."""
 _STEADY_S = 5.0
+_ROOM_BYTES = 1 << 20
+"""The recording goes on when the disk has room for this much: a few free bytes would end it at once again."""
 _CLOSE_S = 5.0
 
 
@@ -51,8 +53,8 @@ class Log(Protocol):
     def flush(self) -> None:
         """Hand all events to the kernel; called periodically while the queue is empty."""
 
-    def resume(self) -> None:
-        """Accept events again after an error."""
+    def resume(self, room_bytes: int = 0) -> None:
+        """Accept events again after an error; raises LogError if the disk has not ``room_bytes`` for more."""
 
     def close(self) -> None:
         """Flush and close."""
@@ -67,8 +69,12 @@ class LogGap(NamedTuple):
 
 
 class _Pause(NamedTuple):
-    """Why events are dropped at present; the timestamps of the last event in the log and of the last one dropped."""
+    """Why events are dropped at present; the timestamps of the last event in the log and of the last one dropped.
 
+    ``failure`` names the log, ``reason`` is what the system says.
+    """
+
+    failure: str
     reason: str
     from_us: int
     until_us: int
@@ -121,6 +127,12 @@ class ThreadedLogWriter:
         return self._refused + self._lost
 
     @property
+    def fault(self) -> str:
+        """Why events are not recorded at present, empty if they are."""
+        pause = self._pause
+        return self.failure or ("" if pause is None else pause.reason)
+
+    @property
     def n_events(self) -> int:
         """The number of events in the log, including unflushed ones."""
         return self._log.n_events
@@ -160,7 +172,7 @@ class ThreadedLogWriter:
                 while (events := self._next()) is not None:
                     self._write_all(events)
                 if self._pause is not None and not self._resumes(self._pause.until_us):
-                    self._fail(self._pause.reason)
+                    self._fail(self._pause.failure)
             finally:
                 self._log.close()
         except (LogError, OSError) as error:
@@ -196,9 +208,11 @@ class ThreadedLogWriter:
                     with self._changed:
                         self._queued_bytes -= len(data) + _EVENT_BYTES
         except (LogError, OSError) as error:
-            if not isinstance(error, OSError) and not isinstance(error.__cause__, OSError):
+            cause = error if isinstance(error, OSError) else error.__cause__
+            if not isinstance(cause, OSError):
                 raise
-            self._begin_pause(str(error), events[n_done][1] if events else 0)
+            reason = cause.strerror or str(cause)
+            self._begin_pause(str(error), reason, events[n_done][1] if events else 0)
         rest = events[n_done:]
         with self._changed:
             self._taken += len(events)
@@ -207,15 +221,15 @@ class ThreadedLogWriter:
         if rest and self._pause is not None:
             self._pause = self._pause._replace(until_us=rest[-1][1])
 
-    def _begin_pause(self, reason: str, utime: int) -> None:
+    def _begin_pause(self, failure: str, reason: str, utime: int) -> None:
         """Begin to drop events, from one with this timestamp on."""
         now_s = time.monotonic()
         is_again = now_s - self._resumed_s < _STEADY_S
         self._wait_s = min(2 * self._wait_s, _MAX_RETRY_S) if is_again else _RETRY_S
         self._retry_s = now_s + self._wait_s
         last_us = self._log.last_us
-        self._pause = _Pause(reason, utime if last_us is None else last_us, utime)
-        self._notice(f"{reason}; messages are dropped until the disk takes them")
+        self._pause = _Pause(failure, reason, utime if last_us is None else last_us, utime)
+        self._notice(f"{failure}; messages are dropped until the disk takes them")
 
     def _resumes(self, utime: int) -> bool:
         """Whether the disk takes events again, from one with this timestamp on; the log then tells what is missing."""
@@ -225,7 +239,7 @@ class ThreadedLogWriter:
         self._retry_s = now_s + self._wait_s
         gap = LogGap(pause.from_us, utime, self._lost - self._told)
         try:
-            self._log.resume()
+            self._log.resume(0 if self._is_closing else _ROOM_BYTES)
             told = Gap(from_us=gap.from_us, n_messages=gap.n_messages, reason=pause.reason)
             self._log.write(GAP, utime, encode(told, utime, len(self.gaps)))
             self._log.flush()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import time
 from pathlib import Path
@@ -74,8 +75,13 @@ class LogWriter:
             self._failure = self._cut(waiting, error)
             raise self._failure from error
 
-    def resume(self) -> None:
-        """Accept events again after a write error."""
+    def resume(self, room_bytes: int = 0) -> None:
+        """Accept events again after a write error; raises LogError if the disk has not ``room_bytes`` for more."""
+        if room_bytes:
+            try:
+                self._reserve(room_bytes)
+            except OSError as error:
+                raise self._cut([], error) from error
         self._failure = None
         self._waiting, self._waiting_bytes = [], 0
 
@@ -109,6 +115,15 @@ class LogWriter:
                 rest = rest[os.write(self._fd, rest) :]
         self._complete_bytes += total
         self._complete_us = self.last_us
+
+    def _reserve(self, n_bytes: int) -> None:
+        """Allocate this much behind the log, and give it back; raises OSError if the disk refuses it."""
+        try:
+            os.posix_fallocate(self._fd, self._complete_bytes, n_bytes)
+        except OSError as error:
+            if error.errno not in {errno.EOPNOTSUPP, errno.EINVAL}:  # a file system that cannot tell
+                raise
+        os.ftruncate(self._fd, self._complete_bytes)
 
     def _cut(self, buffers: list[bytes], error: OSError) -> LogError:
         """Cut the file after the last complete event and return the error message."""

@@ -42,6 +42,7 @@ class LockstepStatus:
             memory_mb=memory_mb(),
             tap_dropped=self._dropped(),
             log_dropped=0,
+            log_fault="",
             stages=stage_statuses(self._runner.units, self._rates, elapsed_s),
             inputs=(),
             outputs=(),

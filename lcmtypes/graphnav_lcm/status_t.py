@@ -11,11 +11,11 @@ import graphnav_lcm
 
 class status_t(object):
 
-    __slots__ = ["utime", "seq", "run_id", "graph", "live", "wall_s", "run_s", "behind_s", "memory_mb", "tap_dropped", "log_dropped", "n_stages", "stages", "n_inputs", "inputs", "n_outputs", "outputs", "n_edges", "edges"]
+    __slots__ = ["utime", "seq", "run_id", "graph", "live", "wall_s", "run_s", "behind_s", "memory_mb", "tap_dropped", "log_dropped", "log_fault", "n_stages", "stages", "n_inputs", "inputs", "n_outputs", "outputs", "n_edges", "edges"]
 
-    __typenames__ = ["int64_t", "int64_t", "string", "string", "boolean", "double", "double", "double", "double", "int64_t", "int64_t", "int32_t", "graphnav_lcm.stage_status_t", "int32_t", "graphnav_lcm.input_status_t", "int32_t", "graphnav_lcm.output_status_t", "int32_t", "graphnav_lcm.edge_status_t"]
+    __typenames__ = ["int64_t", "int64_t", "string", "string", "boolean", "double", "double", "double", "double", "int64_t", "int64_t", "string", "int32_t", "graphnav_lcm.stage_status_t", "int32_t", "graphnav_lcm.input_status_t", "int32_t", "graphnav_lcm.output_status_t", "int32_t", "graphnav_lcm.edge_status_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, ["n_stages"], None, ["n_inputs"], None, ["n_outputs"], None, ["n_edges"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, ["n_stages"], None, ["n_inputs"], None, ["n_outputs"], None, ["n_edges"]]
 
     def __init__(self):
         self.utime = 0
@@ -64,6 +64,12 @@ class status_t(object):
         """ LCM Type: int64_t """
         self.log_dropped = 0
         """ LCM Type: int64_t """
+        self.log_fault = ""
+        """
+        Why messages are not recorded at present, such as a full disk; empty if they are.
+        LCM Type: string
+        """
+
         self.n_stages = 0
         """ LCM Type: int32_t """
         self.stages = []
@@ -101,7 +107,12 @@ class status_t(object):
         buf.write(struct.pack('>I', len(__graph_encoded)+1))
         buf.write(__graph_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">bddddqqi", self.live, self.wall_s, self.run_s, self.behind_s, self.memory_mb, self.tap_dropped, self.log_dropped, self.n_stages))
+        buf.write(struct.pack(">bddddqq", self.live, self.wall_s, self.run_s, self.behind_s, self.memory_mb, self.tap_dropped, self.log_dropped))
+        __log_fault_encoded = self.log_fault.encode('utf-8')
+        buf.write(struct.pack('>I', len(__log_fault_encoded)+1))
+        buf.write(__log_fault_encoded)
+        buf.write(b"\0")
+        buf.write(struct.pack(">i", self.n_stages))
         for i0 in range(self.n_stages):
             assert self.stages[i0]._get_packed_fingerprint() == graphnav_lcm.stage_status_t._get_packed_fingerprint()
             self.stages[i0]._encode_one(buf)
@@ -137,7 +148,10 @@ class status_t(object):
         __graph_len = struct.unpack('>I', buf.read(4))[0]
         self.graph = buf.read(__graph_len)[:-1].decode('utf-8', 'replace')
         self.live = bool(struct.unpack('b', buf.read(1))[0])
-        self.wall_s, self.run_s, self.behind_s, self.memory_mb, self.tap_dropped, self.log_dropped, self.n_stages = struct.unpack(">ddddqqi", buf.read(52))
+        self.wall_s, self.run_s, self.behind_s, self.memory_mb, self.tap_dropped, self.log_dropped = struct.unpack(">ddddqq", buf.read(48))
+        __log_fault_len = struct.unpack('>I', buf.read(4))[0]
+        self.log_fault = buf.read(__log_fault_len)[:-1].decode('utf-8', 'replace')
+        self.n_stages = struct.unpack(">i", buf.read(4))[0]
         self.stages = []
         for i0 in range(self.n_stages):
             self.stages.append(graphnav_lcm.stage_status_t._decode_one(buf))
@@ -159,7 +173,7 @@ class status_t(object):
     def _get_hash_recursive(parents):
         if status_t in parents: return 0
         newparents = parents + [status_t]
-        tmphash = (0xfadc1e7fbc2e7e46+ graphnav_lcm.stage_status_t._get_hash_recursive(newparents)+ graphnav_lcm.input_status_t._get_hash_recursive(newparents)+ graphnav_lcm.output_status_t._get_hash_recursive(newparents)+ graphnav_lcm.edge_status_t._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0xe267fa641ac4f383+ graphnav_lcm.stage_status_t._get_hash_recursive(newparents)+ graphnav_lcm.input_status_t._get_hash_recursive(newparents)+ graphnav_lcm.output_status_t._get_hash_recursive(newparents)+ graphnav_lcm.edge_status_t._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -179,6 +181,58 @@ def test_once_the_disk_has_room_the_recording_goes_on_and_tells_the_gap(
                 assert gaps == []
     assert found == kept
     assert notices[1] == f"{tmp_path / 'log'}: recording again; 11 messages of 0.0 s are missing"
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """Return a disk of 4 MB; skip where none can be mounted."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=4m", "graphnav", folder], check=False, capture_output=True
+    )
+    if mounted.returncode != 0:
+        pytest.skip(f"cannot mount a tmpfs: {mounted.stderr.decode()}")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", folder], check=True)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root mounts a disk")
+def test_a_few_free_bytes_do_not_resume_a_recording(small_disk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(threaded_writer, "_RETRY_S", 0.0)
+    notices: list[str] = []
+    path = small_disk / "run.lcmlog"
+    fill = small_disk / "fill"
+    fill.write_bytes(bytes(3 << 20))
+    log = ThreadedLogWriter(path, notice=notices.append)
+    for k in range(2000):
+        log.write("x", k, bytes(1000))
+    wait_until(lambda: log.fault != "")
+    assert log.fault == "No space left on device"
+    with fill.open("r+b") as file:
+        file.truncate((3 << 20) - 100_000)
+    n_events = log.n_events
+    for k in range(2000, 2010):
+        n_dropped = log.dropped
+        log.write("x", k, bytes(1000))
+        wait_until(lambda n_dropped=n_dropped: log.dropped > n_dropped)
+    assert (log.n_events, log.gaps, len(notices)) == (n_events, [], 1)
+    fill.unlink()
+    k = 2010
+    while log.fault:
+        log.write("x", k, bytes(1000))
+        wait_until(lambda k=k: log.n_events - len(log.gaps) + log.dropped == k + 1)
+        k += 1
+    log.close()
+    assert (log.failure, len(log.gaps), len(notices)) == ("", 1, 2)
+    with Recording(path) as recording:
+        assert (recording.truncated, recording.damaged) == (None, [])
+        (gap,) = (message for _, _, message in recording.messages(GAP))
+        assert isinstance(gap, Gap)
+        assert gap.reason == "No space left on device"
+        assert len(recording.utimes("x")) + gap.n_messages == k
 
 
 def test_a_disk_that_is_full_from_the_start_is_told_when_it_is_closed() -> None:

@@ -76,6 +76,7 @@ STATUS = Status(
     memory_mb=151.6,
     tap_dropped=1,
     log_dropped=2,
+    log_fault="",
     stages=(STAGE,),
     inputs=(INPUT,),
     outputs=(OUTPUT,),
@@ -132,6 +133,14 @@ def test_a_person_reads_all_of_a_status() -> None:
         "flow flow.dis 10.0 Hz 12.2 ms 31.5 ms 80 ms 3 7",
         "overtaken on edges: plane.flow 4",
     ]
+
+
+def test_a_log_that_takes_nothing_is_told() -> None:
+    health = Health(lambda: 10.5)
+    health.receive(Received("graphnav.status", encode(replace(STATUS, log_fault="No space\x1b left"), 0, 0), 10.0))
+    lines = text_of(health).splitlines()
+    assert lines[0].startswith("run run-a  robot  live, ")
+    assert lines[1] == "not recording: No space\\x1b left"
 
 
 def test_80_columns_and_24_lines_show_what_matters_most() -> None:

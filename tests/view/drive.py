@@ -74,6 +74,7 @@ def status(k: int) -> Status:
         memory_mb=151.0,
         tap_dropped=0,
         log_dropped=0,
+        log_fault="",
         stages=tuple(
             {
                 "name": name,

@@ -8,7 +8,7 @@ from graphnav.codec import encode
 from graphnav.live.health.alarms import Alarms
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
-from graphnav.live.health.status import StatusReporter
+from graphnav.live.health.status import Losses, StatusReporter
 from graphnav.live.inputs.receiver import Receiver
 from graphnav.live.live_runner import LiveRunner
 from graphnav.runner.lockstep_status import STATUS
@@ -20,12 +20,12 @@ _MAX_TOLD = 100
 class Observer:
     """Publishes ``graphnav.status`` once a second and reports through ``notice`` what is late, lost or hangs.
 
-    ``dropped`` returns the messages dropped by the tap and the log. ``told``: the first 100 notices. ``traffic`` counts
+    ``losses`` returns what the tap and the log lose. ``told``: the first 100 notices. ``traffic`` counts
     the messages on the motor channels. ``receiver`` is set when it listens. ``status``: the newest status.
     """
 
     def __init__(
-        self, runner: LiveRunner, run_id: str, dropped: Callable[[], tuple[int, int]], notice: Callable[[str], None]
+        self, runner: LiveRunner, run_id: str, losses: Callable[[], Losses], notice: Callable[[str], None]
     ) -> None:
         self.told: list[str] = []
         self.traffic = MotorTraffic()
@@ -33,7 +33,7 @@ class Observer:
         self.receiver: Receiver | None = None
         clocks = Clocks(runner)
         self._alarms = Alarms(runner, self.traffic, clocks)
-        self._reporter = StatusReporter(runner, run_id, dropped, self.traffic, clocks)
+        self._reporter = StatusReporter(runner, run_id, losses, self.traffic, clocks)
         self.status = self._reporter.make()
 
     def tell(self, line: str) -> None:

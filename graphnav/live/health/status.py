@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
@@ -18,21 +18,29 @@ _RECENT_S = 3.0
 """The age up to which the detail of a rejection is shown."""
 
 
+class Losses(NamedTuple):
+    """Messages dropped by the tap and the log, and why the log takes none at present."""
+
+    tap_dropped: int
+    log_dropped: int
+    log_fault: str
+
+
 class StatusReporter:
-    """Builds a status once a second; ``dropped`` returns the messages dropped by the tap and the log."""
+    """Builds a status once a second; ``losses`` returns what the tap and the log lose."""
 
     def __init__(
         self,
         runner: LiveRunner,
         run_id: str,
-        dropped: Callable[[], tuple[int, int]],
+        losses: Callable[[], Losses],
         traffic: MotorTraffic,
         clocks: Clocks,
     ) -> None:
-        self._runner, self._run_id, self._dropped, self._traffic, self._clocks = (
+        self._runner, self._run_id, self._losses, self._traffic, self._clocks = (
             runner,
             run_id,
-            dropped,
+            losses,
             traffic,
             clocks,
         )
@@ -51,7 +59,7 @@ class StatusReporter:
         elapsed_s = max(now_s - self._last_s, 1e-6)
         self._last_s, self._due_s = now_s, now_s + _PERIOD_S
         overtaken = self._runner.overtaken()
-        tap_dropped, log_dropped = self._dropped()
+        losses = self._losses()
         return Status(
             run_id=self._run_id,
             graph=self._runner.graph.path.stem,
@@ -60,8 +68,9 @@ class StatusReporter:
             run_s=clock.run_s(),
             behind_s=self._runner.behind_s(now_s),
             memory_mb=memory_mb(),
-            tap_dropped=tap_dropped,
-            log_dropped=log_dropped,
+            tap_dropped=losses.tap_dropped,
+            log_dropped=losses.log_dropped,
+            log_fault=losses.log_fault,
             stages=stage_statuses(self._runner.units, self._rates, elapsed_s),
             inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._runner.intakes.values()),
             outputs=tuple(_output(one, self._traffic) for one in self._runner.outlets.values()),

@@ -58,6 +58,8 @@ def _run(health: Health, run: RunHealth, width_cols: int) -> Iterator[Renderable
         yield heading
         return
     yield heading.append(f"  {_clock(status)}")
+    if status.log_fault:
+        yield Text(f"not recording: {shown_name(status.log_fault)}", "bold red")
     if silent_s <= _FORGET_S:
         yield from _tables(status, "dim" if health.is_silent(run) else "", width_cols)
 

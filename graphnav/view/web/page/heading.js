@@ -73,6 +73,7 @@ function notices(state) {
   if (state.failure) found.push([state.failure, true]);
   if (state.log?.damage) found.push([`the log is damaged: ${state.log.damage}`, true]);
   if (state.run?.silent) found.push([`no status of the run for ${format.seconds(state.run.silent_s)}`, true]);
+  if (state.run?.status?.log_fault) found.push([`not recording: ${state.run.status.log_fault}`, true]);
   if (state.untracked) found.push([`${format.count(state.untracked)} messages on further channels are not shown`, true]);
   if (state.dropped_packets) found.push([`${format.count(state.dropped_packets)} packets dropped by the kernel`, true]);
   if (state.refused) found.push([`${format.count(state.refused)} announcements cannot be read`, true]);
