@@ -35,6 +35,7 @@ examples:
   graphnav record udpm://239.255.1.1:7667 --split 1GB --rotate 10 --quota 5GB
 
 graphnav.about, the description of a run, is always recorded, as the first message, whatever the filters are.
+The definitions of the types of --types are added to it, so that the log decodes alone.
 lcm-logplayer and 'graphnav play' play the log. Ctrl-C, SIGTERM and SIGHUP end the recording.
 """
 
@@ -65,12 +66,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.cli.record_summary import print_recorded
+    from graphnav.codec import lcm_text_of
     from graphnav.lcm_url import lcm_url
     from graphnav.notices import print_notice
     from graphnav.recorder import buffer_notice
     from graphnav.runner.interrupt import Interrupt
 
-    load_types_of(args)
+    types = load_types_of(args)
     if args.rotate is not None and args.split is None:
         raise UserError.of("only one file is written", "add --split SIZE, or remove it", Place("--rotate"))
     path = args.path or Path(f"record-{datetime.now(UTC).astimezone():%Y%m%d-%H%M%S}.lcmlog")
@@ -78,7 +80,7 @@ def main(args: argparse.Namespace) -> int:
     if notice := buffer_notice(url):
         print_notice(notice)
     with Interrupt() as interrupt:
-        recorder = _opened(args, url, path)
+        recorder = _opened(args, url, path, lcm_text_of(types.values()))
         print(f"recording to {recorder.files.paths[0]}; Ctrl-C ends it\n  from {url}", flush=True)
         recorder.start()
         try:
@@ -90,7 +92,7 @@ def main(args: argparse.Namespace) -> int:
     return FAILED if recorder.failure else OK
 
 
-def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
+def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) -> Recorder:
     """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
     from graphnav.notices import print_notice
     from graphnav.record.find_log import files_of
@@ -106,7 +108,12 @@ def _opened(args: argparse.Namespace, url: str, path: Path) -> Recorder:
         for old in existing if args.split is not None else []:
             old.unlink()
         return Recorder(
-            url, path, channels, lambda first: LogFiles(first, args.split, args.rotate, args.quota), print_notice
+            url,
+            path,
+            channels,
+            lambda first: LogFiles(first, args.split, args.rotate, args.quota),
+            print_notice,
+            definitions,
         )
     except OSError as error:
         raise UserError.of(f"cannot write {path}: {error.strerror}", "name another file", Place("-o")) from error

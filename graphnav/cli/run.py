@@ -126,7 +126,8 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
-    """Draw the pictures of a run; return the files of its folder as they are listed, the log with its size."""
+    """Draw the pictures of a run; return the files of its folder as they are listed, logs with their sizes."""
+    from graphnav.record.find_log import parts_of
     from graphnav.report.pictures import draw_all
     from graphnav.run_folder import GRAPH, LOG
     from graphnav.runner.recording.log_forecast import size_text
@@ -143,11 +144,13 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
             report = FailureReport(args)
             report(error)
             report.print(f"not drawn: {error}")
+            files += [path.name for path in parts_of(folder / LOG)]
             pictures = sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)
         except KeyboardInterrupt:
             print(f"some pictures were not drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
             raise
-    return [f"{LOG} ({size_text((folder / LOG).stat().st_size)})", GRAPH, SUMMARY, *pictures]
+    logs = [f"{path.name} ({size_text(path.stat().st_size)})" for path in parts_of(folder / LOG)]
+    return [*logs, GRAPH, SUMMARY, *pictures]
 
 
 def _listing(folder: Path, files: list[str], width: int | None) -> str:

@@ -27,9 +27,9 @@ class About(Message, lcm=graphnav_lcm.about_t):
 class Status(Message, lcm=graphnav_lcm.status_t):
     """The health of a run, once a second.
 
-    ``behind_s``: how far the run is behind the wall clock. ``log_fault``: why messages are not recorded at present, empty
-    if they are. ``stages``, ``inputs``, ``outputs``, ``edges``: one mapping
-    each, with the fields of ``stage_status_t``, ``input_status_t``, ``output_status_t`` and ``edge_status_t``.
+    ``behind_s``: how far the run is behind the wall clock. ``log_fault``: why messages are not recorded at present,
+    empty if they are. ``stages``, ``inputs``, ``outputs``, ``edges``: one mapping each, with the fields of
+    ``stage_status_t``, ``input_status_t``, ``output_status_t`` and ``edge_status_t``.
     """
 
     run_id: str

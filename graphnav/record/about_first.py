@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
-from graphnav.codec import fingerprint
+from graphnav.codec import DecodeError, decode, encode, fingerprint
 from graphnav.messages import About
 from graphnav.record.event import Event
 from graphnav.record.recording import ABOUT
@@ -27,10 +28,14 @@ class AboutFirst:
 
     Waits for the description for 1.2 s after the first event, or until 32 MB are held back. Without a description the
     events are written as they arrived.
+
+    ``definitions``: of types that the log should decode by itself; they are added to every description of a run.
+    Without one, the log begins with a description that holds nothing else.
     """
 
-    def __init__(self, log: Log, now_s: Callable[[], float] = time.monotonic) -> None:
-        self._log, self._now_s = log, now_s
+    def __init__(self, log: Log, now_s: Callable[[], float] = time.monotonic, definitions: str = "") -> None:
+        self._log, self._now_s, self._definitions = log, now_s, definitions
+        self._n_added = 0
         self._held: list[Event] = []
         self._held_bytes = 0
         self._until_s = 0.0
@@ -39,7 +44,7 @@ class AboutFirst:
     @property
     def n_events(self) -> int:
         """The number of events, including those held back."""
-        return self._log.n_events + len(self._held)
+        return max(0, self._log.n_events - self._n_added) + len(self._held)
 
     @property
     def last_us(self) -> int | None:
@@ -55,6 +60,8 @@ class AboutFirst:
         """Append an event, or hold it back; raises LogError if the disk refuses it."""
         if self._held and self._now_s() >= self._until_s:
             self._release()
+        if self._definitions and is_about(channel, data):
+            data = self._defined(data)
         if not self._is_waiting:
             self._log.write(channel, utime, data)
         elif is_about(channel, data):
@@ -88,5 +95,17 @@ class AboutFirst:
     def _release(self) -> None:
         self._is_waiting = False
         held, self._held = self._held, []
+        if self._definitions and held and not is_about(held[0].channel, held[0].data):
+            self._n_added = 1
+            empty = About(graph_yaml="", lcm_text=self._definitions, run_id="", seed=0, channels=(), types=())
+            self._log.write(ABOUT, held[0].utime, encode(empty, held[0].utime, 0))
         for event in held:
             self._log.write(*event)
+
+    def _defined(self, data: bytes) -> bytes:
+        """Return a description of a run with the definitions of further types."""
+        try:
+            utime, seq, about = decode(About, data)
+        except DecodeError:
+            return data
+        return encode(replace(about, lcm_text="\n".join(filter(None, (about.lcm_text, self._definitions)))), utime, seq)

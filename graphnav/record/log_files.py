@@ -83,8 +83,8 @@ class LogFiles:
         if self._begin_us is None:
             self._begin_us = utime
         elif self._split is not None and self._is_full(self._split, utime, HEADER.size + len(channel) + len(data)):
-            self._begin_file(channel, utime)
-        if channel == ABOUT and is_about(channel, data):
+            self._begin_file(utime, is_description=is_about(channel, data))
+        if is_about(channel, data):
             self._about = data
         self._log.write(channel, utime, data)
 
@@ -114,7 +114,7 @@ class LogFiles:
             max_us is not None and utime - self._begin_us >= max_us
         )
 
-    def _begin_file(self, channel: str, utime: int) -> None:
+    def _begin_file(self, utime: int, *, is_description: bool) -> None:
         self._log.flush()
         path = numbered(self._path, self._number + 1)
         try:
@@ -127,7 +127,7 @@ class LogFiles:
         self._number += 1
         self.paths.append(path)
         self._begin_us = utime
-        if self._about and channel != ABOUT:
+        if self._about and not is_description:
             self._copy_about(utime)
         if self._rotate is not None:
             self._remove_oldest(self._rotate)

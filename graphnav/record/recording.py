@@ -6,6 +6,7 @@ import struct
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -83,8 +84,9 @@ class Recording:
         self._n_bytes = 0
         for part in parts_of(self.path) if content is None else [content]:
             self._add(LogFile(part), is_first=not self._files)
-        if self.about is not None and None in self.channels.values():
-            add_given_types(self.about.lcm_text)
+        if None in self.channels.values() and (texts := {about.lcm_text: None for about in self._abouts()}):
+            for text in texts:
+                add_given_types(text)
             del self.channels
 
     def _add(self, file: LogFile, *, is_first: bool) -> None:
@@ -115,13 +117,14 @@ class Recording:
 
     @cached_property
     def about(self) -> About | None:
-        """The description of the run: the first event of ``graphnav.about`` at any position, None without one."""
-        if not self.count(ABOUT):
-            return None
-        try:
-            return self._decoded(ABOUT, 0, About)[2]
-        except LogError:
-            return None
+        """The description of the run: the first one with a graph at any position, None without one."""
+        return next((about for about in self._abouts() if about.graph_yaml), None)
+
+    def _abouts(self) -> Iterator[About]:
+        """Yield what ``graphnav.about`` says; what cannot be read is left out."""
+        for index in range(self.count(ABOUT)):
+            with suppress(LogError):
+                yield self._decoded(ABOUT, index, About)[2]
 
     @cached_property
     def graph(self) -> dict[str, Any]:

@@ -19,8 +19,8 @@ class Recorder:
     """Records the messages received on ``url``, from `start` to `close`.
 
     Events are in order of arrival, stamped with wall time. ``filter`` selects the channels; descriptions of runs are
-    always recorded. ``open_files`` opens the log. ``notice`` is called from another thread if the disk fails;
-    ``failure`` then holds the reason.
+    always recorded. ``open_files`` opens the log, which gets ``definitions`` of types. ``notice`` is called from
+    another thread if the disk fails; ``failure`` then holds the reason.
 
     Raises BusError if LCM cannot be opened, OSError if the log cannot, LogError if the
     disk has less than its quota from the beginning.
@@ -33,6 +33,7 @@ class Recorder:
         channels: ChannelFilter,
         open_files: Callable[[Path], LogFiles] = LogFiles,
         notice: Callable[[str], None] = lambda _: None,
+        definitions: str = "",
     ) -> None:
         self.statistics = ReceiveStatistics()
         self._takes = channels.takes
@@ -42,7 +43,9 @@ class Recorder:
         except (LogError, OSError):
             self._listener.close()
             raise
-        self._log = ThreadedLogWriter(path, notice=notice, open_log=lambda _: AboutFirst(self.files))
+        self._log = ThreadedLogWriter(
+            path, notice=notice, open_log=lambda _: AboutFirst(self.files, definitions=definitions)
+        )
         self.unnamed = 0
         """Messages with an empty channel name, which cannot be logged."""
         self._is_closed = False

@@ -23,6 +23,7 @@ from graphnav.record import LogWriter
 from graphnav.typeinfo import definition_files, load_types
 
 from .conftest import TOOLS
+from .recording import GRAPHNAV, RecordProcess, events_of, wait_until
 
 
 @pytest.fixture
@@ -307,3 +308,23 @@ def test_a_damaged_definition_is_loaded_or_a_users_error(
         return
     for lcm_class in loaded.values():
         codec_of(lcm_class)
+
+
+def test_a_recording_with_types_decodes_where_they_are_not_installed(
+    group: str, tmp_path: Path, types: Path, mark: str
+) -> None:
+    generated(tmp_path / "python", types)
+    log = tmp_path / "log"
+    process = RecordProcess(group, log, "--types", str(types))
+    try:
+        process.publish_until_heard()
+        codec = codec_of(load_types([str(types)])[f"{mark}_base.pose_t"])
+        process.bus.publish("POSE", codec.encode(pose_of(mark)))
+        wait_until(lambda: any(event.channel == "POSE" for event in events_of(log)))
+        assert process.end()[0] == 0
+    finally:
+        process.close()
+    echo = [GRAPHNAV, "echo", "POSE", str(log)]
+    said = subprocess.run(echo, check=True, capture_output=True, text=True, timeout=60).stdout
+    assert said.startswith(f"POSE  {mark}_base.pose_t, ")
+    assert re.search(rf"^    {mark} +7$", said, re.MULTILINE)

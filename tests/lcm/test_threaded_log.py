@@ -214,17 +214,21 @@ def test_a_few_free_bytes_do_not_resume_a_recording(small_disk: Path, monkeypatc
     with fill.open("r+b") as file:
         file.truncate((3 << 20) - 100_000)
     n_events = log.n_events
-    for k in range(2000, 2010):
-        n_dropped = log.dropped
-        log.write("x", k, bytes(1000))
-        wait_until(lambda n_dropped=n_dropped: log.dropped > n_dropped)
+    n_given = 2000
+
+    def is_taken() -> bool:
+        return log.n_events - len(log.gaps) + log.dropped == n_given
+
+    while n_given < 2010:
+        log.write("x", n_given, bytes(1000))
+        n_given += 1
+        wait_until(is_taken)
     assert (log.n_events, log.gaps, len(notices)) == (n_events, [], 1)
     fill.unlink()
-    k = 2010
     while log.fault:
-        log.write("x", k, bytes(1000))
-        wait_until(lambda k=k: log.n_events - len(log.gaps) + log.dropped == k + 1)
-        k += 1
+        log.write("x", n_given, bytes(1000))
+        n_given += 1
+        wait_until(is_taken)
     log.close()
     assert (log.failure, len(log.gaps), len(notices)) == ("", 1, 2)
     with Recording(path) as recording:
@@ -232,7 +236,7 @@ def test_a_few_free_bytes_do_not_resume_a_recording(small_disk: Path, monkeypatc
         (gap,) = (message for _, _, message in recording.messages(GAP))
         assert isinstance(gap, Gap)
         assert gap.reason == "No space left on device"
-        assert len(recording.utimes("x")) + gap.n_messages == k
+        assert len(recording.utimes("x")) + gap.n_messages == n_given
 
 
 def test_a_disk_that_is_full_from_the_start_is_told_when_it_is_closed() -> None:

@@ -11,8 +11,12 @@ import pytest
 
 import graphnav
 from graphnav.cli import main
+from graphnav.cli.opened_log import complete
 from graphnav.record import LogWriter, Recording
 from graphnav.replay import completed_log
+from graphnav.spy import Feed
+from graphnav.view import LogSource
+from graphnav.view.content.page_state import state_of
 
 BEFORE = "run/run.lcmlog leaves out large messages: made again before\n"
 MADE = "run/run.lcmlog leaves out large messages: made again in "
@@ -75,6 +79,33 @@ def test_a_command_reads_what_a_full_log_holds(run: Run, capsys: Capture, words:
         assert told.err.count("\n") <= 1
     assert said[0] == said[1]
     assert files[0] == files[1]
+
+
+def test_the_page_of_view_gets_what_a_full_log_holds(run: Run) -> None:
+    shown = []
+    for option, folder in (("replayable", "run"), ("all", "full")):
+        run("--record", option, folder=folder)
+        feed = complete(Feed(folder))
+        source = LogSource(feed.path, feed.open_log())
+        newest = []
+        for at_s in (0.35, 1.0):
+            source.seek(at_s)
+            channels = source.watch.channels.items()
+            newest.append({name: one.newest and one.newest.data for name, one in channels})
+        shown.append((state_of(source, None), newest))
+        source.start()
+        source.close()
+    assert shown[0][0]["log"]["length_s"] == 1.0
+    assert len(shown[0][1][1]["flow.flow"] or b"") > 100_000
+    assert shown[0] == shown[1]
+
+
+def test_all_files_of_a_log_are_listed(tmp_path: Path, capsys: Capture) -> None:
+    folder = str(tmp_path / "run")
+    words = ["--until", "1", "--no-tap", "--no-pictures", "--set", "run.record={rotate_s: 0.6}"]
+    assert main(["run", "approach", *words, "-o", folder]) == 0
+    listed = [word for word in capsys.readouterr().out.splitlines()[-1].split() if word.endswith(".lcmlog")]
+    assert listed == ["run.lcmlog", "run.0001.lcmlog"]
 
 
 def test_what_is_recorded_is_read_at_once(run: Run, capsys: Capture) -> None:

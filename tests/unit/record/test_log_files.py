@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.codec import encode
+from graphnav.codec import decode, encode
 from graphnav.errors import LogError
 from graphnav.messages import About
 from graphnav.record import ABOUT, Recording
@@ -175,3 +175,26 @@ def test_without_a_description_nothing_is_invented(tmp_path: Path, how: str) -> 
     log.write(ABOUT, 30, SAID)
     log.close()
     assert [utime for _, utime in events(tmp_path / "log")] == [10, 15, *([20] if how == "write" else []), 30]
+
+
+@pytest.mark.parametrize("has_run", [False, True])
+def test_given_definitions_are_part_of_every_description(tmp_path: Path, *, has_run: bool) -> None:
+    text = "package no_such_package;\n\nstruct given_t\n{\n    int32_t n;\n}\n"
+    log = AboutFirst(LogFiles(tmp_path / "log", Split(n_bytes=1000)), Time(), text)
+    for k in range(20):
+        log.write("x", k, bytes(200))
+        if has_run:
+            log.write(ABOUT, k, SAID)
+    log.write(ABOUT, 20, b"not a description")
+    assert log.n_events == 21 + 20 * has_run
+    log.close()
+    parts = files_of(tmp_path / "log")
+    assert len(parts) > 4
+    for part in parts:
+        with Recording(part) as recording:
+            first = next(recording.events())
+            assert first.channel == ABOUT
+            about = decode(About, first.data)[2]
+            assert text in about.lcm_text
+            assert (recording.about is not None) == has_run
+            assert bool(about.graph_yaml) == has_run
