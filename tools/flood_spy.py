@@ -74,7 +74,7 @@ def _mutated(rng: random.Random) -> tuple[str, bytes]:
         [
             Twist(1, 2),
             Stop(engaged=True, reason="[bold]\x1b[31m<script>alert(2)</script>"),
-            Status("run", "g", False, 0, 0, 0, 0, 0, 0, (), (), (), ()),  # noqa: FBT003
+            Status("run", "g", False, 0, 0, 0, 0, 0, 0, "", (), (), (), ()),  # noqa: FBT003
             About("[red]", "", f"\x1b{rng.random()}", 1, (name,), ("x.y_t",)),
         ]
     )

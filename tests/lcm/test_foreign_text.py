@@ -71,7 +71,7 @@ def log(tmp_path: Path) -> Path:
             stamp = 100_000 * number
             about = About(f"stages: {{}} # {name}\n", name, name, 7, (name,), (name,))
             writer.write(ABOUT, stamp, encode(about, stamp, 0))
-            status = Status(name, name, False, 0, 0, 0, 0, 0, 0, (), (), (), ())
+            status = Status(name, name, False, 0, 0, 0, 0, 0, 0, "", (), (), (), ())
             writer.write(f"{name}.status", stamp, encode(status, stamp, 0))
             writer.write(name, stamp, encode(Twist(0.1, 0.2), stamp, 0))
             writer.write(name, stamp + 1, encode(Twist(0.1, 0.2), stamp + 1, 1))

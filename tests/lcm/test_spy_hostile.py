@@ -36,7 +36,7 @@ MESSAGES: list[Message] = [
     Plane(VALID, GRID[..., 0], VALID, 1, 0.5),
     State(0, 0, 0, 0, 0, 0, contact=False, at_goal=False, moving=np.zeros((1, 3))),
     Steering(FORCE, FORCE, FORCE, 0.1, FORCE),
-    Status("run", "graph", False, 0, 0, 0, 0, 0, 0, (), (), (), ()),
+    Status("run", "graph", False, 0, 0, 0, 0, 0, 0, "", (), (), (), ()),
     Map(
         VALID[0], np.ones(5), np.ones((5, 2)), np.arange(5, dtype=np.int32), np.zeros(3), np.ones((3, 2)), 0.1, 1.0,
         np.ones((3, 2)),

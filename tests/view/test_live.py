@@ -90,8 +90,9 @@ def test_only_the_selected_run_of_two_is_shown(page: Page, group: str) -> None:
         page.until(received)
         names = {channel["name"] for channel in page.known["state"]["channels"]}
         assert {name.split(".")[0] for name in names} == {run_id, "graphnav", "CAMERA"}
-    for one in (*runs.values(), other):
-        one.close()
+    for run in runs.values():
+        run.close()
+    other.close()
 
 
 def test_packets_that_the_kernel_drops_are_told(page: Page, group: str) -> None:

@@ -120,7 +120,7 @@ def test_silent_channels_make_room(ear: Ear) -> None:
 def test_runs_are_bounded(ear: Ear) -> None:
     for k in range(100):
         ear.receive(ABOUT, encode(About("stages: {}", "", f"run {k}", 7, (), ()), 0, k), 0.01)
-        status = Status(f"run {k}", "g", False, 0, 0, 0, 0, 0, 0, (), (), (), ())
+        status = Status(f"run {k}", "g", False, 0, 0, 0, 0, 0, 0, "", (), (), (), ())
         ear.receive("graphnav.status", encode(status, 0, k), 0.01)
     assert len(ear.watch.announcements.runs) == 16
     assert len(ear.watch.health.runs) <= 16

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import graphnav
+from graphnav.catalog import Catalog
 from graphnav.cli import main
 from graphnav.cli.opened_log import complete
 from graphnav.record import LogWriter, Recording
@@ -85,7 +86,7 @@ def test_the_page_of_view_gets_what_a_full_log_holds(run: Run) -> None:
     shown = []
     for option, folder in (("replayable", "run"), ("all", "full")):
         run("--record", option, folder=folder)
-        feed = complete(Feed(folder))
+        feed = complete(Feed(folder), Catalog(), [])
         source = LogSource(feed.path, feed.open_log())
         newest = []
         for at_s in (0.35, 1.0):

@@ -21,7 +21,7 @@ def runs() -> list[Received]:
     """Return announcements and statuses of more runs than are kept."""
     abouts = [encode(About("", "", f"run-{k}", 7, (), ()), k, 0) for k in range(N_RUNS)]
     statuses = [
-        encode(Status(f"run-{k}", "graph", False, 0, 0, 0, 0, 0, 0, (), (), (), ()), k, 0) for k in range(N_RUNS)
+        encode(Status(f"run-{k}", "graph", False, 0, 0, 0, 0, 0, 0, "", (), (), (), ()), k, 0) for k in range(N_RUNS)
     ]
     return [Received(ABOUT, data, 0.0) for data in abouts] + [Received("s", data, 0.0) for data in statuses]
 
