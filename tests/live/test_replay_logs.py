@@ -130,4 +130,6 @@ def test_what_reads_an_equal_stage_instead_has_no_differences(again: Again, log:
 
 def test_an_added_stage_that_fails_says_when(again: Again, log: Path) -> None:
     result = again(log, *TWIN, "twin.fail_at=3")
-    assert re.fullmatch(r"stage 'twin' \(probe\.brightness\) failed at \d\.\d\d s: told to fail", result.failure)
+    said, at = result.failure.splitlines()
+    assert re.fullmatch(r"stage 'twin' \(probe\.brightness\) failed at \d\.\d\d s: told to fail", said)
+    assert re.fullmatch(r"  ValueError at stages\.py:\d+ in step", at)
