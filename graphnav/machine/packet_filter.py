@@ -18,11 +18,10 @@ from typing import NamedTuple
 _UNFRAGMENTED = 0x4C433032
 """The magic number of an unfragmented message: LC02."""
 _UDP_HEADER_BYTES, _LCM_HEADER_BYTES, _FRAGMENT_HEADER_BYTES, _NAME_BYTES = 8, 8, 20, 64
-_SO_ATTACH_FILTER = 26
+_SO_ATTACH_FILTER, _SO_LOCK_FILTER = 26, 44
 _LOAD_WORD, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x30, 0x80
 _IF_EQUAL, _IF_AT_LEAST, _JUMP, _RETURN = 0x15, 0x35, 0x05, 0x06
 _ACCEPT = 0x7FFFFFFF
-_ANY = "0.0.0.0"  # noqa: S104 - the address to which liblcm binds
 
 
 class _Step(NamedTuple):
@@ -49,6 +48,7 @@ def keep_channels(receiving: socket.socket, channels: Sequence[str], n_bytes: in
     small, large = (_of_channels(channels, size, n_bytes) for size in (_LCM_HEADER_BYTES, _FRAGMENT_HEADER_BYTES))
     choice = [_Step(_LOAD_WORD, _UDP_HEADER_BYTES), _Step(_IF_EQUAL, _UNFRAGMENTED, 1, 0), _Step(_JUMP, len(small))]
     _attach(receiving, [*choice, *small, *large])
+    receiving.setsockopt(socket.SOL_SOCKET, _SO_LOCK_FILTER, 1)  # filter_packets cannot replace it
 
 
 def _of_channels(channels: Sequence[str], header_bytes: int, n_bytes: int) -> list[_Step]:
@@ -73,7 +73,7 @@ def _filter_socket(number: int, port: int, program: Sequence[_Step]) -> bool:
     if not stat.S_ISSOCK(os.fstat(number).st_mode):
         return False
     with socket.socket(fileno=os.dup(number)) as found:
-        if (found.family, found.type) != (socket.AF_INET, socket.SOCK_DGRAM) or found.getsockname() != (_ANY, port):
+        if (found.family, found.type) != (socket.AF_INET, socket.SOCK_DGRAM) or found.getsockname()[1] != port:
             return False
         _attach(found, program)
         return True

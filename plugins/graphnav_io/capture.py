@@ -32,8 +32,6 @@ COMPLETE = "a complete video that OpenCV can read"
 OPEN_TIMEOUT_S = 30.0
 """Of FFmpeg through OpenCV, where a graph does not set another one."""
 
-MAX_CAMERA = 9999
-
 VIDEO_DEVICES = 81
 """Major number of the device files of cameras on Linux."""
 
@@ -43,6 +41,31 @@ _URL = re.compile(r"^([a-z][a-z0-9+.-]*):/+", re.IGNORECASE)
 def is_stream(path: Path) -> bool:
     """Return whether a path is a URL, which is read from another program or machine."""
     return _URL.match(str(path)) is not None
+
+
+def is_camera(path: Path) -> bool:
+    """Return whether a path names a camera of this machine: its number, or a file in /dev."""
+    return (str(path).isdecimal() and not path.exists()) or path.absolute().is_relative_to("/dev")
+
+
+def check_camera(path: Path) -> None:
+    """Check that a camera exists, without opening it: others may use it, and it takes a second.
+
+    Raises
+    ------
+    ParamError
+        It does not exist, or is another device.
+    """
+    device = Path(f"/dev/video{path}") if str(path).isdecimal() else path
+    try:
+        found = device.stat()
+    except OSError:
+        cameras = ", ".join(sorted(map(str, Path("/dev").glob("video*")))) or "no camera"
+        raise ParamError("path", f"there is no camera {path}", f"this machine has {cameras}") from None
+    if not stat.S_ISCHR(found.st_mode) or os.major(found.st_rdev) != VIDEO_DEVICES:
+        raise ParamError("path", f"{device} is not a camera", "give a camera's number, or its file such as /dev/video0")
+    if not os.access(device, os.R_OK | os.W_OK):
+        raise ParamError("path", f"camera {path} may not be opened", "add the user to the group 'video'")
 
 
 def open_capture(path: Path, open_timeout_s: float = OPEN_TIMEOUT_S) -> CaptureFrames:
@@ -60,17 +83,14 @@ def open_capture(path: Path, open_timeout_s: float = OPEN_TIMEOUT_S) -> CaptureF
         text = _URL.sub(r"\1://", text)  # Path keeps one of two slashes
         wait = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, math.ceil(open_timeout_s * 1e3)]
         return _opened((text, cv2.CAP_FFMPEG, wait), f"the stream '{text}'", live=True)
-    if text.isdecimal() and not path.exists():
-        if int(text) > MAX_CAMERA:
-            raise ParamError("path", f"there is no camera {text}", "give a camera's number, such as 0")
-        return _opened((int(text),), f"camera {text}", live=True)
+    if is_camera(path):
+        check_camera(path)
+        return _opened((int(text) if text.isdecimal() else text, cv2.CAP_V4L2), f"camera {path}", live=True)
     if not path.exists():
         raise ParamError(
             "path", f"there is no file '{path}'", "give a video file, a folder of pictures, a camera's number or a URL"
         )
     found = path.stat()
-    if stat.S_ISCHR(found.st_mode) and os.major(found.st_rdev) == VIDEO_DEVICES:
-        return _opened((text, cv2.CAP_V4L2), f"camera '{path}'", live=True)
     if not stat.S_ISREG(found.st_mode):
         raise ParamError("path", f"'{path}' is not a regular file", "give a video file, a camera's number or a URL")
     if found.st_size == 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav import Image, ParamError, Source, param
-from graphnav_io.capture import OPEN_TIMEOUT_S, first_frame, is_stream, open_capture
+from graphnav_io.capture import OPEN_TIMEOUT_S, check_camera, first_frame, is_camera, is_stream, open_capture
 from graphnav_io.frames import Frames
 from graphnav_io.pictures import PictureFrames, check_pictures, find_pictures, is_pictures
 from graphnav_io.playback import next_image
@@ -21,7 +21,10 @@ class Video(Prepared, Source):
     decoded, and a file that ends before the last frame that it declares, stop the run.
     """
 
-    path: Path = param(doc="a video file, a camera's number, a URL, or a folder or pattern of pictures")
+    path: Path = param(
+        doc="a video file, a camera (its number, or its file such as /dev/video0), a URL, or a folder or pattern of "
+        "pictures"
+    )
     rate_hz: float = param(
         0.0,
         ge=0.0,
@@ -36,17 +39,19 @@ class Video(Prepared, Source):
     )
 
     def check(self) -> None:
-        """Check that the video opens and that its first frame can be decoded; a stream is opened by a run only."""
+        """Check that the video opens and that its first frame can be decoded; only a run opens cameras and streams."""
         super().check()
         if self.is_remote():
+            return
+        if is_camera(self.path):
+            check_camera(self.path)
             return
         if is_pictures(self.path):
             self.check_picture(check_pictures(self.path))
             return
-        frames = open_capture(self.path, self.open_timeout_s)
+        frames = open_capture(self.path)
         try:
-            if not frames.is_live:
-                self.check_picture(first_frame(frames))
+            self.check_picture(first_frame(frames))
         finally:
             frames.close()
         self._check_rate(frames)

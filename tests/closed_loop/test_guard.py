@@ -35,7 +35,8 @@ def test_every_command_leaves_bit_for_bit(graph: str, drive: Drive) -> None:
     _, log = drive(graph, 1004, "run.until_s=4")
     with log:
         given, left = speeds(log, "control.twist"), speeds(log, "guard.twist")
-        assert given.tobytes() == left.tobytes()
+        assert given.tobytes() == left[:-1].tobytes()
+        assert not left[-1, 1:].any(), "the recording ends with a stop"
         assert len(left) > 35
         assert all(state.may_move for state in states(log))
 

@@ -44,5 +44,9 @@ def _compared(graph: str, seed: int) -> tuple[int, int]:
 
 
 def _commands(log: Recording, channel: str) -> dict[int, tuple[float, float]]:
-    twists = ((utime, message) for utime, _, message in log.messages(channel) if isinstance(message, Twist))
-    return {utime: (twist.v_mps, twist.omega_radps) for utime, twist in twists}
+    """Return the first command of every stamp: the stop at the end of a recording takes back the last one."""
+    found: dict[int, tuple[float, float]] = {}
+    for utime, _, message in log.messages(channel):
+        if isinstance(message, Twist):
+            found.setdefault(utime, (message.v_mps, message.omega_radps))
+    return found

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import stat
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from graphnav_io.quiet import quiet
@@ -86,11 +88,33 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     assert raised.value.what == f"there is no file '{tmp_path}/lost.mp4'"
 
 
-def test_a_missing_camera_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("path", ["97", "/dev/video97"])
+def test_a_missing_camera_is_refused(path: str, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ParamError) as raised:
-        Video(path=Path("97")).check()
-    assert raised.value.what == "camera 97 cannot be opened"
+        Video(path=Path(path)).check()
+    assert (raised.value.what, raised.value.hint[:16]) == (f"there is no camera {path}", "this machine has")
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("path", ["/dev/null", "/dev/../dev/zero"])
+def test_another_device_is_not_a_camera(path: str) -> None:
+    for read in (Video(path=Path(path)).check, lambda: Video(path=Path(path)).reset(seed=0)):
+        with pytest.raises(ParamError, match=f"{path} is not a camera"):
+            read()
+
+
+def test_check_does_not_open_a_camera(monkeypatch: pytest.MonkeyPatch) -> None:
+    device = os.stat_result((stat.S_IFCHR | 0o666, *[0] * 9), {"st_rdev": os.makedev(81, 0)})
+    monkeypatch.setattr(Path, "stat", lambda *_, **__: device)
+    monkeypatch.setattr(os, "access", lambda *_: True)
+    opened: list[object] = []
+    closed = cv2.VideoCapture()
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *source: opened.append(source) or closed)
+    Video(path=Path("/dev/video0")).check()
+    assert opened == []
+    with pytest.raises(ParamError, match="camera /dev/video0 cannot be opened"):
+        Video(path=Path("/dev/video0")).reset(seed=0)
+    assert opened == [("/dev/video0", cv2.CAP_V4L2)]
 
 
 def test_a_dead_stream_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
