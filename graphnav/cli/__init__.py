@@ -84,10 +84,11 @@ class _Parser(argparse.ArgumentParser):
         for word in words:
             name = word.partition("=")[0]
             if name.startswith("--") and name != "--" and " " not in name and name not in self._option_string_actions:
-                known = [option for option in self._option_string_actions if option.startswith("--")]
-                begun = [option for option in known if option.startswith(name)]
-                hint = did_you_mean(name, known) if len(begun) != 1 else f"did you mean '{begun[0]}'?"
-                self.error(f"there is no option {name}: {hint or f'see {self.prog} --help'}")
+                known = [option[2:] for option in self._option_string_actions if option.startswith("--")]
+                begun = [option for option in known if option.startswith(name[2:])]
+                near = begun if len(begun) == 1 else did_you_mean(name[2:], known).names
+                hint = f"did you mean '--{near[0]}'?" if near else f"see {self.prog} --help"
+                self.error(f"there is no option {name}: {hint}")
 
     def _print_message(self, message: str, file: Any = None) -> None:
         if message and file is not None and file is sys.stdout:

@@ -76,7 +76,8 @@ def _print(graph: Graph, args: argparse.Namespace) -> int:
     counts = ", ".join(filter(None, parts))
     if graph.left_out:
         unknown = ", ".join(node.name for node in graph.nodes if node.is_left_out)
-        console.print(f"{graph.path.name} is fine, except what was left out ({unknown}): {counts}", markup=False)
+        left_out = f" ({unknown})" if unknown else ""
+        console.print(f"{graph.path.name} is fine, except what was left out{left_out}: {counts}", markup=False)
         return FAILED
     console.print(f"{graph.path.name} is fine: {counts}", markup=False)
     return OK

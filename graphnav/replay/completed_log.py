@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.catalog import Catalog
-from graphnav.errors import GraphnavError, UserError, message_line, shown_name
+from graphnav.errors import GraphnavError, LogError, UserError, message_line, shown_name
 from graphnav.machine.regular_file import is_own
 from graphnav.messages import About
 from graphnav.record import Recording
@@ -106,9 +106,14 @@ def _complete(
             made = graph_to_replay(recording, catalog, plugins=plugins)  # loads the plugins of the run, if trusted
             begin_s = time.monotonic()
             result = replay(recording, made, ReplayOptions(), out=pending, about=_about(recording), on_tick=on_tick)
-            if why := _why_not(recording, result):
-                return _Completion(None, why)
-            return _Completion(_keep(pending, kept), wall_s=time.monotonic() - begin_s)
+            why = _why_not(recording, result)
+            wall_s = time.monotonic() - begin_s
+            return _Completion(None, why) if why else _Completion(_keep(pending, kept), wall_s=wall_s)
+        except LogError as error:
+            if isinstance(cause := error.__cause__, OSError):
+                hint = "free space there, or name another cache folder by XDG_CACHE_HOME"
+                return _Completion(None, f"cannot write into {pending.parent}: {cause.strerror}", hint=hint)
+            raise
         finally:
             pending.unlink(missing_ok=True)
     except UserError as error:

@@ -139,7 +139,8 @@ def _outside(live: Mapping[str, Any]) -> Iterator[Table]:
     if live.get("outputs"):
         table = _right_table(("output", "channel"), ("sent", "latency p50 ms", "p99 ms", "max ms"))
         for one in live["outputs"]:
-            times = (f"{one[f'latency_{what}_ms']:.1f}" for what in ("p50", "p99", "max"))
+            measured = [f"{one[f'latency_{what}_ms']:.1f}" for what in ("p50", "p99", "max")]
+            times = measured if one["latency_max_ms"] else [""] * 3  # stops that a timer sent have no picture
             table.add_row(one["name"], one["channel"], str(one["sent"]), *times)
         yield table
 

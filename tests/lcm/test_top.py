@@ -103,6 +103,14 @@ def text_of(health: Health, width: int = 140) -> str:
     return said.get()
 
 
+def test_an_output_that_sent_only_stops_has_no_latency() -> None:
+    health = Health(lambda: 10.5)
+    output = OUTPUT | {f"latency_{name}_ms": 0.0 for name in ("p50", "p99", "max")}
+    health.receive(Received("graphnav.status", encode(replace(STATUS, outputs=(output,)), 12_300_000, 12), 10.4))
+    (row,) = [line for line in text_of(health).splitlines() if line.startswith("guard.twist")]
+    assert row.split() == ["guard.twist", "BASE_CMD", "motor", "240", "3"]
+
+
 def test_a_robot_that_the_guard_holds_tells_what_to_do() -> None:
     health = Health(lambda: 10.5)
     held = replace(STOPPED, causes=("frozen",), ports=("flow",), values=np.array([0.01]), limits=np.array([0.1]))

@@ -95,8 +95,9 @@ def _flat(entries: Mapping[str, Entry], declared: Mapping[str, Param], problems:
 
 def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
     known = f"it has {', '.join(declared)}" if declared else "it has none"
+    together = "its keys are set together: run.record={keep: small, rotate_mb: 500}"
     renamed = {param.renamed_from: param.name for param in declared.values() if param.renamed_from}
     for name, entry in entries.items():
         if name not in declared:
-            hint = did_you_mean(name, declared, renamed) or known
+            hint = together if name.startswith("record.") else did_you_mean(name, declared, renamed) or known
             yield Problem(entry.place, f"{what} '{name}'", hint, "unknown")

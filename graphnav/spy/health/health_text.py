@@ -134,7 +134,7 @@ def _output(one: Mapping[str, Any]) -> Sequence[Text]:
         Text("motor" if one["motor"] else ""),
         Text(str(one["sent"])),
         _count(one["refused"]),
-        *(_ms(one[f"latency_{name}_ms"]) for name in ("p50", "p99", "max")),
+        *(_ms(one[f"latency_{name}_ms"]) if one["latency_max_ms"] else Text() for name in ("p50", "p99", "max")),
         Text(shown_name(one["fault"]), "red"),
     )
 

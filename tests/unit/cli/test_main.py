@@ -110,6 +110,7 @@ def test_line_breaks_in_names_make_no_lines(capsys: pytest.CaptureFixture[str]) 
         (["run", "corridor_ccw", "--unti", "1"], "there is no option --unti: did you mean '--until'?"),
         (["teach", "corridor_ccw", "--until-t", "1,2"], "there is no option --until-t: did you mean '--until-taught'?"),
         (["echo", "twist", "--fi=y"], "there is no option --fi: did you mean '--field'?"),
+        (["play", "run.lcmlog", "--for", "1"], "there is no option --for: see graphnav play --help"),
         (["run", "corridor_ccw", "--zzz"], "there is no option --zzz: see graphnav run --help"),
         (["--versio"], "there is no option --versio: did you mean '--version'?"),
         (["rnu", "corridor_ccw"], "there is no command 'rnu': did you mean 'run'?"),

@@ -114,6 +114,9 @@ def test_check_says_what_it_leaves_out_and_checks_the_rest(has_run: HasRun, caps
         "wheels mine.wheels flow.flow",
         "graph.yaml is fine, except what was left out (camera, painter, wheels): 0 sources, 4 other stages, 1 channel",
     ]
+    Path("theirs/graph.yaml").write_text("plugins: [mine.py]\nextends: approach\n")
+    assert main(["check", "theirs/graph.yaml"]) == 1
+    assert "is fine, except what was left out: 1 source," in capsys.readouterr().out
     Path("theirs/graph.yaml").write_text(
         GRAPH.replace("image: camera", "imag: camera").replace("until_s: 2", "unti: 2")
     )

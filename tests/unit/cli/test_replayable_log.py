@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -183,6 +185,21 @@ def test_what_does_not_come_out_as_recorded_is_not_shown(run: Run, capsys: Captu
             log.write(channel, utime, data[:-1] + b"!" if channel == "control.twist" else data)
     assert main(["spy", "run", "--once"]) == 0
     assert "cannot be made again: a replay does not come out equal here, on control.twist" in capsys.readouterr().err
+    assert not cached()
+
+
+def test_a_full_cache_is_named_and_what_to_do(run: Run, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    run()
+
+    def full(*_: object) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "writev", full)
+    assert main(["spy", "run", "--once"]) == 0
+    assert capsys.readouterr().err.endswith(
+        f"cannot write into {Path('cache/graphnav/logs').resolve()}: No space left on device\n"
+        "  what it holds is shown; free space there, or name another cache folder by XDG_CACHE_HOME\n"
+    )
     assert not cached()
 
 

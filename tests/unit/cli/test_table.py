@@ -109,3 +109,11 @@ def test_a_narrow_terminal_gets_blocks_of_columns(monkeypatch: pytest.MonkeyPatc
     assert max(map(len, tables)) <= 30
     assert {word for line in tables for word in line.split()} >= {"plane.ica", "steps", "9.00", "12.00", "missed", "4"}
     assert sum("plane.ica" in line for line in tables) > 1, "each block has the names"
+
+
+@pytest.mark.parametrize(("ms", "said"), [(0.0, ["172"]), (22.0, ["172", "22.0", "22.0", "22.0"])])
+def test_an_output_that_sent_only_stops_has_no_latency(ms: float, said: list[str]) -> None:
+    times = {f"latency_{name}_ms": ms for name in ("p50", "p99", "max")}
+    live = {"outputs": [{"name": "guard.twist", "channel": "BASE_CMD", "sent": 172, **times}]}
+    (row,) = [line for line in printed(replace(SUMMARY, live=live)).splitlines() if "BASE_CMD" in line]
+    assert row.split() == ["guard.twist", "BASE_CMD", *said]

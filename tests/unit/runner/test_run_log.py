@@ -66,6 +66,12 @@ def test_a_mapping_is_checked_by_line_and_loads_again(tmp_path: Path) -> None:
         (3, 35),
         (3, 39),
     ]
+    with pytest.raises(UserError, match="rotate_mb") as caught:
+        load_graph("approach", Catalog(), [parse_override("run.record.rotate_mb=5")])
+    hint = caught.value.problems[0].hint
+    assert str(hint) == "its keys are set together: run.record={keep: small, rotate_mb: 500}"
+    together = parse_override("run.record={keep: small, rotate_mb: 500}")
+    assert load_graph("approach", Catalog(), [together]).run.rotate_mb == 500
     path.write_text("extends: approach\nrun: {record: {keep: small, rotate_s: 60}}\n")
     graph = load_graph(path, Catalog())
     path.write_text(resolved_yaml(graph, portable_paths=False))
