@@ -254,7 +254,7 @@ def test_a_message_of_an_unknown_type_is_shown_with_what_decodes_it(
     log: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, _ = echoed(capsys, "other", log, "-n", "1")
-    assert out == "other  unknown type, 7 B\n    its type is not known: --types PACKAGE_OR_DIR\n"
+    assert out == "other  unknown type, 7 B\n    its type is not known: --types PACKAGE_OR_DIR, or --plugin FILE\n"
 
 
 def test_a_table_of_what_cannot_be_decoded_fails(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -262,7 +262,8 @@ def test_a_table_of_what_cannot_be_decoded_fails(log: Path, capsys: pytest.Captu
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err == (
-        "none of 3 messages could be decoded\n  name its package or its .lcm files: --types PACKAGE_OR_DIR\n"
+        "none of 3 messages could be decoded\n"
+        "  name its package or its .lcm files: --types PACKAGE_OR_DIR, or its plugin: --plugin FILE\n"
     )
 
 
