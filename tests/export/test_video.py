@@ -33,7 +33,8 @@ def test_the_panels_are_those_of_run_video(drive: Path, tmp_path: Path, capsys: 
     with Recording(drive / "run.lcmlog") as recording:
         assert len(frames) == len(others) == recording.count("robot.image")
     assert rate_hz == pytest.approx(10.0)
-    assert all(np.array_equal(one, other) for one, other in zip(frames, others, strict=True))
+    differences = [np.abs(one.astype(int) - other).mean() for one, other in zip(frames, others, strict=True)]
+    assert max(differences) < 1.0  # libx264 does not always give the same bytes for the same frames
 
 
 def test_a_span_of_panels_shows_the_path_from_the_beginning(drive: Path, tmp_path: Path) -> None:

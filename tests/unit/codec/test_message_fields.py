@@ -74,5 +74,5 @@ def test_fields_that_a_class_converts_are_its_own() -> None:
 
 def test_every_message_has_the_fields_of_its_type() -> None:
     for message in message_classes():
-        if message not in TOLD:
+        if message.__module__.startswith("graphnav"):  # tests declare others
             check_fields(message)
