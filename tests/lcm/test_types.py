@@ -67,12 +67,12 @@ VALUES: dict[str, Any] = {"string": "naïve", "boolean": True, "float": 1.5, "do
 
 
 def filled(lcm_class: Any) -> Any:
-    """Return an lcm-gen object with something in every field."""
+    """Return an lcm-gen object with something other than 0 in every field: a ``step_px`` of 0 is read as 1."""
     made = lcm_class()
     if lcm_class is graphnav_lcm.image_t:
         made.rows, made.cols, made.channels, made.size = 2, 3, 3, 18
     for name, typename, dims, struct in fields_of(lcm_class):
-        value = filled(struct) if struct else VALUES.get(typename, int(RNG.integers(100)))
+        value = filled(struct) if struct else VALUES.get(typename, int(RNG.integers(1, 100)))
         if not dims:
             if lcm_class is not graphnav_lcm.image_t or name in ("utime", "seq", "step_px"):
                 setattr(made, name, SIZES.get(name, value))
