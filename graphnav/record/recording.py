@@ -117,8 +117,8 @@ class Recording:
 
     @cached_property
     def about(self) -> About | None:
-        """The description of the run: the first one with a graph at any position, None without one."""
-        return next((about for about in self._abouts() if about.graph_yaml), None)
+        """The description of the run: the first one at any position that tells of more than types, None without one."""
+        return next((about for about in self._abouts() if about.graph_yaml or about.channels), None)
 
     def _abouts(self) -> Iterator[About]:
         """Yield what ``graphnav.about`` says; what cannot be read is left out."""
