@@ -27,8 +27,10 @@ FALSE_LIVE_S = 90.0
 WATCHED_S = 12.0
 STOPS_S = {"frozen": 0.75}
 """Time until the guard forbids motion: 0.4 s of evidence, a period of camera and guard, and a busy machine."""
+SETTLE_S = 0.5
+"""Of a robot that drives off with a frozen picture, more: what a command does is asked for this long after it."""
 MAX_WAY_M = {"frozen": 0.3 * 0.75 + 0.04 + 0.1}
-"""Until then, braking, and the retry."""
+"""Until then, braking, and the retry; a robot that drives off again may go as far once more."""
 ODOMETRY_FAULTS = ("jump", "zero", "reversed", "degrees")
 ODOMETRY_CAUSES = frozenset({"jump", "turn_jump", "motionless", "reversed", "scale"})
 """Each names odometry; which comes first depends on the heading at the moment of the fault, which may jump, too."""
@@ -53,10 +55,15 @@ class Trial(NamedTuple):
 
 
 class Result(NamedTuple):
-    """Seconds from the fault until motion was forbidden for a cause that names it, which, and what the robot did."""
+    """Seconds from the fault until motion was forbidden for a cause that names it, which, and what the robot did.
+
+    ``paused``: how many times it stood before for another cause, such as a late input on a busy machine; the seconds
+    then count from the last time that it was allowed to drive off.
+    """
 
     trial: Trial
     stop_s: float
+    paused: int
     cause: str
     way_m: float
     contact: bool
@@ -86,15 +93,25 @@ def frozen_item(seeds: Sequence[int], jobs: int) -> bool:
 
 
 def _told(graph: str, name: str, results: Sequence[Result]) -> bool:
-    times, ways = sorted(one.stop_s for one in results), [one.way_m for one in results]
     contacts = sum(one.contact for one in results)
-    passed = not contacts and times[-1] <= STOPS_S.get(name, WATCHED_S) and max(ways) <= MAX_WAY_M.get(name, math.inf)
+    passed = not contacts
     named = Counter(one.cause for one in results)
-    say(
-        f"{'ok  ' if passed else 'MISS'} {graph}, {name}: {dict(named)} of {len(results)} after "
-        f"{times[len(times) // 2]:.2f} s, worst {times[-1]:.2f}; way after the fault {max(ways):.2f} m at most; "
-        f"contacts {contacts}"
-    )
+    words = [f"{dict(named)} of {len(results)}"]
+    for what, some in (
+        ("", [one for one in results if not one.paused]),
+        (" of those that had stood before for another cause, from driving off", [one for one in results if one.paused]),
+    ):
+        if some:
+            settle_s = SETTLE_S if what else 0.0
+            starts = 1 + max(one.paused for one in some)
+            times, ways = sorted(one.stop_s for one in some), [one.way_m for one in some]
+            passed &= times[-1] <= STOPS_S.get(name, WATCHED_S) + settle_s
+            passed &= max(ways) <= starts * MAX_WAY_M.get(name, math.inf)
+            words.append(
+                f"{len(some)}{what}: after {times[len(times) // 2]:.2f} s, worst {times[-1]:.2f}; way after the fault "
+                f"{max(ways):.2f} m at most"
+            )
+    say(f"{'ok  ' if passed else 'MISS'} {graph}, {name}: {'; '.join(words)}; contacts {contacts}")
     return passed
 
 
@@ -120,22 +137,28 @@ def _met(trial: Trial, numbers: SimpleQueue[int]) -> Result:
         numbers.put(number)
 
 
-def _measured(folder: Path, trial: Trial, begin_s: float) -> tuple[float, str, float, bool]:
+def _measured(folder: Path, trial: Trial, begin_s: float) -> tuple[float, int, str, float, bool]:
     stop_s, cause, way_m, contact, before_s = math.inf, "not named", 0.0, False, begin_s
+    free_s, stands, paused = begin_s, False, 0
     with Recording(folder / "navigation-0" / LOG) as log:
         for utime, _, state in log.messages("guard.state"):
             assert isinstance(state, GuardState)
             named = [one for one in state.causes if one in trial.causes]
-            if utime * 1e-6 >= begin_s and not state.may_move and named:
-                stop_s, cause = utime * 1e-6 - begin_s, named[0]
+            if utime * 1e-6 < begin_s:
+                continue
+            if not state.may_move and named:
+                stop_s, cause = utime * 1e-6 - free_s, named[0]
                 break
+            if stands and state.may_move:
+                free_s, paused = utime * 1e-6, paused + 1
+            stands = not state.may_move
     with Recording(folder / "robot" / LOG) as log:
         for utime, _, state in log.messages("robot.state"):
             assert isinstance(state, State)
             if utime * 1e-6 >= begin_s:
                 way_m += abs(state.v_mps) * (utime * 1e-6 - before_s)
                 before_s, contact = utime * 1e-6, contact or state.contact
-    return stop_s, cause, way_m, contact
+    return stop_s, paused, cause, way_m, contact
 
 
 def frozen_false_item(seeds: Sequence[int], jobs: int) -> bool:
