@@ -57,8 +57,8 @@ class Guard(Stage):
     It stands where the picture does not move although the robot does ("frozen"): a camera that repeats its picture, a
     covered lens, wheels that spin. That is, for ``frozen_s`` and at least three flows, the median length of the valid
     ``flow`` is below ``frozen_px`` where three times as much is predicted: by ``motion``, which has to come from
-    odometry, else by the slowest command that the guard sent in the half second before. Flows of slow motions are
-    added up. A picture that only repeats is not frozen, since a robot that stands sees the same picture; a plane is
+    odometry, else by the commands that the guard sent, which a base follows within half a second. Flows of slow motions
+    are added up. A picture that only repeats is not frozen, since a robot that stands sees the same picture; a plane is
     not fresh evidence, since it is made of the same picture. And it stands where ``odometry``, as `odometry.motion`
     checks it, contradicts the picture ("jump", "motionless", "reversed", "scale").
 
@@ -293,14 +293,18 @@ class Guard(Stage):
             self._shown.see(utime, flow, motion, self._sent, self.max_age_s)
         moves = self._picture.is_retrying or self._was_driven
         found = Cause("frozen", "flow", self._shown.shown_px, self.frozen_px)
-        if self._picture.update(
-            utime,
-            abs(self._last.v_mps) * elapsed_s,
-            is_faulty=self._shown.is_frozen,
-            is_proven=moves and self._shown.moved >= MIN_MOVED,
-            is_new=is_armed or self._shown.moved > 0,
+        is_frozen = self._shown.is_frozen
+        if (
+            self._picture.update(
+                utime,
+                abs(self._last.v_mps) * elapsed_s,
+                is_faulty=is_frozen,
+                is_proven=moves and not is_frozen and self._shown.moved >= MIN_MOVED,
+                is_new=is_armed or self._shown.moved > 0,
+            )
+            or is_frozen
         ):
-            self._shown.restart()
+            self._shown.restart()  # what was judged is not evidence again
         return causes + self._held(self._picture, found)
 
     def _of_odometry(
@@ -313,7 +317,7 @@ class Guard(Stage):
             return causes
         if check.fault:
             self._odometry_cause = Cause(check.fault, "odometry", check.value, check.limit)
-        is_driven = self._sent.moved(utime - 2 * SETTLE_US)
+        is_driven = self._sent.moved(utime - 2 * SETTLE_US, utime)
         self._odometry.update(
             utime,
             abs(self._last.v_mps) * elapsed_s,

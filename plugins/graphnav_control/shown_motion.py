@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from graphnav import Flow, Latest, Motion, Mount, Twist, coarsen
-from graphnav.arrays import Bools, Floats
+from graphnav.arrays import Bools, Doubles, Floats
 
 PREDICTED_RATIO = 3.0
 """The picture is judged once the floor flows by this many times ``frozen_px``."""
@@ -16,6 +16,7 @@ MIN_STILL = 3
 """Flows, or sums of flows, without motion before the picture counts as frozen."""
 SETTLE_US = 500_000
 """Time within which a base does what it was told."""
+_DELAYS_US = range(0, SETTLE_US + 1, SETTLE_US // 5)
 MAX_SUM_US = 2_000_000
 """Longest time over which flows are summed: a slower motion is a creep that is not judged."""
 MAX_CELLS = 48
@@ -32,7 +33,7 @@ class Sent(NamedTuple):
 
 
 class SentCommands:
-    """Recent commands of the guard, and the slowest motion that the robot can have made by them."""
+    """Recent commands of the guard, and the smallest motion that the robot can have made by them."""
 
     def __init__(self) -> None:
         self._sent: deque[Sent] = deque()
@@ -42,32 +43,38 @@ class SentCommands:
         if self._sent and utime < self._sent[-1].utime:
             self._sent.clear()
         self._sent.append(Sent(utime, twist))
-        while len(self._sent) > 2 and self._sent[1].utime <= utime - SETTLE_US - MAX_SUM_US:
+        while len(self._sent) > 2 and self._sent[1].utime <= utime - 2 * SETTLE_US - MAX_SUM_US:
             self._sent.popleft()
 
-    def moved(self, begin: int) -> bool:
-        """Return whether any command since ``begin`` moved the robot."""
-        return any(twist.v_mps or twist.omega_radps for twist in self._since(begin))
-
-    def slowest(self, begin: int) -> Twist:
-        """Return the slowest speed and turning rate since ``begin``, 0 where it changed its sign or is not known."""
-        if not self._sent or self._sent[0].utime > begin:
-            return Twist(v_mps=0.0, omega_radps=0.0)
-        twists = self._since(begin)
-        return Twist(
-            v_mps=_slowest([twist.v_mps for twist in twists]),
-            omega_radps=_slowest([twist.omega_radps for twist in twists]),
+    def moved(self, begin: int, end: int) -> bool:
+        """Return whether any command that held within an interval moved the robot."""
+        ends = [*(one.utime for one in self._sent), end][1:]
+        return any(
+            (one.twist.v_mps or one.twist.omega_radps) and until > begin and one.utime < end
+            for one, until in zip(self._sent, ends, strict=True)
         )
 
-    def _since(self, begin: int) -> list[Twist]:
-        """Return the commands that held at ``begin`` or later."""
-        ends = [one.utime for one in self._sent][1:]
-        last = [one.twist for one in self._sent][-1:]
-        return [one.twist for one, end in zip(self._sent, ends, strict=False) if end > begin] + last
+    def smallest(self, begin: int, end: int) -> Motion:
+        """Return the smallest way and turn within an interval of a base that does everything late, by 0 to `SETTLE_US`.
 
+        Each is 0 where its sign depends on the delay. Short drives with stops in between, as of
+        `control.stop_and_look`, add up.
+        """
+        moved = [self._moved(begin - delay_us, end - delay_us) for delay_us in _DELAYS_US]
+        forward_m, turn_rad = (max(min(one), 0.0) + min(max(one), 0.0) for one in zip(*moved, strict=True))
+        return Motion(forward_m=forward_m, left_m=0.0, turn_rad=turn_rad, interval_us=end - begin)
 
-def _slowest(speeds: list[float]) -> float:
-    return max(min(speeds), 0.0) + min(max(speeds), 0.0)
+    def _moved(self, begin: int, end: int) -> tuple[float, float]:
+        """Return what `smallest` does of a base without a delay; it stands before the first command."""
+        forward_m = turn_rad = 0.0
+        until = end
+        for utime, twist in reversed(self._sent):
+            seconds = max(until - max(utime, begin), 0) * 1e-6
+            forward_m, turn_rad = forward_m + twist.v_mps * seconds, turn_rad + twist.omega_radps * seconds
+            until = min(utime, until)
+            if utime <= begin:
+                break
+        return forward_m, turn_rad
 
 
 class ShownMotion:
@@ -85,7 +92,7 @@ class ShownMotion:
         self._flow: Flow | None = None
         self._valid: Bools | None = None
         self._shown: Floats
-        self._predicted: Floats
+        self._predicted: Doubles
         self._us: int
         self.restart()
 
@@ -107,13 +114,13 @@ class ShownMotion:
         if self._flow is not None and self._flow.valid.shape != flow.value.valid.shape:
             self._begin_sum()
         self._flow = flow.value
-        begin = utime - round(flow.age_s * 1e6) - flow.value.interval_us - SETTLE_US
-        predicted = _motion(flow.value, sent.slowest(begin))
-        if motion.value is not None and motion.age_s <= max_age_s and not (motion.fault or motion.value.not_finite()):
-            predicted = _scaled(motion.value, flow.value.interval_us)
-        self._judge(flow.value, predicted, is_driven=sent.moved(begin))
+        end = utime - round(flow.age_s * 1e6)
+        is_fresh = motion.age_s <= max_age_s and not motion.fault
+        measured = motion.value if is_fresh and motion.value is not None and not motion.value.not_finite() else None
+        self._judge(flow.value, end, measured, sent)
 
-    def _judge(self, flow: Flow, predicted: Motion, *, is_driven: bool) -> None:
+    def _judge(self, flow: Flow, end: int, measured: Motion | None, sent: SentCommands) -> None:
+        """Judge a flow up to ``end``, of our clock; ``measured``: by odometry."""
         factor = max(-(-flow.valid.shape[1] // MAX_CELLS), 1)
         cells = coarsen(flow, flow.step_px * factor)
         valid = cells.valid.reshape(-1) != 0
@@ -130,10 +137,16 @@ class ShownMotion:
             self._n_still = self._still_us = 0
             self._begin_sum()
             return
-        if not is_driven:
-            self._begin_sum()
+        begin = end - flow.interval_us - SETTLE_US
+        is_first = measured is None and self._us == flow.interval_us
+        if not sent.moved(begin, end) or (is_first and not sent.moved(begin - SETTLE_US, end - SETTLE_US)):
+            self._begin_sum()  # the base stands, or need not have begun
             return
-        self._predicted = self._predicted + self._mount.floor_moved_px(cells, predicted).astype(np.float32)
+        if measured is not None:
+            motion = _scaled(measured, flow.interval_us)
+            self._predicted = self._predicted + self._mount.floor_moved_px(cells, motion)
+        else:
+            self._predicted = self._mount.floor_moved_px(cells, sent.smallest(end - self._us, end))
         if _median_px(self._predicted, valid) >= PREDICTED_RATIO * self._frozen_px:
             self._n_still += 1
             self._still_us += self._us
@@ -145,22 +158,12 @@ class ShownMotion:
     def _begin_sum(self) -> None:
         self._valid = None
         self._shown = np.zeros((1, 2), np.float32)
-        self._predicted = np.zeros((1, 2), np.float32)
+        self._predicted = np.zeros((1, 2))
         self._us = 0
 
 
-def _median_px(vectors: Floats, valid: Bools) -> float:
+def _median_px(vectors: Floats | Doubles, valid: Bools) -> float:
     return float(np.median(np.hypot(vectors[valid, 0], vectors[valid, 1])))
-
-
-def _motion(flow: Flow, speed: Twist) -> Motion:
-    seconds = flow.interval_us * 1e-6
-    return Motion(
-        forward_m=speed.v_mps * seconds,
-        left_m=0.0,
-        turn_rad=speed.omega_radps * seconds,
-        interval_us=flow.interval_us,
-    )
 
 
 def _scaled(motion: Motion, interval_us: int) -> Motion:

@@ -46,6 +46,8 @@ class Robot:
         self.utime = self.frames = 0
         self.way_m = 0.0
         self.is_frozen = False
+        self.coast_us = 0
+        """How long odometry goes on to report the last speed after a stop."""
         self.check: OdometryCheck | None = None
         self.noise_px = 0.01
         self.flow: Flow | None = None
@@ -53,7 +55,8 @@ class Robot:
         self._flow: Latest[Any] = Latest()
         self._motion: Latest[Any] = Latest()
         self._stop: Latest[Any] = Latest(is_connected=False)
-        self._last = Twist(v_mps=0.0, omega_radps=0.0)
+        self._last = self._driven = Twist(v_mps=0.0, omega_radps=0.0)
+        self._driven_us = 0
 
     def press(self, *, engaged: bool) -> None:
         self._stop = Latest(Stop(engaged=engaged), 0.01)
@@ -85,7 +88,9 @@ class Robot:
 
     def _picture(self, speed: Twist) -> None:
         motion = moved(speed.v_mps, speed.omega_radps, self.period_us)
-        self._motion = Latest(moved(self._last.v_mps, self._last.omega_radps, self.period_us))
+        if self._last.v_mps or self._last.omega_radps or self.utime - self._driven_us > self.coast_us:
+            self._driven, self._driven_us = self._last, self.utime
+        self._motion = Latest(moved(self._driven.v_mps, self._driven.omega_radps, self.period_us))
         still = moved(0.0, 0.0, self.period_us)
         flow = self.flow or flow_of(still if self.is_frozen else motion, self.noise_px, self.frames)
         self._flow = Latest(replace(flow))
@@ -110,6 +115,61 @@ def test_a_picture_that_stops_moving_stops_the_robot_within_half_a_second(robot:
     assert (state.causes, state.ports, list(state.limits)) == (("frozen",), ("flow",), [0.1])
     assert 0.0 < state.values[0] < 0.1
     assert (stops[0].twist.v_mps, stops[0].twist.omega_radps) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        ((0.4, AHEAD), (0.3, Twist(v_mps=0.0, omega_radps=0.8))),
+        (
+            (0.4, AHEAD),
+            (0.3, Twist(v_mps=0.0, omega_radps=0.8)),
+            (0.4, AHEAD),
+            (0.3, Twist(v_mps=0.0, omega_radps=-0.8)),
+        ),
+        ((0.3, AHEAD), (0.2, Twist(v_mps=0.0, omega_radps=0.0))),
+    ],
+    ids=["turns to one side", "turns to both sides", "stops"],
+)
+@pytest.mark.parametrize("hz", [10.0, 30.0])
+def test_drives_that_are_shorter_than_a_base_may_take_to_begin_are_judged(
+    hz: float, told: Sequence[tuple[float, Twist]]
+) -> None:
+    robot = Robot(hz)
+    for _ in range(8):
+        for seconds, command in told:
+            assert not any(found(robot.run(seconds, command)))
+    robot.is_frozen, robot.way_m = True, 0.0
+    for _ in range(20):
+        for seconds, command in told:
+            outputs = robot.run(seconds, command)
+    assert outputs[-1].state.stopped
+    assert robot.way_m <= 0.4
+
+
+def test_a_base_that_coasts_on_a_frozen_picture_does_not_block_the_retry() -> None:
+    robot = Robot(has_odometry=True)
+    robot.run(2.0)
+    robot.is_frozen, robot.coast_us = True, 700_000
+    robot.run(0.6)
+    robot.way_m = 0.0
+    assert robot.run(10.0)[-1].state.stopped
+    assert 0.03 < robot.way_m <= 0.1
+    robot.way_m = 0.0
+    robot.press(engaged=False)
+    robot.run(5.0)
+    assert 0.03 < robot.way_m <= 0.1
+
+
+def test_a_picture_that_freezes_while_an_operator_drives_is_named_and_holds_the_robot_after_it() -> None:
+    robot = Robot()
+    robot.run(2.0)
+    robot.run(1.0, override=AHEAD)
+    robot.is_frozen = True
+    driven = robot.run(2.0, override=AHEAD)
+    assert {"frozen"} <= set(driven[-1].state.causes)
+    assert driven[-1].twist.v_mps == AHEAD.v_mps
+    assert robot.fire().twist.v_mps == 0.0
 
 
 def test_it_retries_once_by_a_tenth_of_a_metre_and_then_waits_for_an_operator(robot: Robot) -> None:
