@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 import lcm
 import pytest
 
 from graphnav.bus import with_defaults
+from graphnav.live.inputs import packet_sources
 from graphnav.live.inputs.packet_sources import PacketSources
 
 
@@ -69,3 +70,23 @@ def test_the_sources_of_a_channel_are_bounded(sources: PacketSources, group: str
     senders[-1].publish("ODOMETRY", b"")
     wait_for(lambda: bool(sources.writers("ODOMETRY", begin_s)))
     assert len(sources.writers("CAMERA", begin_s)) == 16
+
+
+def test_a_message_from_a_new_address_does_not_cost_a_search_each_time(
+    sources: PacketSources, group: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    searched: list[Collection[tuple[str, int]]] = []
+    search = packet_sources._processes_of
+
+    def counted(addresses: Collection[tuple[str, int]]) -> dict[tuple[str, int], str]:
+        searched.append(addresses)
+        return search(addresses)
+
+    monkeypatch.setattr(packet_sources, "_processes_of", counted)
+    begin_s = time.monotonic()
+    for _ in range(30):
+        lcm.LCM(group).publish("CAMERA", b"")
+    lcm.LCM(group).publish("ODOMETRY", b"")
+    wait_for(lambda: bool(sources.writers("ODOMETRY", begin_s)))
+    assert len(sources.writers("CAMERA", begin_s)) == 16
+    assert 0 < len(searched) <= 1 + (time.monotonic() - begin_s) / 0.25

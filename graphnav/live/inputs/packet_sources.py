@@ -22,6 +22,8 @@ from graphnav.machine.packet_filter import keep_channels
 _POLL_S = 0.1
 _REST_S = 0.0005
 """A rest after each packet: of a flood some are enough."""
+_LOOKUP_S = 0.25
+"""Minimum time between two searches for processes, which take milliseconds: each message may be from another one."""
 _HEAD_BYTES = 128
 _MAX_SOURCES = 16
 """Maximum number of sources that are kept for a channel; the one that has been silent longest is dropped."""
@@ -42,6 +44,7 @@ class PacketSources:
         self._channels = frozenset(channels)
         self._heard: dict[str, dict[Source, float]] = {channel: {} for channel in channels}
         self._processes: dict[tuple[str, int], str] = {}
+        self._lookup_s = 0.0
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._serve, name="graphnav-packet-sources", daemon=True)
         self._socket: socket.socket | None = None
@@ -83,9 +86,10 @@ class PacketSources:
         if name not in self._channels:
             return
         heard, at_s = self._heard[name], time.monotonic()
-        if heard and (host, port, kind) not in heard:
-            addresses = {(source[0], source[1]) for source in heard} | {(host, port)}
-            self._processes |= {(host, port): _process_of(host, port) for host, port in addresses}
+        addresses = {source[:2] for source in heard} | {(host, port)}
+        if len(addresses) > 1 and at_s >= self._lookup_s and (unknown := addresses - self._processes.keys()):
+            self._processes |= _processes_of(unknown)
+            self._lookup_s = time.monotonic() + _LOOKUP_S
         heard[host, port, kind] = at_s
         if len(heard) > _MAX_SOURCES:
             silent = min(heard, key=lambda source: heard[source])
@@ -111,14 +115,26 @@ def _joined(url: str, channels: Collection[str]) -> socket.socket:
     return joined
 
 
-def _process_of(host: str, port: int) -> str:
-    """Return the process that sends from an address of this machine, as an addition to it; empty if it is not known."""
-    with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind((host, 0))  # fails for an address of another machine
+def _processes_of(addresses: Collection[tuple[str, int]]) -> dict[tuple[str, int], str]:
+    """Return the processes that send from addresses of this machine, as additions to them; empty if not known."""
+    found = dict.fromkeys(addresses, "")
+    links: dict[str, tuple[str, int]] = {}
+    with suppress(OSError):
         rows = [line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:]]
-        links = {f"socket:[{row[9]}]" for row in rows if len(row) > 9 and row[1].endswith(f":{port:04X}")}
-        for process in Path("/proc").glob("[0-9]*"):
-            with suppress(OSError):  # of another user, or ended
-                if any(os.readlink(one) in links for one in (process / "fd").iterdir()):
-                    return f" (pid {process.name}, {shown_name((process / 'comm').read_text().strip())})"
-    return ""
+        for host, port in filter(_is_local, addresses):
+            links |= {
+                f"socket:[{row[9]}]": (host, port) for row in rows if len(row) > 9 and row[1].endswith(f":{port:04X}")
+            }
+    for process in Path("/proc").glob("[0-9]*") if links else ():
+        with suppress(OSError):  # of another user, or ended
+            for one in (process / "fd").iterdir():
+                if (address := links.get(os.readlink(one))) is not None:
+                    found[address] = f" (pid {process.name}, {shown_name((process / 'comm').read_text().strip())})"
+    return found
+
+
+def _is_local(address: tuple[str, int]) -> bool:
+    with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind((address[0], 0))
+        return True
+    return False
