@@ -3,10 +3,11 @@
 Robot and navigation each have a group of their own, and relays carry the channels named from one to the other, so that
 a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 0.15}``, ``{"jitter_s": 0.03}``,
 ``{"drop": "half"}``, ``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"stamps": "milliseconds"}``
-(see `STAMPS`), ``{"picture": "white"}``, ``{"picture": "covered"}``, ``{"freeze_gray": 1.0}`` (the last picture under
-new stamps, with noise of so many gray levels); of odometry ``{"odometry": KIND}`` (see `ODOMETRY`); ``{}`` means no
-fault. Each line replaces the one before. ``{"corrupt": KIND}`` corrupts every second message of the
-first channel, whichever it is. It imports nothing of the runner: what it tests is not what it is made of.
+(see `STAMPS`), ``{"picture": KIND}`` (white, covered: dark, cloth: texture on the lens), ``{"freeze_gray": 1.0}`` (the
+last picture under new stamps, with noise of so many gray levels); of odometry ``{"odometry": KIND}`` (see `ODOMETRY`),
+``{"spin": true}`` (it moves as the base is told); of commands ``{"stand": true}`` (the base stands); ``{}`` means no
+fault. Each line replaces the one before. ``{"corrupt": KIND}`` corrupts every second message of the first channel,
+whichever it is. It imports nothing of the runner: what it tests is not what it is made of.
 """
 
 from __future__ import annotations
@@ -27,10 +28,11 @@ import lcm
 import numpy as np
 
 from acceptance.corrupt import Corrupter
-from graphnav import Image, Odometry
+from graphnav import Image, Odometry, Twist
+from graphnav.arrays import Doubles
 from graphnav.codec import decode, encode
 
-CAMERA = "CAMERA"
+CAMERA, ODOMETRY_CHANNEL, COMMANDS = "CAMERA", "ODOMETRY", "BASE_CMD"
 STAMPS: dict[str, Callable[[int], int]] = {
     "seconds": lambda utime: utime // 1_000_000,
     "milliseconds": lambda utime: utime // 1000,
@@ -47,6 +49,35 @@ ODOMETRY: dict[str, Callable[[Odometry], Odometry]] = {
 }
 """Wrong odometry."""
 _LEVEL = {"white": 255, "covered": 4}
+_CLOTH_PX = 12
+"""Size of the squares of the texture that covers the lens."""
+
+
+class SpinningWheels:
+    """Odometry of a base whose wheels turn as they are told, whether it moves or not."""
+
+    def __init__(self, url: str) -> None:
+        self._lcm = lcm.LCM(url)
+        self._lcm.subscribe(COMMANDS, self._hear)
+        self._told = Twist(v_mps=0.0, omega_radps=0.0)
+        self._last: tuple[int, Odometry] | None = None
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def odometry(self, utime: int, honest: Odometry) -> Odometry:
+        """Return what the wheels measure; ``honest`` is where they begin."""
+        before, last = self._last or (utime, honest)
+        s, v, w = (utime - before) * 1e-6, self._told.v_mps, self._told.omega_radps
+        x_m, y_m = last.x_m + v * s * math.cos(last.yaw_rad), last.y_m + v * s * math.sin(last.yaw_rad)
+        found = Odometry(x_m=x_m, y_m=y_m, yaw_rad=last.yaw_rad + w * s, v_mps=v, omega_radps=w)
+        self._last = utime, found
+        return found
+
+    def _hear(self, _channel: str, data: bytes) -> None:
+        self._told = decode(Twist, data)[2]
+
+    def _listen(self) -> None:
+        while True:
+            self._lcm.handle()
 
 
 class Relay:
@@ -60,6 +91,7 @@ class Relay:
         self._waiting: list[tuple[float, int, str, bytes]] = []
         self._count = self._images = 0
         self._random = random.Random(1)
+        self._wheels = SpinningWheels(target_url) if ODOMETRY_CHANNEL in channels else None
         self._last: bytes | None = None
         self._condition = threading.Condition()
         for channel in channels:
@@ -75,9 +107,11 @@ class Relay:
         delay_s = 0.0
         if (kind := self.fault.get("corrupt")) and channel == self._first:
             data = self._corrupter.spoil(kind, data)
-        elif channel == "ODOMETRY" and (wrong := self.fault.get("odometry")):
-            utime, seq, odometry = decode(Odometry, data)
-            data = encode(ODOMETRY[wrong](odometry), utime, seq)
+        elif channel == ODOMETRY_CHANNEL:
+            data = self._faulty_odometry(data)
+        elif channel == COMMANDS and self.fault.get("stand"):
+            utime, seq, _ = decode(Twist, data)
+            data = encode(Twist(v_mps=0.0, omega_radps=0.0), utime, seq)
         elif channel == CAMERA:
             delay_s = float(self.fault.get("delay_s", 0.0))
             delay_s += self._random.uniform(0.0, float(self.fault.get("jitter_s", 0.0)))
@@ -92,6 +126,15 @@ class Relay:
             self._count += 1
             heapq.heappush(self._waiting, (time.monotonic() + delay_s, self._count, channel, data))
             self._condition.notify()
+
+    def _faulty_odometry(self, data: bytes) -> bytes:
+        if wrong := self.fault.get("odometry"):
+            utime, seq, odometry = decode(Odometry, data)
+            return encode(ODOMETRY[wrong](odometry), utime, seq)
+        if self.fault.get("spin") and self._wheels is not None:
+            utime, seq, odometry = decode(Odometry, data)
+            return encode(self._wheels.odometry(utime, odometry), utime, seq)
+        return data
 
     def _faulty(self, data: bytes) -> bytes | None:
         """Return a picture as the fault makes it, None where it is lost."""
@@ -108,7 +151,8 @@ class Relay:
         if picture := fault.get("picture"):
             utime, seq, image = decode(Image, data)
             noise = np.random.default_rng(self._images).normal(0.0, 1.0, image.pixels.shape)
-            pixels = np.clip(_LEVEL[picture] + noise, 0, 255).astype(np.uint8)
+            level = _cloth(image.pixels.shape) if picture == "cloth" else _LEVEL[picture]
+            pixels = np.clip(level + noise, 0, 255).astype(np.uint8)
             data = encode(Image(pixels=pixels, step_px=image.step_px), utime, seq)
         if (noise_gray := fault.get("freeze_gray")) is not None and self._last is not None:
             utime, seq, _ = decode(Image, data)
@@ -130,6 +174,13 @@ class Relay:
                     continue
                 _, _, channel, data = heapq.heappop(self._waiting)
             self._target.publish(channel, data)
+
+
+def _cloth(shape: tuple[int, ...]) -> Doubles:
+    rows, cols = shape[:2]
+    squares = np.random.default_rng(0).uniform(60.0, 180.0, (rows // _CLOTH_PX + 1, cols // _CLOTH_PX + 1))
+    texture = squares.repeat(_CLOTH_PX, 0).repeat(_CLOTH_PX, 1)[:rows, :cols]
+    return texture.reshape(rows, cols, *[1] * (len(shape) - 2))
 
 
 def main() -> None:

@@ -43,8 +43,8 @@ class Rig:
             "ODOMETRY": self._relay("ODOMETRY", "BEACON"),
             "TELEOP": self._relay("TELEOP"),
             "STOP": self._relay("STOP"),
+            "BASE_CMD": _relay(self.graph_url, self.robot_url, "BASE_CMD"),
         }
-        self._back = _relay(self.graph_url, self.robot_url, "BASE_CMD")
         self.start_camera()
         self.navigation: list[subprocess.Popen[bytes]] = []
 
@@ -74,7 +74,7 @@ class Rig:
         self._relays["CAMERA"].send_signal(signal.SIGCONT)
 
     def fault(self, fault: Mapping[str, Any], channel: str = "CAMERA") -> None:
-        """Tell the relay what to do to the camera, or to odometry, from now on; nothing for an empty mapping."""
+        """Tell the relay of a channel what to do to it from now on; nothing for an empty mapping."""
         self._tell(channel, fault)
 
     def corrupt(self, channel: str, kind: str) -> None:
@@ -109,7 +109,7 @@ class Rig:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.resume_camera()
-        processes: list[subprocess.Popen[Any]] = [*self.navigation, self.robot, self._back, *self._relays.values()]
+        processes: list[subprocess.Popen[Any]] = [*self.navigation, self.robot, *self._relays.values()]
         for process in processes:
             if process.poll() is None:
                 process.terminate()
