@@ -58,9 +58,10 @@ class Guard(Stage):
     covered lens, wheels that spin. That is, for ``frozen_s`` and at least three flows, the median length of the valid
     ``flow`` is below ``frozen_px`` where three times as much is predicted: by ``motion``, which has to come from
     odometry, else by the commands that the guard sent, which a base follows within half a second. Flows of slow motions
-    are added up. A picture that only repeats is not frozen, since a robot that stands sees the same picture; a plane is
-    not fresh evidence, since it is made of the same picture. And it stands where ``odometry``, as `odometry.motion`
-    checks it, contradicts the picture ("jump", "motionless", "reversed", "scale").
+    are added up. Odometry that stands as the picture does, against commands of 0.1 m and more in 2 s, is not believed.
+    A picture that only repeats is not frozen, since a robot that stands sees the same picture; a plane is not fresh
+    evidence, since it is made of the same picture. And it stands where ``odometry``, as `odometry.motion` checks it,
+    contradicts the picture ("jump", "motionless", "reversed", "scale").
 
     Both hold the robot beyond the evidence, which is gone when it stands. After a second it retries once, slowly and
     ``retry_m`` at most, and drives on if the input now follows its motion. If not, it stands until the guard is armed
@@ -149,7 +150,7 @@ class Guard(Stage):
         0.1,
         ge=0.0,
         le=10.0,
-        doc="distance of the retry after a frozen picture or faulty odometry; 0 waits for an operator at once",
+        doc="distance of the retry after a frozen picture or faulty odometry; 0 waits until an operator drives it",
     )
     camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=Mount.HEIGHT_DOC)
     tilt_deg: float = param(75.0, gt=0.0, le=90.0, doc=Mount.TILT_DOC)
@@ -199,12 +200,13 @@ class Guard(Stage):
         if self._is_stopped:
             stops.append(Cause("stop", "stop"))
         self._was_driven |= driver is not None
+        retried_m = 0.0 if self._was_driven else abs(self._last.v_mps) * elapsed_s
         causes = [
             *self._lost("command", Latest(command, command_age_s), waited_s),
             *self._of_plane(plane, waited_s),
             *self._of_image(image, waited_s),
-            *self._of_flow(flow, motion, utime, waited_s, elapsed_s, is_armed=is_armed),
-            *self._of_odometry(odometry, utime, waited_s, elapsed_s, is_armed=is_armed),
+            *self._of_flow(flow, motion, utime, waited_s, retried_m, is_armed=is_armed),
+            *self._of_odometry(odometry, utime, waited_s, retried_m, is_armed=is_armed),
         ]
         may_move, may_advance, wanted = self._allowed(command if driver is None else driver, driver, stops, causes)
         self._last = self._limited(wanted, elapsed_s)
@@ -281,7 +283,7 @@ class Guard(Stage):
         motion: Latest[Motion],
         utime: int,
         waited_s: float,
-        elapsed_s: float,
+        retried_m: float,
         *,
         is_armed: bool,
     ) -> list[Cause]:
@@ -297,10 +299,10 @@ class Guard(Stage):
         if (
             self._picture.update(
                 utime,
-                abs(self._last.v_mps) * elapsed_s,
+                retried_m,
                 is_faulty=is_frozen,
                 is_proven=moves and not is_frozen and self._shown.moved >= MIN_MOVED,
-                is_new=is_armed or self._shown.moved > 0,
+                is_new=is_armed or (self._shown.moved > 0 and not self._was_driven),
             )
             or is_frozen
         ):
@@ -308,7 +310,7 @@ class Guard(Stage):
         return causes + self._held(self._picture, found)
 
     def _of_odometry(
-        self, odometry: Latest[OdometryCheck], utime: int, waited_s: float, elapsed_s: float, *, is_armed: bool
+        self, odometry: Latest[OdometryCheck], utime: int, waited_s: float, retried_m: float, *, is_armed: bool
     ) -> list[Cause]:
         """Handle what the odometry's check found; it holds the robot beyond that if it was driving."""
         causes = self._lost_late("odometry", odometry, waited_s)
@@ -320,7 +322,7 @@ class Guard(Stage):
         is_driven = self._sent.moved(utime - 2 * SETTLE_US, utime)
         self._odometry.update(
             utime,
-            abs(self._last.v_mps) * elapsed_s,
+            retried_m,
             is_faulty=bool(check.fault) and (is_driven or not self._odometry.is_free),
             is_proven=check.agrees and not check.fault,
             is_new=is_armed,

@@ -54,18 +54,18 @@ class Latch:
         """The maximum speed of a retry."""
         return self._retry_m / RETRY_S
 
-    def update(self, utime: int, travelled_m: float, *, is_faulty: bool, is_proven: bool, is_new: bool) -> bool:
+    def update(self, utime: int, retried_m: float, *, is_faulty: bool, is_proven: bool, is_new: bool) -> bool:
         """Go on by one firing; return whether the state changed.
 
-        ``travelled_m``: by the last command. ``is_faulty``: the fault shows. ``is_proven``: the input has followed
-        the robot. ``is_new``: the guard was armed, or the picture changed.
+        ``retried_m``: driven by the last command, not by an operator. ``is_faulty``: the fault shows. ``is_proven``:
+        the input has followed the robot. ``is_new``: the guard was armed, or the picture changed.
         """
         before = self._state
         if is_proven:
             self._state, self._has_retried = _State.FREE, False
         elif self._state is _State.RETRYING:
-            self._left_m -= travelled_m
-            if is_faulty or self._left_m <= travelled_m:
+            self._left_m -= retried_m
+            if is_faulty or self._left_m <= retried_m:
                 self._state, self._since = _State.STANDING, utime
         elif is_faulty:
             self._state, self._since = _State.STANDING, utime

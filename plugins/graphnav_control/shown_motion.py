@@ -19,6 +19,8 @@ SETTLE_US = 500_000
 _DELAYS_US = range(0, SETTLE_US + 1, SETTLE_US // 5)
 MAX_SUM_US = 2_000_000
 """Longest time over which flows are summed: a slower motion is a creep that is not judged."""
+MIN_TOLD_M = 0.1
+"""Smallest way by the commands within that time which odometry may not deny together with the picture."""
 MAX_CELLS = 48
 """Flows are judged on a grid of at most as many columns."""
 MIN_CELLS = 12
@@ -82,8 +84,9 @@ class ShownMotion:
 
     A flow is still if the median length of its valid vectors is below ``frozen_px`` where the floor would have
     flowed by three times as much; flows of slower motions are added up until it would have. The picture is frozen
-    after `MIN_STILL` of these, together of at least ``frozen_s``, without one that moved in between. ``moved`` counts
-    those; `restart` forgets the evidence. ``shown_px`` is the length of the last flow that was still.
+    after `MIN_STILL` of these, together of at least ``frozen_s``, without one that moved in between; also where
+    odometry has not moved either for `MAX_SUM_US`, against the commands: it may hang as the picture does. ``moved``
+    counts the flows that moved; `restart` forgets the evidence. ``shown_px``: length of the last flow that was still.
     """
 
     def __init__(self, mount: Mount, frozen_px: float, frozen_s: float) -> None:
@@ -153,6 +156,10 @@ class ShownMotion:
             self.shown_px = shown_px
             self._begin_sum()
         elif self._us > MAX_SUM_US:
+            if abs(sent.smallest(end - self._us, end).forward_m) >= MIN_TOLD_M:
+                self._n_still += MIN_STILL  # picture and odometry hang together, or the robot is blocked
+                self._still_us += self._us
+                self.shown_px = shown_px
             self._begin_sum()
 
     def _begin_sum(self) -> None:

@@ -48,6 +48,8 @@ class Robot:
         self.is_frozen = False
         self.coast_us = 0
         """How long odometry goes on to report the last speed after a stop."""
+        self.measured: Twist | None = None
+        """What odometry reports, if not the motion."""
         self.check: OdometryCheck | None = None
         self.noise_px = 0.01
         self.flow: Flow | None = None
@@ -90,7 +92,8 @@ class Robot:
         motion = moved(speed.v_mps, speed.omega_radps, self.period_us)
         if self._last.v_mps or self._last.omega_radps or self.utime - self._driven_us > self.coast_us:
             self._driven, self._driven_us = self._last, self.utime
-        self._motion = Latest(moved(self._driven.v_mps, self._driven.omega_radps, self.period_us))
+        measured = self.measured or self._driven
+        self._motion = Latest(moved(measured.v_mps, measured.omega_radps, self.period_us))
         still = moved(0.0, 0.0, self.period_us)
         flow = self.flow or flow_of(still if self.is_frozen else motion, self.noise_px, self.frames)
         self._flow = Latest(replace(flow))
@@ -170,6 +173,33 @@ def test_a_picture_that_freezes_while_an_operator_drives_is_named_and_holds_the_
     assert {"frozen"} <= set(driven[-1].state.causes)
     assert driven[-1].twist.v_mps == AHEAD.v_mps
     assert robot.fire().twist.v_mps == 0.0
+
+
+def test_odometry_that_hangs_as_the_picture_does_is_not_believed() -> None:
+    robot = Robot(has_odometry=True)
+    robot.run(2.0)
+    robot.is_frozen, robot.way_m = True, 0.0
+    robot.measured = Twist(v_mps=0.0, omega_radps=0.0)
+    assert robot.run(20.0)[-1].state.stopped
+    assert robot.way_m <= 0.3 * 2.3 + 0.1
+
+
+def test_odometry_that_stands_is_believed_where_commands_are_smaller_than_a_base_may_ignore() -> None:
+    robot = Robot(has_odometry=True)
+    robot.is_frozen, robot.measured = True, Twist(v_mps=0.0, omega_radps=0.0)
+    assert not any(found(robot.run(6.0, Twist(v_mps=0.04, omega_radps=0.05))))
+
+
+@pytest.mark.parametrize("retry_m", [0.0, 0.1])
+def test_a_fast_operator_frees_the_robot_too(retry_m: float) -> None:
+    robot = Robot(retry_m=retry_m)
+    robot.run(2.0)
+    robot.is_frozen = True
+    robot.run(4.0)
+    robot.is_frozen = False
+    fast = Twist(v_mps=1.0, omega_radps=0.0)
+    robot.run(1.0, override=fast)
+    assert robot.run(0.1)[-1].state.causes == ()
 
 
 def test_it_retries_once_by_a_tenth_of_a_metre_and_then_waits_for_an_operator(robot: Robot) -> None:
