@@ -5,9 +5,10 @@ a fault of the camera, its edge or its clock is one line of JSON: ``{"delay_s": 
 ``{"drop": "half"}``, ``{"silent": true}``, ``{"repeat": true}``, ``{"jump_s": 3600}``, ``{"stamps": "milliseconds"}``
 (see `STAMPS`), ``{"picture": KIND}`` (white, covered: dark, cloth: texture on the lens), ``{"freeze_gray": 1.0}`` (the
 last picture under new stamps, with noise of so many gray levels); of odometry ``{"odometry": KIND}`` (see `ODOMETRY`),
-``{"spin": true}`` (it moves as the base is told); of commands ``{"stand": true}`` (the base stands); ``{}`` means no
-fault. Each line replaces the one before. ``{"corrupt": KIND}`` corrupts every second message of the first channel,
-whichever it is. It imports nothing of the runner: what it tests is not what it is made of.
+``{"spin": true}`` (it moves as the base is told), ``{"hold": true}`` (the last pose under new stamps); of commands
+``{"stand": true}`` (the base stands); ``{}`` means no fault. Each line replaces the one before. ``{"corrupt": KIND}``
+corrupts every second message of the first channel, whichever it is.
+It imports nothing of the runner: what it tests is not what it is made of.
 """
 
 from __future__ import annotations
@@ -93,6 +94,7 @@ class Relay:
         self._random = random.Random(1)
         self._wheels = SpinningWheels(target_url) if ODOMETRY_CHANNEL in channels else None
         self._last: bytes | None = None
+        self._pose: Odometry | None = None
         self._condition = threading.Condition()
         for channel in channels:
             self._source.subscribe(channel, self._hear).set_queue_capacity(0)
@@ -128,12 +130,14 @@ class Relay:
             self._condition.notify()
 
     def _faulty_odometry(self, data: bytes) -> bytes:
+        utime, seq, odometry = decode(Odometry, data)
         if wrong := self.fault.get("odometry"):
-            utime, seq, odometry = decode(Odometry, data)
             return encode(ODOMETRY[wrong](odometry), utime, seq)
         if self.fault.get("spin") and self._wheels is not None:
-            utime, seq, odometry = decode(Odometry, data)
             return encode(self._wheels.odometry(utime, odometry), utime, seq)
+        if self.fault.get("hold"):
+            return encode(replace(self._pose or odometry, v_mps=0.0, omega_radps=0.0), utime, seq)
+        self._pose = odometry
         return data
 
     def _faulty(self, data: bytes) -> bytes | None:

@@ -49,7 +49,7 @@ class Robot:
         self.coast_us = 0
         """How long odometry goes on to report the last speed after a stop."""
         self.measured: Twist | None = None
-        """What odometry reports, if not the motion."""
+        """The motion that odometry reports, if not the true one."""
         self.check: OdometryCheck | None = None
         self.noise_px = 0.01
         self.flow: Flow | None = None
