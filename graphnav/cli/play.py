@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import os
-import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,10 +14,7 @@ from graphnav.cli.status_line import StatusLine
 from graphnav.errors import shown_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from graphnav.player import EventSelection, Player
-    from graphnav.player.player import Keyboard
     from graphnav.record import Recording
 
 _EXAMPLES = """\
@@ -53,6 +47,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.bus import Bus
     from graphnav.catalog import Catalog
+    from graphnav.cli.foreground_keyboard import open_keyboard
     from graphnav.cli.opened_log import opened
     from graphnav.cli.trust import trust_of
     from graphnav.notices import print_notice
@@ -86,7 +81,7 @@ def main(args: argparse.Namespace) -> int:
         print(f"playing {recording.path}: {what}, {length_s:.1f} s, {args.speed:g}x\n  on {url}", flush=True)
         begin_s = time.monotonic()
         try:
-            with _keyboard() as (keyboard, has_keys), status:
+            with open_keyboard() as (keyboard, has_keys), status:
                 if has_keys:
                     print(HELP, flush=True)
                 player.play(keyboard)
@@ -123,28 +118,3 @@ def _status(player: Player, selection: EventSelection) -> str:
         f"{state}  {at_us / 1e6:.1f} of {selection.end_us / 1e6:.1f} s  {pace.speed_ratio:g}x  "
         f"{counted(player.n_played, 'message')}{behind}"
     )
-
-
-class _NoKeyboard:
-    """A keyboard without keys, if there is no terminal."""
-
-    def read(self, timeout_s: float) -> bytes:
-        """Wait."""
-        time.sleep(timeout_s)
-        return b""
-
-
-@contextmanager
-def _keyboard() -> Iterator[tuple[Keyboard, bool]]:
-    """Yield the keyboard and whether it has keys: only in the foreground of a terminal."""
-    from graphnav.keyboard import Terminal
-
-    if sys.stdin is None or sys.stdout is None or not (sys.stdin.isatty() and sys.stdout.isatty()):
-        yield _NoKeyboard(), False
-        return
-    fd = sys.stdin.fileno()
-    if os.tcgetpgrp(fd) != os.getpgrp():
-        yield _NoKeyboard(), False
-        return
-    with Terminal(fd) as terminal:
-        yield terminal, True

@@ -11,6 +11,8 @@ from graphnav.cli.options import add_feed_argument, add_types_option, load_types
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from graphnav.errors import GraphnavError
     from graphnav.machine.console import Console
     from graphnav.spy import Feed, Health
@@ -19,10 +21,12 @@ _REFRESH_S = 0.5
 _PIPED_COLS = 160
 _EVERY_RUN_S = 1.5
 """Every healthy run sends a status within this time."""
+_KEYS = (("space", "freeze the view, or go on"), ("?", "show the keys, or hide them"), ("q", "quit"))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
+    parser.epilog = "keys: " + "; ".join(f"{key}: {what}" for key, what in _KEYS)
     add_feed_argument(parser)
     parser.add_argument("--once", action="store_true", help="wait for one status of each run, print it and exit")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
@@ -72,24 +76,66 @@ def _look(feed: Feed, health: Health, for_s: float) -> None:
 
 
 def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
-    """Show the runs until Ctrl-C; report once, after ``for_s``, that there is none."""
+    """Show the runs until q or Ctrl-C; report once, after ``for_s``, that there is none."""
     from rich.live import Live
 
+    from graphnav.cli.foreground_keyboard import open_keyboard
     from graphnav.notices import print_notice
-    from graphnav.spy import health_as_text
 
     begin_s, shown_s, is_new, is_told = time.monotonic(), 0.0, False, False
-    with Live(console=console, auto_refresh=False) as live:
+    with open_keyboard() as (keyboard, has_keys), Live(console=console, auto_refresh=False) as live:
+        view = _View(feed, health, has_keys=has_keys)
         for received in feed.listen(None):
             if received is not None:
                 is_new |= health.receive(received)
-            elif health.has_status:
-                if is_new or time.monotonic() - shown_s > _REFRESH_S:
+                continue
+            is_pressed = view.press(keyboard.read(0.0) or b"")
+            if view.is_left:
+                return
+            if health.has_status:
+                if is_pressed or is_new or time.monotonic() - shown_s > _REFRESH_S:
                     shown_s, is_new = time.monotonic(), False
-                    live.update(health_as_text(health, console.width), refresh=True)
+                    live.update(view.shown(console.width), refresh=True)
             elif not is_told and time.monotonic() - begin_s > for_s:
                 is_told = True
                 print_notice(f"{_no_run(feed, health, for_s)}\n  waiting for it; Ctrl-C exits")
+
+
+class _View:
+    """The content of the screen, as the keys choose it."""
+
+    def __init__(self, feed: Feed, health: Health, *, has_keys: bool) -> None:
+        from graphnav.keyboard import KeyDecoder
+
+        self.is_left = False
+        self._feed, self._health, self._has_keys = feed, health, has_keys
+        self._decoder = KeyDecoder()
+        self._shows_keys = self._is_frozen = False
+        self._body: RenderableType = ""
+
+    def press(self, data: bytes) -> bool:
+        """Handle the bytes of keys; return whether they change what is shown."""
+        keys = self._decoder.feed(data)
+        self._shows_keys ^= keys.count("?") % 2 == 1
+        self._is_frozen ^= keys.count(" ") % 2 == 1
+        self.is_left |= "q" in keys
+        return bool(keys)
+
+    def shown(self, width_cols: int) -> RenderableType:
+        """Return the screen: a heading, the keys if they are asked for, and the runs."""
+        from rich.console import Group
+        from rich.text import Text
+
+        from graphnav.spy import health_as_text
+
+        if not self._is_frozen:
+            self._body = health_as_text(self._health, width_cols)
+        if not self._has_keys:
+            return self._body
+        heading = Text.assemble(("graphnav top", "bold"), f"  {self._feed.name.partition('?')[0]}  ", ("? keys", "dim"))
+        heading.append_text(Text("  FROZEN", "bold reverse") if self._is_frozen else Text())
+        keys = [Text.assemble((f"{key:>8}", "bold"), f"  {what}") for key, what in _KEYS] if self._shows_keys else []
+        return Group(heading, *keys, self._body)
 
 
 def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:

@@ -17,7 +17,7 @@ from graphnav.live.inputs.intake import Intake, Received
 from graphnav.live.live_unit import LiveUnit
 from graphnav.live.outlet import Outlet
 from graphnav.live.timer import Timer, every
-from graphnav.messages import Message
+from graphnav.messages import GuardState, Message
 from graphnav.runner.lifecycle import close_stages, reset_stages
 from graphnav.runner.lockstep import Outcome
 from graphnav.runner.owned_stages import Sink
@@ -57,6 +57,8 @@ class LiveRunner:
         self._unlogged: list[tuple[int, str, int, float, Sequence[Used]]] = []
         self.outlets: dict[str, Outlet] = {}
         """By the reference of the channel that is sent."""
+        self.guard_states: dict[str, GuardState] = {}
+        """The newest state of each guard, by its stage."""
         self.intakes = {intake.source.channel.ref: intake for intake in intakes}
         self._wake = wake
         self._bus = Bus("memq://")
@@ -286,6 +288,8 @@ class LiveRunner:
             data = encode(message, utime, self.next_seq(channel.name))
         except EncodeError as error:
             raise ValueError(str(error)) from error
+        if isinstance(message, GuardState):
+            self.guard_states[channel.stage] = message
         if (outlet := self.outlets.get(channel.ref)) is not None:
             outlet.publish(message, data, utime, self._firing.birth_s, self._firing.origin_s)
         if channel.name in self._readers:

@@ -152,7 +152,7 @@ class _LiveRun:
         def losses() -> Losses:
             return Losses(tap.dropped if tap else 0, writer.dropped, writer.fault)
 
-        self._observer = Observer(self._runner, run_id, losses, notice)
+        self._observer = Observer(self._runner, run_id, self._url, losses, notice)
         self.is_begun = True
 
     def perform(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:

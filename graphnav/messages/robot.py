@@ -88,6 +88,8 @@ class Stop(Message, lcm=graphnav_lcm.stop_t):
 
 _UNITS = {"waiting": "s", "stale": "s", "frozen": "px", "jump": "m", "turn_jump": "rad"}
 """Units of what a guard measures, by the cause; ratios have none."""
+_CONTRADICTIONS = {"frozen", "jump", "turn_jump", "motionless", "reversed", "scale"}
+"""Causes that an input contradicts the robot's motion, or that of the picture."""
 
 
 class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
@@ -95,7 +97,8 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
 
     ``may_move``: whether any motion is allowed; ``may_advance``: whether forward motion is. ``overridden``: an
     override is active. ``stopped``: a stop was requested, or a frozen picture or faulty odometry holds the robot for
-    good, and the guard was not armed again since.
+    good, and the guard was not armed again since. A "frozen" or a fault of odometry that forbids no motion although no
+    override is active is being retried (`is_retrying`).
 
     ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that restricts motion now, or would
     without the override: "waiting" (no message yet), "stale", "fault" (of the sender's timestamps, or a value that is
@@ -118,6 +121,25 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
     def unit(cause: str, port: str) -> str:
         """Return the unit of a cause's value and limit, empty if they have none; ``port``: the guard's input."""
         return "gray levels" if (cause, port) == ("blind", "image") else _UNITS.get(cause, "")
+
+    @staticmethod
+    def is_contradiction(cause: str) -> bool:
+        """Whether a cause is that an input contradicts the motion of the robot: "frozen", or a fault of odometry."""
+        return cause in _CONTRADICTIONS
+
+    @property
+    def is_retrying(self) -> bool:
+        """Whether the robot moves, slowly, to see whether an input that contradicts its motion follows it again."""
+        return self.may_move and not self.overridden and any(map(self.is_contradiction, self.causes))
+
+    def described(self) -> list[str]:
+        """Return each cause with its input, its value and the limit, such as "stale: image, 1.2 s (limit 0.5 s)"."""
+        texts = []
+        for cause, port, value, limit in zip(self.causes, self.ports, self.values, self.limits, strict=True):
+            unit = f" {self.unit(cause, port)}".rstrip()
+            found = f", {value:.3g}{unit} (limit {limit:.3g}{unit})" if value or limit else ""
+            texts.append(f"{cause}: {port}{found}")
+        return texts
 
 
 class State(Message, lcm=graphnav_lcm.state_t):

@@ -6,6 +6,7 @@ import json
 import os
 import pty
 import re
+import shutil
 import signal
 import subprocess
 import sysconfig
@@ -18,6 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from acceptance.terminal import Terminal
 
 from graphnav.bus import Bus
 from graphnav.cli import main
@@ -25,7 +27,7 @@ from graphnav.codec import encode
 from graphnav.machine.console import Console
 from graphnav.messages import About, GuardState, Message, Status
 from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Health, Received, health_as_text
+from graphnav.spy import Health, Received, health_as_json, health_as_text
 from graphnav.spy.health.health import MAX_RUNS
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
@@ -120,6 +122,29 @@ def test_a_robot_that_the_guard_holds_tells_what_to_do() -> None:
         "frozen: flow, 0.01 px (limit 0.1 px)",
         "look, then press r in graphnav teleop to let it retry, or drive it by hand",
     ]
+
+
+def test_a_robot_that_retries_does_not_look_as_if_nothing_were_wrong() -> None:
+    health = Health(lambda: 10.5)
+    retrying = replace(
+        STOPPED,
+        may_move=True,
+        may_advance=True,
+        stopped=False,
+        causes=("reversed",),
+        ports=("odometry",),
+        values=np.array([-1.0]),
+        limits=np.array([0.0]),
+    )
+    health.receive(Received("guard.state", encode(retrying, 12_300_000, 12), 10.4))
+    assert [line.strip() for line in text_of(health).splitlines()] == [
+        "guard guard.state  may move, retries slowly",
+        "reversed: odometry, -1 (limit 0)",
+    ]
+    (guard,) = health_as_json(health, "")["guards"]
+    assert guard["retrying"]
+    health.receive(Received("guard.state", encode(replace(retrying, overridden=True), 12_400_000, 13), 10.4))
+    assert "retries" not in text_of(health)
 
 
 def test_a_person_reads_all_of_a_status() -> None:
@@ -392,3 +417,40 @@ def test_a_run_that_has_not_begun_is_waited_for(group: str, publishing: Publish)
 
 REJECTED = {"undecodable": 2, "repeated": 5}
 WIDE = {**os.environ, "COLUMNS": "160", "LINES": "50", "TERM": "xterm"}
+
+
+@pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
+def test_keys_of_the_screen(group: str, tmp_path: Path) -> None:
+    over, one = threading.Event(), Terminal(tmp_path / "tmux")
+
+    def publish() -> None:
+        bus, k = Bus(group), 0
+        while not over.wait(0.1):
+            status = replace(STATUS, wall_s=0.1 * k)
+            bus.publish("graphnav.status", encode(status, 100_000 * k, k))
+            k += 1
+        bus.close()
+
+    def clock(shown: str) -> str:
+        return "".join(re.findall(r"live, (\S+) s of wall time", shown))
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        one.start(f"{GRAPHNAV} top '{group}'; echo left $?; sleep 60", (120, 40))
+        one.wait_for(lambda shown: "? keys" in shown and clock(shown) != "")
+        one.press("?")
+        first = one.wait_for(lambda shown: "freeze the view, or go on" in shown and "quit" in shown)
+        one.wait_for(lambda shown: clock(shown) not in {"", clock(first)})
+        one.press("?")
+        one.wait_for(lambda shown: "freeze the view" not in shown)
+        one.press("Space")
+        frozen = one.wait_for(lambda shown: "FROZEN" in shown)
+        one.press("?")
+        assert clock(one.wait_for(lambda shown: "freeze the view" in shown)) == clock(frozen)
+        one.press("q")
+        one.wait_for(lambda shown: "left 0" in shown)
+    finally:
+        over.set()
+        thread.join()
+        one.close()

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from graphnav.codec import encode
 from graphnav.live.health.alarms import Alarms
 from graphnav.live.health.clocks import Clocks
+from graphnav.live.health.guard_holds import GuardHolds
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.health.status import Losses, StatusReporter
 from graphnav.live.inputs.receiver import Receiver
@@ -22,15 +23,17 @@ class Observer:
 
     ``losses`` returns what the tap and the log lose. ``told``: the first 100 notices. ``traffic`` counts
     the messages on the motor channels. ``receiver`` is set when it listens. ``status``: the newest status.
+    ``url``: of the run's inputs and outputs.
     """
 
     def __init__(
-        self, runner: LiveRunner, run_id: str, losses: Callable[[], Losses], notice: Callable[[str], None]
+        self, runner: LiveRunner, run_id: str, url: str, losses: Callable[[], Losses], notice: Callable[[str], None]
     ) -> None:
         self.told: list[str] = []
         self.traffic = MotorTraffic()
         self._runner, self._notice = runner, notice
         self.receiver: Receiver | None = None
+        self._holds = GuardHolds(runner, url)
         clocks = Clocks(runner)
         self._alarms = Alarms(runner, self.traffic, clocks)
         self._reporter = StatusReporter(runner, run_id, losses, self.traffic, clocks)
@@ -45,9 +48,12 @@ class Observer:
     def look(self) -> bool:
         """If the last status is a second old, publish a new one and report new alarms; return whether it did.
 
-        A motor process that takes no commands, or takes them again, is reported at once.
+        A motor process that takes no commands, or takes them again, is reported at once, and so is what holds the
+        robot.
         """
         runner = self._runner
+        for line in self._holds.look(runner.clock.now_s()):
+            self.tell(line)
         changes = list(self.traffic.look(runner.clock.now_s()))
         for line in changes:
             self.tell(line)

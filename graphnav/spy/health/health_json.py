@@ -46,6 +46,7 @@ def _guard(health: Health, guard: GuardHealth) -> dict[str, Any]:
         "may_advance": state.may_advance,
         "overridden": state.overridden,
         "stopped": state.stopped,
+        "retrying": state.is_retrying,
         "motor_fault": health.motor_fault(guard),
         "causes": [plain(dict(zip(("cause", "port", "value", "limit"), cause, strict=True))) for cause in causes],
     }

@@ -147,14 +147,13 @@ def _guard(health: Health, guard: GuardHealth) -> Text:
         return text.append(f"no state for {health.silent_s(guard):.1f} s", "bold red")
     move, advance = ("may move", "green"), ("may turn, not advance", "yellow")
     text.append(*(("may not move", "bold red") if not state.may_move else move if state.may_advance else advance))
+    text.append(", retries slowly" if state.is_retrying else "", "yellow")
     if fault := health.motor_fault(guard):
         text.append(f", but {shown_name(fault)}", "bold red")
     text.append(", override active" if state.overridden else "")
     text.append(", stopped until it is armed again" if state.stopped else "")
-    for cause, port, value, limit in zip(state.causes, state.ports, state.values, state.limits, strict=True):
-        text.append(f"\n    {shown_name(cause)}: {shown_name(port)}")
-        unit = f" {state.unit(cause, port)}".rstrip()
-        text.append(f", {value:.3g}{unit} (limit {limit:.3g}{unit})" if value or limit else "")
+    for line in state.described():
+        text.append(f"\n    {shown_name(line)}")
     if state.stopped and _STOP not in state.causes:
         text.append("\n    look, then press r in graphnav teleop to let it retry, or drive it by hand", "yellow")
     return text
