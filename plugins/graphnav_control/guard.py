@@ -69,7 +69,10 @@ class Guard(Stage):
     operator has driven it by ``override`` and the input has followed.
 
     A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
-    published. When it ends, the command drives again. An override with implausible stamps stops the robot.
+    published. When it is older than ``override_max_age_s``, it has ended, and the command drives again. One that comes
+    back within that time again is unreliable, and the driver must not alternate with the command: the robot stands
+    ("stale") until the override is fresh as an input has to be, or nothing of it has come for twice that time. An
+    override with implausible stamps stops the robot.
 
     An engaged ``stop`` message stops the robot, regardless of other inputs, until a fresh message that is not engaged
     re-arms the guard. An engaged message is obeyed at any age.
@@ -127,7 +130,9 @@ class Guard(Stage):
         "white picture), whatever a detector judges; the shipped worlds have 14 and more; 0 sets no limit",
         renamed_from="min_contrast",
     )
-    override_max_age_s: float = param(0.3, gt=0.0, le=5.0, doc="age beyond which an override ends")
+    override_max_age_s: float = param(
+        0.3, gt=0.0, le=5.0, doc="age beyond which an override ends; one that then returns at once is unreliable"
+    )
     max_speed_mps: float | None = param(
         None, ge=0.0, le=1000.0, doc="maximum speed, forward and backward; null for no limit"
     )
@@ -176,6 +181,7 @@ class Guard(Stage):
         self._odometry_cause = Cause("", "odometry")
         self._order: tuple[Stop | None, int | None] = None, None
         self._was_driven = False
+        self._override, self._has_returned = Staleness(), False
 
     def step(
         self,
@@ -195,7 +201,7 @@ class Guard(Stage):
             self._begin = self._before = utime
         waited_s = (utime - self._begin) * 1e-6
         elapsed_s = min(max(utime - self._before, 0) * 1e-6, self.max_age_s)
-        driver, stops = self._driver(override)
+        driver, stops = self._driver(override, waited_s)
         is_armed = self._obey(stop, utime)
         if self._is_stopped:
             stops.append(Cause("stop", "stop"))
@@ -352,13 +358,20 @@ class Guard(Stage):
         self._order = stop.value, utime
         return armed is None or utime - armed > REPEAT_US
 
-    def _driver(self, override: Latest[Twist]) -> tuple[Twist | None, list[Cause]]:
-        """Return the active override, if any, and the cause that forbids a fresh one."""
-        if override.value is None or override.age_s > self.override_max_age_s:
+    def _driver(self, override: Latest[Twist], now_s: float) -> tuple[Twist | None, list[Cause]]:
+        """Return the active override, if any, and the causes that forbid one that comes."""
+        max_age_s = self.override_max_age_s
+        if override.value is None or override.age_s > 2 * max_age_s:
+            self._override, self._has_returned = Staleness(), False
             return None, []
-        if override.fault or override.value.not_finite():
+        is_fresh = override.age_s <= max_age_s
+        if is_fresh and (override.fault or override.value.not_finite()):
             return None, [Cause("fault", "override")]
-        return override.value, []
+        causes = self._override.causes("override", override.age_s, max_age_s, now_s)
+        self._has_returned = bool(causes) and (is_fresh or self._has_returned)
+        if not causes:
+            return override.value, []
+        return None, causes if self._has_returned else []
 
     def _limited(self, wanted: Twist, elapsed_s: float) -> Twist:
         return Twist(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import random
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -312,6 +313,35 @@ def test_a_fresh_override_drives_whatever_else_comes(lost: dict[str, Any]) -> No
     assert outputs.state.may_advance
     assert causes(outputs) == causes(without)
     assert speeds(guard(**lost, override=Latest(HAND, 0.31))) == speeds(without)
+
+
+def drivers(ages_s: Iterable[float], guard: Driven | None = None) -> list[str]:
+    """Return who drives, at firings every 50 ms with overrides of these ages: the operator, the command, or none."""
+    guard = guard or Driven()
+    who = {(-0.1, 0.7): "operator", (0.3, -0.4): "command", (0.0, 0.0): "none"}
+    return [who[speeds(guard(override=Latest(HAND, age_s)))] for age_s in ages_s]
+
+
+@pytest.mark.parametrize("sawtooth", [False, True], ids=["delayed", "slow"])
+def test_operator_and_command_do_not_take_turns_where_the_age_of_an_override_is_near_its_limit(sawtooth: bool) -> None:
+    noise = random.Random(1)
+    ages_s = [0.05 * (k % 7) + 0.01 if sawtooth else 0.3 + noise.uniform(-0.03, 0.03) for k in range(200)]
+    who = drivers(ages_s)
+    assert sum(a != b for a, b in itertools.pairwise(who)) <= 3
+    assert who[-150:] == ["none"] * 150
+
+
+def test_an_unreliable_override_is_named_and_ends_or_recovers() -> None:
+    guard = Driven()
+    assert drivers([0.05, 0.31, 0.05], guard) == ["operator", "command", "none"]
+    state = guard(override=Latest(HAND, 0.29)).state
+    assert causes(GuardOutputs(HAND, state)) == [("stale", "override")]
+    assert state.values == pytest.approx([0.29])
+    assert state.limits == pytest.approx([0.24])
+    recovered = drivers([0.05] * 9, guard)
+    assert recovered[:5] + recovered[7:] == ["none"] * 5 + ["operator"] * 2
+    assert drivers([0.31, 0.59, 0.61, 0.05], guard) == ["command", "command", "command", "operator"]
+    assert drivers([0.31, 0.05, 0.31, 0.59, 0.61], guard) == ["command", "none", "none", "none", "command"]
 
 
 def test_an_override_that_stands_still_holds_the_robot() -> None:
