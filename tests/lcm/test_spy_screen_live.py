@@ -9,6 +9,7 @@ from textual.widgets import Static
 
 from graphnav.bus import Bus
 from graphnav.record import Recording
+from graphnav.spy.screen.keys_screen import KeysScreen
 
 from .spy_app import drive, line_of, opened, publishing, screen_text, until
 
@@ -64,6 +65,24 @@ def test_an_unknown_type_says_its_fingerprint(group: str) -> None:
         await opened(pilot, "strange")
         await until(pilot, lambda: "unknown fingerprint 0123456789abcdef" in screen_text(pilot))
         bus.close()
+
+    drive(group, act)
+
+
+def test_the_view_goes_on_while_its_keys_are_listed(group: str) -> None:
+    async def act(pilot: Pilot[None]) -> None:
+        with publishing(group, "control.twist"):
+            await until(pilot, lambda: "Hz" in line_of(pilot, "control.twist"))
+            for channel in (None, "control.twist"):
+                if channel is not None:
+                    await opened(pilot, channel)
+                await pilot.press("question_mark")
+                await until(pilot, lambda: isinstance(pilot.app.screen, KeysScreen))
+                below = pilot.app.screen_stack[-2]
+                heading = str(below.query_one("#heading", Static).render())
+                await until(pilot, lambda: str(below.query_one("#heading", Static).render()) != heading)  # noqa: B023
+                await pilot.press("question_mark")
+                await until(pilot, lambda: pilot.app.screen is below)  # noqa: B023
 
     drive(group, act)
 

@@ -17,6 +17,7 @@ from graphnav.errors import CatalogError, DrawingError, shown_name
 from graphnav.messages import Message
 from graphnav.pictures import drawing
 from graphnav.spy.screen.field_tree import FieldTree
+from graphnav.spy.screen.keys_screen import is_shown
 from graphnav.spy.screen.picture_view import PictureView
 from graphnav.spy.screen.plot_view import MAX_CURVES, PlotView
 from graphnav.spy.screen.reason_line import ReasonLine
@@ -85,7 +86,7 @@ class ChannelScreen(Screen[None]):
 
     def show(self, *, at_once: bool = False) -> None:
         """Update the screen, unless the view is frozen or hidden; ``at_once`` redraws everything."""
-        if not self.is_active:
+        if not is_shown(self):
             return
         self._turn += 1
         if at_once or self._turn % _TEXT_EVERY == 1:
@@ -99,8 +100,9 @@ class ChannelScreen(Screen[None]):
             self._show_texts(sample)
         if sample is None:
             return
-        version = self._session.watch.version
-        if at_once or version != self._drawn_version or self.query_one(PictureView).wants_picture:
+        version, view = self._session.watch.version, self.query_one(PictureView)
+        is_below_keys = view.is_raw and not self.is_active  # it would be painted over them
+        if (at_once or version != self._drawn_version or view.wants_picture) and not is_below_keys:
             self._drawn_version = version
             self._show_picture(sample)
         self._collect(sample)

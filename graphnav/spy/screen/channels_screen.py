@@ -12,6 +12,7 @@ from textual.widgets import Footer, Input, Static
 
 from graphnav.spy.screen.channel_screen import ChannelScreen
 from graphnav.spy.screen.channel_table import ChannelTable
+from graphnav.spy.screen.keys_screen import is_shown
 from graphnav.spy.screen.reason_line import ReasonLine
 from graphnav.spy.screen.session import Session
 
@@ -55,7 +56,7 @@ class ChannelsScreen(Screen[None]):
 
     def show(self) -> None:
         """Update table and heading, unless the view is frozen or hidden."""
-        if not self.is_active:
+        if not is_shown(self):
             return
         watch, table = self._session.watch, self.query_one(ChannelTable)
         self.query_one("#heading", Static).update(self._session.heading(), layout=False)

@@ -16,6 +16,8 @@ from graphnav.spy.watch.row import Row
 GAP = 1
 _MAX_NAME, _MAX_SPARK = 40, 60
 _MAX_COUNT = 10**7
+_BEFORE_BARS = 2
+"""Columns beside the name that matter more than the bars."""
 
 
 @dataclass(frozen=True)
@@ -123,9 +125,11 @@ _ORDER = {heading: place for place, heading in enumerate((*_IN_ORDER, "drops", "
 def layout(width: int) -> list[tuple[Column, int]]:
     """Return the columns that fit ``width`` cells with their widths, from left to right.
 
-    The name and the bars are always shown and share the remaining width.
+    The name is always shown, the bars beside two other columns at least; they share the remaining width.
     """
-    left = width - NAME.width - SPARK.width - GAP
+    few = sum(column.width + GAP for column in _BY_PRIORITY[:_BEFORE_BARS])
+    has_bars = width >= NAME.width + few + GAP + SPARK.width
+    left = width - NAME.width - (GAP + SPARK.width) * has_bars
     shown = []
     for column in _BY_PRIORITY:
         if left < column.width + GAP:
@@ -133,7 +137,9 @@ def layout(width: int) -> list[tuple[Column, int]]:
         left -= column.width + GAP
         shown.append(column)
     shown.sort(key=lambda column: _ORDER[column.heading])
+    middle = [(column, column.width) for column in shown]
+    if not has_bars:
+        return [(NAME, NAME.width + left), *middle]
     for_name = max(0, min(left // 2, _MAX_NAME - NAME.width))
     for_spark = max(0, min(left - for_name, _MAX_SPARK - SPARK.width))
-    middle = [(column, column.width) for column in shown]
     return [(NAME, NAME.width + for_name), *middle, (SPARK, SPARK.width + for_spark)]

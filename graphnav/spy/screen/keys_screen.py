@@ -34,6 +34,12 @@ class KeysScreen(ModalScreen[None]):
         self.dismiss()
 
 
+def is_shown(screen: Screen[None]) -> bool:
+    """Whether a screen is the one that is seen, also if its keys are listed over it."""
+    stack = screen.app.screen_stack
+    return screen in stack[-1:] or (screen in stack[-2:] and isinstance(stack[-1], KeysScreen))
+
+
 def _lines(screen: Screen[None]) -> Iterator[tuple[str, str]]:
     """Yield the keys of each action of a screen and its meaning, the screen's own first."""
     for node, bindings in ((screen, screen.BINDINGS), (screen.app, screen.app.BINDINGS)):

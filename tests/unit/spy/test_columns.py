@@ -17,7 +17,7 @@ ROW = Row(
 )
 
 
-@pytest.mark.parametrize("width", range(40, 260))
+@pytest.mark.parametrize("width", range(10, 260))
 def test_columns_fill_no_more_than_the_terminal(width: int) -> None:
     columns = layout(width)
     assert sum(width for _, width in columns) + GAP * (len(columns) - 1) <= width
@@ -27,6 +27,12 @@ def test_columns_fill_no_more_than_the_terminal(width: int) -> None:
 
 def test_80_columns_hold_what_matters_most() -> None:
     assert [column.heading for column, _ in layout(80)] == ["channel", "rate", "size", "drops", "age", "per second"]
+
+
+def test_a_narrow_terminal_keeps_the_name_and_then_the_rate() -> None:
+    assert [(column.heading, width) for column, width in layout(40)] == [("channel", 28), ("rate", 11)]
+    assert [column.heading for column, _ in layout(54)] == ["channel", "rate", "size", "drops"]
+    assert [column.heading for column, _ in layout(30)] == ["channel"]
 
 
 def test_a_wide_terminal_shows_everything() -> None:
