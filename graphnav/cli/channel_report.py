@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from graphnav.cli.listening import ReportTimes, Timeout, add_timeout_option
 from graphnav.cli.options import (
     add_channel_and_feed,
     add_trust_option,
@@ -16,12 +17,11 @@ from graphnav.cli.options import (
     load_types_of,
     seconds,
 )
-from graphnav.cli.report_times import ReportTimes
 from graphnav.cli.status import OK
 
 if TYPE_CHECKING:
     from graphnav.cli.tables import TextTable
-    from graphnav.spy import ChannelTraffic, Traffic
+    from graphnav.spy import ChannelTraffic, Feed, Traffic
 
 _JSON_S = 2.5
 
@@ -33,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser, keys: str) -> None:
         f'--json prints {{"feed": ..., "dropped_packets": N, "channels": {{NAME: {{...}}}}}}; of each channel:\n{keys}'
     )
     add_channel_and_feed(parser)
+    add_timeout_option(parser)
     parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
     parser.add_argument(
         "--json",
@@ -51,7 +52,8 @@ def report(
 ) -> int:
     """Run a command that prints a line for one channel, a table of all, or either as JSON.
 
-    Raises GraphnavError where nothing was received, UserError where a run is received that has no such channel.
+    Raises GraphnavError where nothing was received, or nothing for as long as ``--timeout`` allows, UserError where a
+    run is received that has no such channel.
     """
     from graphnav.cli.opened_log import complete
     from graphnav.cli.tables import print_table
@@ -64,15 +66,18 @@ def report(
     feed = complete(Feed(source), catalog, args.plugins, None if name is None else [name])
     traffic = Traffic(feed.clock, name)
     for_s = _JSON_S if args.json and args.for_s is None else args.for_s
-    times = ReportTimes(for_s)
+    times, timeout = ReportTimes(for_s), Timeout(args.timeout_s, feed, traffic, name)
     for received in feed.listen(for_s):
         if received is not None:
             traffic.receive(received)
+            if name in {None, received.channel}:
+                timeout.note()
             if name is None and traffic.overflow == 1:
                 print_notice(f"only the first {MAX_CHANNELS} channels are measured")
             continue
         if name is not None:
             traffic.check(name, feed)
+        timeout.check()
         if args.json or not times.is_due():
             continue
         if name is None and traffic.channels:
@@ -85,11 +90,25 @@ def report(
         raise feed.silence(for_s)
     else:
         channels = traffic.channels
+    _print_end(args, feed, channels, line, table(traffic) if name is None else None, as_json)
+    return OK
+
+
+def _print_end(
+    args: argparse.Namespace,
+    feed: Feed,
+    channels: Mapping[str, ChannelTraffic],
+    line: Callable[[ChannelTraffic], str],
+    table: TextTable | None,
+    as_json: Callable[[ChannelTraffic], dict[str, Any]],
+) -> None:
+    """Print the last report: of one channel a line, of all a table, either as JSON."""
+    from graphnav.cli.tables import print_table
+
     if args.json:
         told = {name: as_json(channels[name]) for name in sorted(channels)}
         print(json.dumps({"feed": feed.name, "dropped_packets": feed.dropped_packets(), "channels": told}))
-    elif name is not None:
-        print(line(channels[name]))
+    elif table is None:
+        print(*map(line, channels.values()), sep="\n")
     else:
-        print_table(table(traffic))
-    return OK
+        print_table(table)

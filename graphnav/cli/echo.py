@@ -6,6 +6,7 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
+from graphnav.cli.listening import Timeout, add_timeout_option
 from graphnav.cli.options import (
     add_feed_argument,
     add_trust_option,
@@ -41,13 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
     add_feed_argument(parser)
     parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages")
-    parser.add_argument(
-        "--timeout",
-        dest="timeout_s",
-        type=seconds,
-        metavar="S",
-        help="end with status 1 if no message of the channel arrives for S seconds (default: wait)",
-    )
+    add_timeout_option(parser)
     parser.add_argument(
         "--for",
         dest="for_s",
@@ -116,13 +111,13 @@ class _Wait:
         self.is_cut_short = False
         """Whether the run ended before there were as many messages as ``-n`` asks for."""
         self._args, self._feed, self._traffic = args, feed, traffic
-        self._since_s = time.monotonic()
+        self._timeout = Timeout(args.timeout_s, feed, traffic, args.channel)
         self._is_told = False
 
     def note(self, n_printed: int) -> None:
         """Note that a message was received, of which so much was printed."""
         self.n_printed += n_printed
-        self._since_s = time.monotonic()
+        self._timeout.note()
 
     def is_over(self) -> bool:
         """Return whether nothing more will come; tell once that nothing has come yet.
@@ -134,14 +129,13 @@ class _Wait:
         """
         if not self._feed.is_live:
             return False
-        name, waited_s = self._args.channel, time.monotonic() - self._since_s
-        if self._args.timeout_s is not None and waited_s >= self._args.timeout_s:
-            raise self._traffic.silence(name, self._feed, self._args.timeout_s)
+        self._timeout.check()
+        name = self._args.channel
         if run_id := self._traffic.ended_run(name, time.monotonic()):
             print_notice(f"run {shown_name(run_id)} has ended after {self.n_printed} messages on {shown_name(name)}")
             self.is_cut_short = self._args.count is not None
             return True
-        if not self._is_told and not self.n_printed and waited_s >= _HINT_S:
+        if not self._is_told and not self.n_printed and self._timeout.waited_s >= _HINT_S:
             self._is_told = True
             print_notice(f"{self._traffic.silence(name, self._feed, _HINT_S)}\n  waiting for it; Ctrl-C exits")
         return False

@@ -188,3 +188,46 @@ def test_a_live_document_comes_once_and_at_the_end(live: str, capsys: pytest.Cap
     assert said["messages"] > 1
     assert said["silent_s"] >= 0
     assert said["type"] == "graphnav_lcm.twist_t"
+
+
+@pytest.mark.parametrize("command", ["hz", "bw"])
+@pytest.mark.parametrize("channel", ["x", None])
+def test_a_silence_longer_than_the_timeout_ends_it_with_an_error(
+    command: str, channel: str | None, group: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [command, *filter(None, [channel]), group, "--timeout", "0.3"]
+    assert main(words) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err == f"no message on {group} within 0.3 s\n  start a run: graphnav run GRAPH --pace 1\n"
+
+
+def test_the_timeout_is_of_the_channel_and_counts_from_its_last_message(
+    group: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    over = threading.Event()
+
+    def publish() -> None:
+        bus, k = Bus(group), 0
+        while not over.wait(0.02):
+            bus.publish("y", encode(Twist(0.1, 0.2), 20_000 * k, k))
+            if k < 25:
+                bus.publish("x", encode(Twist(0.1, 0.2), 20_000 * k, k))
+            k += 1
+        bus.close()
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        assert main(["hz", "x", group, "--timeout", "1.5"]) == 1
+        captured = capsys.readouterr()
+        assert captured.err == f"no message on channel 'x' of {group} within 1.5 s\n  received: x, y\n"
+        assert "average rate: 50" in captured.out
+    finally:
+        over.set()
+        thread.join()
+
+
+def test_a_log_is_not_waited_for(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hz", "control.twist", str(log), "--timeout", "0.0001"]) == 0
+    assert "average rate: 10.000" in capsys.readouterr().out
